@@ -1,0 +1,1 @@
+//! The `csg` command line, also for a model of your own.

@@ -1,0 +1,2 @@
+//! The `csg` command.
+fn main() {}

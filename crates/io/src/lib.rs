@@ -1,0 +1,1 @@
+//! Files: meshes and scenes, in and out.

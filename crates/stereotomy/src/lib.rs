@@ -1,0 +1,7 @@
+//! Stereotomy, the art of cutting solids exactly: solids are Boolean
+//! combinations of half-spaces ([`csg`]), turned into pictures ([`raster`])
+//! and files ([`io`]).
+//!
+//! This crate is the facade: it re-exports the three libraries under one name.
+
+pub use {csg, io, raster};
