@@ -1,0 +1,158 @@
+//! What can be wrong, where it is, and how to mend it.
+
+use std::fmt;
+
+/// Why a solid could not be lowered, measured or meshed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A node of the tree has bad arguments.
+    #[error("{fault} (at {path})")]
+    InvalidNode {
+        /// Where the node is.
+        path: NodePath,
+        /// What is wrong with it.
+        fault: NodeFault,
+    },
+    /// A bounded solid is needed, but this one reaches infinitely far.
+    #[error(
+        "the solid is unbounded towards about ({:.3}, {:.3}, {:.3}): intersect it with something finite, or use the finite form of the primitive",
+        .direction[0], .direction[1], .direction[2]
+    )]
+    Unbounded {
+        /// A direction in which the solid goes on, as far as could be told.
+        direction: [f64; 3],
+    },
+    /// The options of an operation are out of range.
+    #[error("{0}")]
+    InvalidOption(String),
+    /// More surfaces, primitives or cells than an index can count.
+    #[error("{what}: more than {limit}; split the model into parts")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        limit: u64,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// What is wrong with one node.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NodeFault {
+    /// A number is NaN or infinite.
+    #[error("{what} must be finite: give ordinary numbers")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+    },
+    /// A length is zero, negative, NaN or infinite.
+    #[error("{what} is {value}: it must be positive and finite")]
+    NotPositive {
+        /// Which length.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A direction has no length.
+    #[error("{what} is zero: give it a direction")]
+    ZeroDirection {
+        /// Which direction.
+        what: &'static str,
+    },
+    /// The map flattens space, or is so near to it that no digit is left.
+    #[error(
+        "the map is singular (determinant {determinant:e}): a solid cannot be flattened; scale by something other than zero"
+    )]
+    SingularMap {
+        /// Its determinant.
+        determinant: f64,
+    },
+    /// A shear along its own axis is a scaling.
+    #[error("a shear needs two different axes: use scale_xyz to stretch along one")]
+    ShearAlongItself,
+    /// f has one sign everywhere, or vanishes identically.
+    #[error(
+        "the quadric's zero set is no surface: f must be negative somewhere and positive elsewhere"
+    )]
+    QuadricWithoutSurface,
+    /// f is the product of two linear functions.
+    #[error(
+        "the quadric is a pair of crossing planes: combine two half-spaces with `&`, `|` or `-` instead"
+    )]
+    QuadricOfCrossingPlanes,
+    /// Nothing to combine.
+    #[error("{operation} of nothing: give at least one operand (Solid::empty() for no solid)")]
+    NoOperands {
+        /// union, intersection or difference.
+        operation: &'static str,
+    },
+    /// A polygon with fewer than three corners, without area, or not convex.
+    #[error(
+        "the polygon must be convex with at least three corners that span an area: {problem}; unite convex parts for other shapes"
+    )]
+    PolygonNotConvex {
+        /// What exactly is wrong.
+        problem: &'static str,
+    },
+    /// A number whose square or product leaves the range of f64.
+    #[error("{what} is out of range: keep lengths between 1e-100 and 1e100")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+    },
+}
+
+/// The way from the root of a solid's tree to one of its nodes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct NodePath {
+    /// From the root down: which operand was taken to arrive at this node (0
+    /// for the root), its kind, and its name where it is a `named` node.
+    pub steps: Vec<PathStep>,
+}
+
+/// One step of a [`NodePath`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathStep {
+    /// Index among the operands of the node above.
+    pub operand: usize,
+    /// The node's kind.
+    pub kind: &'static str,
+    /// The name that a `named` node gives.
+    pub name: Option<std::sync::Arc<str>>,
+}
+
+/// Prints the way down; of a long one the names and the last few nodes.
+impl fmt::Display for NodePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 12;
+        let hidden = self.steps.len().saturating_sub(SHOWN);
+        let mut separator = "";
+        if hidden > 0 {
+            write!(f, "{hidden} levels down")?;
+            let names: Vec<&str> = self.steps[..hidden]
+                .iter()
+                .filter_map(|step| step.name.as_deref())
+                .collect();
+            for name in names.iter().rev().take(3).rev() {
+                write!(f, " in {name:?}")?;
+            }
+            separator = " / ";
+        }
+        for (i, step) in self.steps[hidden..].iter().enumerate() {
+            f.write_str(separator)?;
+            separator = " / ";
+            match &step.name {
+                Some(name) => write!(f, "{name:?}")?,
+                None => f.write_str(step.kind)?,
+            }
+            if hidden + i > 0 && step.operand > 0 {
+                write!(f, " (operand {})", step.operand + 1)?;
+            }
+        }
+        Ok(())
+    }
+}

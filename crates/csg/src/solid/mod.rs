@@ -1,0 +1,14 @@
+//! Authoring: what a user builds.
+//!
+//! A [`Solid`] is an immutable, cheaply shared tree of primitives, Boolean
+//! operations and transforms. Building never fails; whatever is wrong with a
+//! node is found, with its place in the tree, when the solid is lowered
+//! ([`crate::Program::lower`]).
+
+mod primitives;
+mod transform;
+mod tree;
+
+pub use primitives::{Plane, Primitive};
+pub use transform::Axis;
+pub use tree::{Node, Solid};
