@@ -8,5 +8,5 @@ pub mod solid;
 pub use color::Color;
 pub use error::{Error, NodeFault, NodePath, PathStep};
 pub use glam;
-pub use mesh::{LengthUnit, Mesh, MeshSurface};
+pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use solid::{Axis, Node, Plane, Primitive, Solid};

@@ -2,6 +2,13 @@
 //!
 //! Nothing here knows about solids; `raster` and `io` need only this module.
 
+mod check;
+mod components;
 mod data;
+mod measure;
+mod star;
 
+pub use check::{DefectPlace, MeshCheck, MeshDefect, PLACES_PER_DEFECT};
+pub use components::Components;
 pub use data::{LengthUnit, Mesh, MeshSurface};
+pub use measure::MeshMeasure;
