@@ -1,0 +1,251 @@
+//! From a camera to a [`View`]: the two matrices the pipeline works with.
+
+use glam::{DMat4, DVec3, DVec4};
+
+use crate::RasterError;
+use crate::projection::{self, Window};
+
+/// World to eye coordinates for a camera at `eye` that looks at `target`,
+/// with `up` upwards in the picture. Right-handed: the camera looks along its
+/// local -Z. Not finite where eye and target coincide or `up` is along the
+/// view direction.
+#[must_use]
+pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> DMat4 {
+    let frame = Frame::right_handed(target - eye, up);
+    frame.world_to_eye(eye)
+}
+
+/// The camera frame U (right), V (up in the picture), N: orthonormal, in
+/// world coordinates (Foley et al., 6.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Right in the picture.
+    pub u: DVec3,
+    /// Up in the picture.
+    pub v: DVec3,
+    /// Towards the viewer in a right-handed frame, away from it in a
+    /// left-handed one.
+    pub n: DVec3,
+}
+
+impl Frame {
+    /// The right-handed frame of a camera that looks along `view` (any
+    /// length): U = view x up, N = -view, V = N x U, normalised.
+    #[must_use]
+    pub fn right_handed(view: DVec3, up: DVec3) -> Self {
+        let n = -view.normalize();
+        let u = up.cross(n).normalize();
+        Self {
+            u,
+            v: n.cross(u),
+            n,
+        }
+    }
+
+    /// The left-handed frame of a camera that looks along `view`: the same U
+    /// and V, N along the view.
+    #[must_use]
+    pub fn left_handed(view: DVec3, up: DVec3) -> Self {
+        let right = Self::right_handed(view, up);
+        Self {
+            n: -right.n,
+            ..right
+        }
+    }
+
+    /// The matrix that takes the world to this frame with its origin at `eye`.
+    #[must_use]
+    pub fn world_to_eye(&self, eye: DVec3) -> DMat4 {
+        let Self { u, v, n } = *self;
+        DMat4::from_cols(
+            DVec4::new(u.x, v.x, n.x, 0.0),
+            DVec4::new(u.y, v.y, n.y, 0.0),
+            DVec4::new(u.z, v.z, n.z, 0.0),
+            DVec4::new(-u.dot(eye), -v.dot(eye), -n.dot(eye), 1.0),
+        )
+    }
+}
+
+/// How a [`Camera`] projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Lens {
+    /// Perspective with a full vertical field of view in radians.
+    Perspective {
+        /// Full vertical angle, in 0..pi.
+        fov_y: f64,
+    },
+    /// Parallel, at right angles to the picture plane.
+    Orthographic {
+        /// Height of the window in model units.
+        height: f64,
+    },
+    /// Parallel along another direction, with the plane through the target
+    /// drawn to scale.
+    Oblique {
+        /// Height of the window in model units.
+        height: f64,
+        /// Length at which a unit of depth is drawn: 1 for a cavalier, 1/2
+        /// for a cabinet projection.
+        ratio: f64,
+        /// Direction in which depth recedes, in radians from the picture's
+        /// x axis.
+        angle: f64,
+    },
+}
+
+impl Lens {
+    /// Perspective with a vertical field of view of 30 degrees.
+    pub const DEFAULT: Self = Self::Perspective {
+        fov_y: std::f64::consts::FRAC_PI_6,
+    };
+}
+
+/// A look-at camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the camera is.
+    pub eye: DVec3,
+    /// What it looks at.
+    pub target: DVec3,
+    /// Upwards in the picture; need not be at right angles to the view.
+    pub up: DVec3,
+    /// How it projects.
+    pub lens: Lens,
+    /// Distance of the near plane (positive for perspective).
+    pub near: f64,
+    /// Distance of the far plane; infinite is allowed for perspective.
+    pub far: f64,
+}
+
+impl Camera {
+    /// World to eye coordinates.
+    #[must_use]
+    pub fn world_to_eye(&self) -> DMat4 {
+        look_at(self.eye, self.target, self.up)
+    }
+
+    /// Eye to clip coordinates for a picture of the given aspect ratio (width
+    /// / height).
+    #[must_use]
+    pub fn eye_to_clip(&self, aspect: f64) -> DMat4 {
+        let parallel = |height: f64| Window::centred(height * aspect, height, self.near, self.far);
+        match self.lens {
+            Lens::Perspective { fov_y } if self.far.is_infinite() => {
+                projection::infinite_perspective(fov_y, aspect, self.near)
+            }
+            Lens::Perspective { fov_y } => {
+                projection::perspective(fov_y, aspect, self.near, self.far)
+            }
+            Lens::Orthographic { height } => projection::orthographic(&parallel(height)),
+            Lens::Oblique {
+                height,
+                ratio,
+                angle,
+            } => {
+                // Shear about the plane through the target, which stays put.
+                let distance = self.eye.distance(self.target);
+                let to_target = DMat4::from_translation(DVec3::new(0.0, 0.0, distance));
+                let from_target = DMat4::from_translation(DVec3::new(0.0, 0.0, -distance));
+                let direction = DVec3::new(ratio * angle.cos(), ratio * angle.sin(), 1.0);
+                let shear = DMat4::from_cols(
+                    DVec4::X,
+                    DVec4::Y,
+                    DVec4::new(-direction.x, -direction.y, 1.0, 0.0),
+                    DVec4::W,
+                );
+                projection::orthographic(&parallel(height)) * from_target * shear * to_target
+            }
+        }
+    }
+
+    /// The view of this camera in a picture of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`RasterError::SingularView`] where the camera cannot see (see there).
+    pub fn view(&self, width: u32, height: u32) -> Result<View, RasterError> {
+        let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
+        View::new(self.world_to_eye(), self.eye_to_clip(aspect))
+    }
+}
+
+/// A way to look at a scene: world to eye to clip coordinates, proven finite
+/// and invertible. Made from a [`Camera`], or from any two matrices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    world_to_eye: DMat4,
+    eye_to_clip: DMat4,
+    world_to_clip: DMat4,
+    clip_to_world: DMat4,
+}
+
+impl View {
+    /// A view from its matrices; `eye_to_clip` ends in OpenGL's clip space
+    /// (-w..w in x, y and z).
+    ///
+    /// # Errors
+    /// [`RasterError::SingularView`] if the product or its inverse is not
+    /// finite.
+    pub fn new(world_to_eye: DMat4, eye_to_clip: DMat4) -> Result<Self, RasterError> {
+        let world_to_clip = eye_to_clip * world_to_eye;
+        if !world_to_clip.is_finite() || world_to_clip.determinant() == 0.0 {
+            return Err(RasterError::SingularView);
+        }
+        let clip_to_world = world_to_clip.inverse();
+        if !clip_to_world.is_finite() {
+            return Err(RasterError::SingularView);
+        }
+        Ok(Self {
+            world_to_eye,
+            eye_to_clip,
+            world_to_clip,
+            clip_to_world,
+        })
+    }
+
+    /// World to eye coordinates.
+    #[must_use]
+    pub fn world_to_eye(&self) -> DMat4 {
+        self.world_to_eye
+    }
+
+    /// Eye to clip coordinates.
+    #[must_use]
+    pub fn eye_to_clip(&self) -> DMat4 {
+        self.eye_to_clip
+    }
+
+    /// World to clip coordinates.
+    #[must_use]
+    pub fn world_to_clip(&self) -> DMat4 {
+        self.world_to_clip
+    }
+
+    /// Clip to world coordinates.
+    #[must_use]
+    pub fn clip_to_world(&self) -> DMat4 {
+        self.clip_to_world
+    }
+
+    /// The centre of projection in homogeneous world coordinates, the one
+    /// point that has no image: the eye (w = 1) of a perspective, the unit
+    /// direction towards the viewer (w = 0) of a parallel projection.
+    #[must_use]
+    pub fn centre_of_projection(&self) -> DVec4 {
+        // x = y = w = 0 in clip space, so what is left is the z axis; its
+        // sign is that of the near side, z -> -infinity.
+        let centre = -self.clip_to_world.z_axis;
+        if centre.w.abs() > 1e-12 * centre.truncate().length() {
+            centre / centre.w
+        } else {
+            centre.truncate().normalize().extend(0.0)
+        }
+    }
+
+    /// The unit direction from `point` (world) towards the viewer.
+    #[must_use]
+    pub fn towards_viewer(&self, point: DVec3) -> DVec3 {
+        let centre = self.centre_of_projection();
+        (centre.truncate() - point * centre.w).normalize_or_zero()
+    }
+}

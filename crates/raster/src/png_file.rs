@@ -1,0 +1,41 @@
+//! PNG encoding.
+
+use std::io::Write;
+
+use crate::{Image, RasterError};
+
+impl Image {
+    /// Writes the picture as an sRGB PNG with an alpha channel, compressed
+    /// for speed.
+    ///
+    /// # Errors
+    /// [`RasterError::EmptyImage`] without pixels; [`RasterError::Png`] if
+    /// the writer fails.
+    pub fn write_png(&self, writer: impl Write) -> Result<(), RasterError> {
+        if self.width == 0 || self.height == 0 {
+            return Err(RasterError::EmptyImage {
+                width: self.width,
+                height: self.height,
+            });
+        }
+        let mut encoder = png::Encoder::new(writer, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_compression(png::Compression::Fast);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()?;
+        Ok(())
+    }
+
+    /// The picture as the bytes of a PNG file (see [`Image::write_png`]).
+    ///
+    /// # Errors
+    /// As [`Image::write_png`].
+    pub fn to_png(&self) -> Result<Vec<u8>, RasterError> {
+        let mut bytes = Vec::new();
+        self.write_png(&mut bytes)?;
+        Ok(bytes)
+    }
+}

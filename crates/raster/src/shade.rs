@@ -1,0 +1,131 @@
+//! The Phong reflection model.
+//!
+//! I = Ka Ia + sum over lights of (Kd Iin (L·N) + Ks Iin (R·V)^n), per
+//! channel, in linear light (Phong, *Illumination for computer generated
+//! pictures*, CACM 18(6), 1975).
+
+use csg::Color;
+use glam::{DVec3, Vec3};
+
+/// A light source. Intensities are linear, per channel, not attenuated with
+/// distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Light {
+    /// From everywhere: the Ia of the model.
+    Ambient {
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From infinitely far away.
+    Directional {
+        /// Direction towards the light, in world coordinates; any length.
+        towards: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From a point.
+    Point {
+        /// Position in world coordinates.
+        position: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From the viewer, whatever the view.
+    Head {
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From a direction fixed to the camera.
+    Camera {
+        /// Direction towards the light, in eye coordinates (x right, y up, z
+        /// towards the viewer); any length.
+        towards: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+}
+
+impl Light {
+    /// A soft ambient light, a key light over the viewer's left shoulder and
+    /// a weak head light.
+    #[must_use]
+    pub fn default_rig() -> Vec<Self> {
+        vec![
+            Self::Ambient {
+                intensity: Vec3::splat(0.15),
+            },
+            Self::Camera {
+                towards: DVec3::new(-0.6, 0.9, 1.0),
+                intensity: Vec3::splat(0.7),
+            },
+            Self::Head {
+                intensity: Vec3::splat(0.2),
+            },
+        ]
+    }
+}
+
+/// How a surface reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Ambient reflection Ka, linear per channel.
+    pub ambient: Vec3,
+    /// Diffuse reflection Kd, linear per channel.
+    pub diffuse: Vec3,
+    /// Specular reflection Ks, linear per channel.
+    pub specular: Vec3,
+    /// The exponent n of the specular lobe.
+    pub shininess: f32,
+}
+
+impl Material {
+    /// A slightly glossy material of a colour.
+    #[must_use]
+    pub fn of_color(color: Color) -> Self {
+        let diffuse = Vec3::from_array(color.rgb);
+        Self {
+            ambient: diffuse,
+            diffuse,
+            specular: Vec3::splat(0.15),
+            shininess: 30.0,
+        }
+    }
+
+    /// The colour of parts that have none: a light steel.
+    #[must_use]
+    pub fn default_color() -> Color {
+        Color::from_srgb([0.70, 0.75, 0.80])
+    }
+}
+
+/// A light as it arrives at a point: the unit direction towards it and its
+/// intensity; direction zero for ambient light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Unit direction towards the light, or zero.
+    pub towards: Vec3,
+    /// Intensity per channel.
+    pub intensity: Vec3,
+}
+
+/// The light reflected towards the viewer, linear per channel, not clamped.
+/// `normal` and `viewer` are unit vectors.
+#[must_use]
+pub fn phong(material: &Material, lights: &[Incident], normal: Vec3, viewer: Vec3) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for light in lights {
+        if light.towards == Vec3::ZERO {
+            sum += material.ambient * light.intensity;
+            continue;
+        }
+        let n_l = normal.dot(light.towards);
+        if n_l > 0.0 {
+            let reflected = normal * (2.0 * n_l) - light.towards;
+            let r_v = reflected.dot(viewer).max(0.0);
+            sum += light.intensity
+                * (material.diffuse * n_l + material.specular * r_v.powf(material.shininess));
+        }
+    }
+    sum
+}

@@ -1,0 +1,132 @@
+//! Meshes that the tests draw.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use std::collections::HashMap;
+
+use csg::{Color, Mesh, MeshSurface};
+use glam::DVec3;
+
+/// An axis-aligned cuboid, each side a surface of its own.
+pub fn cuboid(low: DVec3, high: DVec3) -> Mesh {
+    let positions = (0..8)
+        .map(|i| {
+            DVec3::new(
+                if i & 1 == 0 { low.x } else { high.x },
+                if i & 2 == 0 { low.y } else { high.y },
+                if i & 4 == 0 { low.z } else { high.z },
+            )
+        })
+        .collect();
+    let quads = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let mut mesh = Mesh::new(positions, Vec::new());
+    for (side, [a, b, c, d]) in quads.into_iter().enumerate() {
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        mesh.triangle_surfaces.extend([side as u32; 2]);
+        mesh.surfaces.push(MeshSurface {
+            surface: side as u32,
+            ..MeshSurface::default()
+        });
+    }
+    mesh
+}
+
+/// A subdivided icosahedron with 20 * 4^level triangles and exact normals.
+pub fn icosphere(centre: DVec3, radius: f64, level: u32) -> Mesh {
+    let t = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let mut unit: Vec<DVec3> = [
+        [-1.0, t, 0.0],
+        [1.0, t, 0.0],
+        [-1.0, -t, 0.0],
+        [1.0, -t, 0.0],
+        [0.0, -1.0, t],
+        [0.0, 1.0, t],
+        [0.0, -1.0, -t],
+        [0.0, 1.0, -t],
+        [t, 0.0, -1.0],
+        [t, 0.0, 1.0],
+        [-t, 0.0, -1.0],
+        [-t, 0.0, 1.0],
+    ]
+    .into_iter()
+    .map(|p| DVec3::from_array(p).normalize())
+    .collect();
+    let mut triangles: Vec<[u32; 3]> = vec![
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
+    ];
+    for _ in 0..level {
+        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut next = Vec::with_capacity(triangles.len() * 4);
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(i, j)| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    unit.push((unit[i as usize] + unit[j as usize]).normalize());
+                    unit.len() as u32 - 1
+                })
+            });
+            next.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = next;
+    }
+    let normals = triangles
+        .iter()
+        .map(|t| t.map(|v| unit[v as usize].as_vec3()))
+        .collect();
+    let mut mesh = Mesh::new(
+        unit.into_iter().map(|p| centre + p * radius).collect(),
+        triangles,
+    );
+    mesh.corner_normals = normals;
+    mesh
+}
+
+/// Both meshes as one.
+pub fn merge(mut a: Mesh, b: &Mesh) -> Mesh {
+    let base = a.positions.len() as u32;
+    a.positions.extend(&b.positions);
+    a.triangles
+        .extend(b.triangles.iter().map(|t| t.map(|v| v + base)));
+    if a.corner_normals.len() + b.triangles.len() == a.triangles.len() {
+        a.corner_normals.extend(&b.corner_normals);
+    }
+    let surfaces = a.surfaces.len() as u32;
+    a.triangle_surfaces
+        .extend(b.triangle_surfaces.iter().map(|s| s + surfaces));
+    a.surfaces.extend(b.surfaces.iter().cloned());
+    a
+}
+
+/// The whole mesh as one surface of one colour.
+pub fn colored(mut mesh: Mesh, srgb: [f32; 3]) -> Mesh {
+    mesh.triangle_surfaces = vec![0; mesh.triangles.len()];
+    mesh.surfaces = vec![MeshSurface {
+        color: Some(Color::from_srgb(srgb)),
+        ..MeshSurface::default()
+    }];
+    mesh
+}
