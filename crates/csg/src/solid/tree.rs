@@ -132,6 +132,11 @@ impl Solid {
         Arc::as_ptr(&self.0) as usize
     }
 
+    /// Whether another solid or tree may hold this node as well.
+    pub(crate) fn is_shared(&self) -> bool {
+        Arc::strong_count(&self.0) > 1
+    }
+
     /// The union of all operands. Lowering rejects an empty list; where "none"
     /// is meant, [`Solid::empty`] says so.
     #[must_use]

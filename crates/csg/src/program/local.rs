@@ -1,0 +1,303 @@
+//! Primitives as conjunctions of half-spaces, in their own coordinates.
+
+use std::ops::Range;
+
+use glam::{DVec2, DVec3};
+
+use super::quadric;
+use super::surface::Surface;
+use crate::error::NodeFault;
+use crate::solid::{Plane, Primitive};
+
+/// A primitive as half-spaces: all must hold; none at all is all of space.
+pub(super) enum LocalShape {
+    /// A constant: all of space, or nothing.
+    Constant(bool),
+    /// The intersection of f <= 0 over these surfaces.
+    HalfSpaces(Vec<Surface>),
+}
+
+/// Lengths beyond these would leave the range of f64 when multiplied.
+const LENGTHS: Range<f64> = 1e-100..1e100;
+
+fn positive(what: &'static str, value: f64) -> Result<f64, NodeFault> {
+    if !(value > 0.0 && value.is_finite()) {
+        Err(NodeFault::NotPositive { what, value })
+    } else if LENGTHS.contains(&value) {
+        Ok(value)
+    } else {
+        Err(NodeFault::OutOfRange { what })
+    }
+}
+
+fn coordinate(what: &'static str, value: f64) -> Result<f64, NodeFault> {
+    if !value.is_finite() {
+        Err(NodeFault::NotFinite { what })
+    } else if value.abs() < LENGTHS.end {
+        Ok(value)
+    } else {
+        Err(NodeFault::OutOfRange { what })
+    }
+}
+
+fn point(what: &'static str, value: DVec3) -> Result<DVec3, NodeFault> {
+    for component in value.to_array() {
+        coordinate(what, component)?;
+    }
+    Ok(value)
+}
+
+/// The plane through `anchor` with the given outward normal of any length.
+fn plane(anchor: DVec3, normal: DVec3) -> Surface {
+    Surface {
+        anchor,
+        quadratic: [0.0; 6],
+        linear: normal,
+        constant: 0.0,
+    }
+}
+
+/// xx dx² + yy dy² + zz dz² + c about `anchor`.
+fn separable(anchor: DVec3, squares: DVec3, constant: f64) -> Surface {
+    Surface {
+        anchor,
+        quadratic: [squares.x, squares.y, squares.z, 0.0, 0.0, 0.0],
+        linear: DVec3::ZERO,
+        constant,
+    }
+}
+
+/// The two planes that bound an extent along z.
+fn z_slab(z: &Range<f64>) -> Result<[Surface; 2], NodeFault> {
+    let bottom = coordinate("the lower z", z.start)?;
+    let top = coordinate("the upper z", z.end)?;
+    positive("the height", top - bottom)?;
+    Ok([
+        plane(DVec3::new(0.0, 0.0, bottom), -DVec3::Z),
+        plane(DVec3::new(0.0, 0.0, top), DVec3::Z),
+    ])
+}
+
+/// 1/r² for each radius, scaled by the least radius squared so that the
+/// largest is 1; and that least radius.
+fn inverse_squares(radii: DVec3, what: &'static str) -> Result<(DVec3, f64), NodeFault> {
+    for radius in radii.to_array() {
+        positive(what, radius)?;
+    }
+    let least = radii.min_element();
+    let ratio = DVec3::splat(least) / radii;
+    Ok((ratio * ratio, least))
+}
+
+/// The half-spaces of `primitive`, or what is wrong with its arguments.
+pub(super) fn half_spaces(primitive: &Primitive) -> Result<LocalShape, NodeFault> {
+    let surfaces = match primitive {
+        Primitive::Empty => return Ok(LocalShape::Constant(false)),
+        Primitive::Space => return Ok(LocalShape::Constant(true)),
+        &Primitive::HalfSpace {
+            point: anchor,
+            normal,
+        } => {
+            let normal = direction("the normal", normal)?;
+            vec![plane(point("the point on the plane", anchor)?, normal)]
+        }
+        &Primitive::Quadric(coefficients) => vec![quadric::from_coefficients(coefficients)?],
+        &Primitive::Cuboid { min, max } => cuboid(min, max)?,
+        &Primitive::Ellipsoid { radii } => {
+            let (squares, least) = inverse_squares(radii, "a radius")?;
+            vec![separable(DVec3::ZERO, squares, -least * least)]
+        }
+        Primitive::Cylinder { radii, z } => {
+            // A third radius that does not bind keeps the scaling in one place.
+            let across = radii.extend(radii.max_element());
+            let (squares, least) = inverse_squares(across, "a radius")?;
+            let squares = DVec3::new(squares.x, squares.y, 0.0);
+            let Some(z) = z else {
+                let wall = separable(DVec3::ZERO, squares, -least * least);
+                return Ok(LocalShape::HalfSpaces(vec![wall]));
+            };
+            let [bottom, top] = z_slab(z)?;
+            // Anchored within its height: digits are lost with distance from it.
+            let anchor = DVec3::new(0.0, 0.0, 0.5 * z.start + 0.5 * z.end);
+            vec![separable(anchor, squares, -least * least), bottom, top]
+        }
+        &Primitive::Frustum { bottom, top, ref z } => frustum(bottom, top, z)?,
+        &Primitive::InfiniteCone { slope } => {
+            let slope = positive("the tangent of the half-angle", slope)?;
+            vec![cone(DVec3::ZERO, slope), plane(DVec3::ZERO, -DVec3::Z)]
+        }
+        &Primitive::Paraboloid { scales } => {
+            let across = scales.extend(scales.max_element());
+            let (squares, least) = inverse_squares(across, "a scale")?;
+            vec![Surface {
+                linear: DVec3::new(0.0, 0.0, -least * least),
+                ..separable(DVec3::ZERO, DVec3::new(squares.x, squares.y, 0.0), 0.0)
+            }]
+        }
+        &Primitive::HyperboloidOneSheet { radii } => {
+            let (squares, least) = inverse_squares(radii, "a radius")?;
+            let squares = squares * DVec3::new(1.0, 1.0, -1.0);
+            vec![separable(DVec3::ZERO, squares, -least * least)]
+        }
+        &Primitive::HyperboloidTwoSheets { radii } => {
+            let (squares, least) = inverse_squares(radii, "a radius")?;
+            let squares = squares * DVec3::new(1.0, 1.0, -1.0);
+            vec![separable(DVec3::ZERO, squares, least * least)]
+        }
+        Primitive::ConvexPolyhedron(planes) => {
+            if planes.is_empty() {
+                return Err(NodeFault::NoOperands {
+                    operation: "convex polyhedron",
+                });
+            }
+            planes.iter().map(face).collect::<Result<_, _>>()?
+        }
+        Primitive::Prism { polygon, z } => prism(polygon, z)?,
+    };
+    Ok(LocalShape::HalfSpaces(surfaces))
+}
+
+fn direction(what: &'static str, normal: DVec3) -> Result<DVec3, NodeFault> {
+    if !normal.is_finite() {
+        return Err(NodeFault::NotFinite { what });
+    }
+    (normal / normal.abs().max_element())
+        .try_normalize()
+        .ok_or(NodeFault::ZeroDirection { what })
+}
+
+fn cuboid(min: DVec3, max: DVec3) -> Result<Vec<Surface>, NodeFault> {
+    point("the box's least corner", min)?;
+    point("the box's greatest corner", max)?;
+    let mut surfaces = Vec::with_capacity(6);
+    let middle = 0.5 * min + 0.5 * max;
+    for (axis, unit) in DVec3::AXES.into_iter().enumerate() {
+        positive("a side of the box", max[axis] - min[axis])?;
+        for (bound, outward) in [(min[axis], -unit), (max[axis], unit)] {
+            let mut anchor = middle;
+            anchor[axis] = bound;
+            surfaces.push(plane(anchor, outward));
+        }
+    }
+    Ok(surfaces)
+}
+
+/// x² + y² - (slope z)² about the apex: both nappes. Scaled so that the
+/// largest coefficient is 1.
+fn cone(apex: DVec3, slope: f64) -> Surface {
+    let scale = slope.max(1.0);
+    let across = 1.0 / (scale * scale);
+    let along = (slope / scale) * (slope / scale);
+    separable(apex, DVec3::new(across, across, -along), 0.0)
+}
+
+fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
+    for (what, radius) in [("the bottom radius", bottom), ("the top radius", top)] {
+        if radius != 0.0 {
+            positive(what, radius)?;
+        }
+    }
+    let widest = positive("the larger radius", bottom.max(top))?;
+    let [lower, upper] = z_slab(z)?;
+    let height = z.end - z.start;
+    let slope = (top - bottom) / height;
+    if bottom == top {
+        let anchor = DVec3::new(0.0, 0.0, 0.5 * z.start + 0.5 * z.end);
+        let wall = separable(anchor, DVec3::new(1.0, 1.0, 0.0), -widest * widest);
+        return Ok(vec![wall, lower, upper]);
+    }
+    // The apex, where the radius comes to 0, if it is near enough to keep the
+    // digits of the radii; exactly the end where the radius is given as 0.
+    let apex_above_bottom = -bottom / slope;
+    let wall = if bottom == 0.0 {
+        cone(DVec3::new(0.0, 0.0, z.start), slope.abs())
+    } else if top == 0.0 {
+        cone(DVec3::new(0.0, 0.0, z.end), slope.abs())
+    } else if apex_above_bottom.abs() < 16.0 * (height + widest) {
+        cone(
+            DVec3::new(0.0, 0.0, z.start + apex_above_bottom),
+            slope.abs(),
+        )
+    } else {
+        // x² + y² - (r + slope dz)² about the middle.
+        let radius = 0.5 * (bottom + top);
+        let anchor = DVec3::new(0.0, 0.0, 0.5 * z.start + 0.5 * z.end);
+        let squares = DVec3::new(1.0, 1.0, -slope * slope);
+        Surface {
+            linear: DVec3::new(0.0, 0.0, -2.0 * radius * slope),
+            ..separable(anchor, squares, -radius * radius)
+        }
+    };
+    Ok(vec![wall, lower, upper])
+}
+
+fn face(face: &Plane) -> Result<Surface, NodeFault> {
+    let length = face.normal.length();
+    let normal = direction("a face's normal", face.normal)?;
+    let offset = coordinate("a face's offset", face.offset / length)?;
+    Ok(plane(normal * offset, normal))
+}
+
+fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
+    let fault = |problem| Err(NodeFault::PolygonNotConvex { problem });
+    for corner in polygon {
+        coordinate("a corner of the polygon", corner.x)?;
+        coordinate("a corner of the polygon", corner.y)?;
+    }
+    if polygon.len() < 3 {
+        return fault("it has fewer than three corners");
+    }
+    let middle = polygon.iter().sum::<DVec2>() / polygon.len() as f64;
+    let edges = || {
+        let next = polygon.iter().cycle().skip(1);
+        polygon.iter().zip(next).map(|(&from, &to)| (from, to))
+    };
+    let doubled_area: f64 = edges()
+        .map(|(from, to)| (from - middle).perp_dot(to - middle))
+        .sum();
+    if doubled_area == 0.0 {
+        return fault("it has no area");
+    }
+    let turn = doubled_area.signum();
+    // Each edge must have every corner on its inner side, but for rounding:
+    // local turns alone would accept a pentagram.
+    let size = polygon
+        .iter()
+        .map(|p| (*p - middle).length())
+        .fold(0.0, f64::max);
+    let middle_z = 0.5 * z.start + 0.5 * z.end;
+    let mut surfaces = Vec::with_capacity(polygon.len() + 2);
+    let mut total_turn = 0.0;
+    let mut previous: Option<DVec2> = None;
+    let mut first = None;
+    for (from, to) in edges() {
+        let along = to - from;
+        if along.length() <= 8.0 * f64::EPSILON * size {
+            return fault("two corners in succession coincide");
+        }
+        let outward = -along.perp() * turn;
+        let outward = outward / outward.length();
+        if let Some(before) = previous {
+            total_turn += before.angle_to(along) * turn;
+            if before.angle_to(along) * turn < -1e-12 {
+                return fault("it has a reflex corner");
+            }
+        }
+        previous = Some(along);
+        first.get_or_insert(along);
+        let anchor = (0.5 * (from + to)).extend(middle_z);
+        surfaces.push(plane(anchor, outward.extend(0.0)));
+    }
+    if let (Some(last), Some(first)) = (previous, first) {
+        let closing = last.angle_to(first) * turn;
+        total_turn += closing;
+        if closing < -1e-12 {
+            return fault("it has a reflex corner");
+        }
+    }
+    if (total_turn - std::f64::consts::TAU).abs() > 1e-6 {
+        return fault("it crosses itself");
+    }
+    surfaces.extend(z_slab(z)?);
+    Ok(surfaces)
+}

@@ -1,0 +1,107 @@
+//! The solid lowered: distinct surfaces and one Boolean formula over
+//! half-space literals. No transforms and no shapes are left in it.
+
+mod bounds;
+mod cell;
+mod formula;
+mod local;
+mod lower;
+mod quadric;
+mod surface;
+mod unify;
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::color::Color;
+
+pub use bounds::Bounds;
+pub use cell::{Cell, Descend, Descent, Pruner, Visitor};
+pub use formula::{Formula, Gate, Literal, Operand, Operation};
+pub use surface::{Side, Surface};
+
+/// Where a literal comes from: one primitive of the tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// The primitive's kind, in the words of the authoring functions.
+    pub kind: &'static str,
+    /// The innermost name around the primitive.
+    pub name: Option<Arc<str>>,
+    /// The innermost colour around the primitive.
+    pub color: Option<Color>,
+}
+
+/// A lowered solid; made only by [`Program::lower`], so that every later stage
+/// may rely on finite, normalised, canonical surfaces.
+///
+/// `Display` prints it in a form for people: the surfaces with their
+/// equations, then the formula.
+#[derive(Clone, Debug)]
+pub struct Program {
+    surfaces: Vec<Surface>,
+    formula: Formula,
+    origins: Vec<Origin>,
+}
+
+impl Program {
+    /// The canonical surfaces; literals name them by index.
+    #[must_use]
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// The Boolean formula over literals.
+    #[must_use]
+    pub fn formula(&self) -> &Formula {
+        &self.formula
+    }
+
+    /// The primitives that literals come from; literals name them by index.
+    #[must_use]
+    pub fn origins(&self) -> &[Origin] {
+        &self.origins
+    }
+
+    /// Whether `point` lies in the solid: the scalar reference that every
+    /// faster path is held against. On the boundary itself either answer may
+    /// come. Costs one evaluation of every surface and gate.
+    #[must_use]
+    pub fn contains(&self, point: impl Into<DVec3>) -> bool {
+        let point = point.into();
+        let inside: Vec<bool> = self
+            .surfaces
+            .iter()
+            .map(|surface| surface.value(point) <= 0.0)
+            .collect();
+        self.formula.evaluate(&inside)
+    }
+
+    /// The whole program as a cell: every surface, nothing pruned.
+    #[must_use]
+    pub fn root_cell(&self) -> Cell {
+        Cell {
+            surfaces: (0..self.surfaces.len() as u32).collect(),
+            formula: self.formula.clone(),
+        }
+    }
+
+    /// The program's surfaces as seen from `origin`: every anchor moved, so
+    /// that coordinates relative to `origin` keep their digits.
+    pub(crate) fn surfaces_about(&self, origin: DVec3) -> Vec<Surface> {
+        self.surfaces
+            .iter()
+            .map(|surface| surface.relative_to(origin))
+            .collect()
+    }
+}
+
+impl fmt::Display for Program {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            writeln!(f, "s{i}: {surface} <= 0")?;
+        }
+        write!(f, "{}", self.formula)
+    }
+}

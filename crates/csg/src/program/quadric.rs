@@ -1,0 +1,257 @@
+//! General quadrics from ten coefficients: is the zero set a surface, and
+//! where should it be anchored?
+
+use glam::{DMat3, DVec3};
+
+use super::surface::Surface;
+use crate::error::NodeFault;
+
+/// Below this share of the largest eigenvalue (or term) a value counts as
+/// zero: a thousand times what rounding leaves of one.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// The surface f = 0 of f = c0 x² + c1 y² + c2 z² + c3 xy + c4 yz + c5 zx +
+/// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex.
+pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, NodeFault> {
+    if coefficients.iter().any(|c| !c.is_finite()) {
+        return Err(NodeFault::NotFinite {
+            what: "a coefficient of the quadric",
+        });
+    }
+    let scale = coefficients.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    if scale == 0.0 {
+        return Err(NodeFault::QuadricWithoutSurface);
+    }
+    let [xx, yy, zz, xy, yz, zx, gx, gy, gz, constant] = coefficients.map(|c| c / scale);
+    let quadratic = [xx, yy, zz, xy, yz, zx];
+    let linear = DVec3::new(gx, gy, gz);
+    let at_origin = Surface {
+        anchor: DVec3::ZERO,
+        quadratic,
+        linear,
+        constant,
+    };
+    if quadratic == [0.0; 6] {
+        if linear == DVec3::ZERO {
+            return Err(NodeFault::QuadricWithoutSurface);
+        }
+        let anchor = -constant / linear.length_squared() * linear;
+        return Ok(Surface {
+            anchor,
+            constant: 0.0,
+            ..at_origin
+        });
+    }
+
+    let (values, vectors) = eigen(quadratic);
+    let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let mut center = DVec3::ZERO;
+    // What of the linear part no centre can take away.
+    let mut slope = DVec3::ZERO;
+    let (mut positive, mut negative) = (0, 0);
+    for (&value, axis) in values
+        .iter()
+        .zip([vectors.x_axis, vectors.y_axis, vectors.z_axis])
+    {
+        let along = linear.dot(axis);
+        if value.abs() > NEGLIGIBLE * largest {
+            center -= along / (2.0 * value) * axis;
+            if value > 0.0 {
+                positive += 1;
+            } else {
+                negative += 1;
+            }
+        } else if along.abs() > NEGLIGIBLE * linear.length() {
+            slope += along * axis;
+        }
+    }
+    if slope != DVec3::ZERO {
+        // Along its axis f is linear: move the anchor to the vertex.
+        let (_, at_center) = at_origin.expanded_about(center);
+        center -= at_center / slope.length_squared() * slope;
+        let (linear, constant) = at_origin.expanded_about(center);
+        return Ok(Surface {
+            anchor: center,
+            quadratic,
+            linear,
+            constant,
+        });
+    }
+    let (_, at_center) = at_origin.expanded_about(center);
+    let terms = constant.abs() + linear.abs().dot(center.abs());
+    let at_center = if at_center.abs() <= NEGLIGIBLE * terms {
+        0.0
+    } else {
+        at_center
+    };
+    let takes_both_signs = (positive > 0 || at_center > 0.0) && (negative > 0 || at_center < 0.0);
+    if !takes_both_signs {
+        return Err(NodeFault::QuadricWithoutSurface);
+    }
+    if at_center == 0.0 && positive + negative == 2 {
+        return Err(NodeFault::QuadricOfCrossingPlanes);
+    }
+    Ok(Surface {
+        anchor: center,
+        quadratic,
+        linear: DVec3::ZERO,
+        constant: at_center,
+    })
+}
+
+/// Eigenvalues and eigenvectors (columns) of the symmetric matrix of a
+/// quadratic form, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix
+/// Computations*, 8.5).
+fn eigen([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> ([f64; 3], DMat3) {
+    let mut a = [
+        [xx, 0.5 * xy, 0.5 * zx],
+        [0.5 * xy, yy, 0.5 * yz],
+        [0.5 * zx, 0.5 * yz, zz],
+    ];
+    let mut v = DMat3::IDENTITY.to_cols_array_2d();
+    // Convergence is quadratic; six sweeps are plenty for 3 by 3.
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (1, 2), (0, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let t = if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + tau.hypot(1.0));
+            let c = 1.0 / t.hypot(1.0);
+            let s = t * c;
+            let turn = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
+            for row in &mut a {
+                (row[p], row[q]) = turn(row[p], row[q]);
+            }
+            let (ap, aq) = (a[p], a[q]);
+            for ((k, x), y) in ap.into_iter().enumerate().zip(aq) {
+                (a[p][k], a[q][k]) = turn(x, y);
+            }
+            (a[p][q], a[q][p]) = (0.0, 0.0);
+            let (vp, vq) = (v[p], v[q]);
+            for ((k, x), y) in vp.into_iter().enumerate().zip(vq) {
+                (v[p][k], v[q][k]) = turn(x, y);
+            }
+        }
+    }
+    ([a[0][0], a[1][1], a[2][2]], DMat3::from_cols_array_2d(&v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn q(c: [f64; 10]) -> Result<Surface, NodeFault> {
+        from_coefficients(c)
+    }
+
+    #[test]
+    fn eigenvalues_of_known_matrices() {
+        // [[2,1,0],[1,2,0],[0,0,5]] has 1, 3, 5.
+        let (mut values, vectors) = eigen([2.0, 2.0, 5.0, 2.0, 0.0, 0.0]);
+        values.sort_by(f64::total_cmp);
+        for (value, expected) in values.iter().zip([1.0, 3.0, 5.0]) {
+            assert!((value - expected).abs() < 1e-14, "{values:?}");
+        }
+        assert!((vectors.determinant().abs() - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn spheres_are_anchored_at_their_centre() {
+        // (x-1)² + (y-2)² + (z+3)² - 4
+        let s = q([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, -2.0, -4.0, 6.0, 10.0]).expect("a sphere");
+        assert!(s.anchor.distance(DVec3::new(1.0, 2.0, -3.0)) < 1e-14);
+        assert!(s.value(DVec3::new(3.0, 2.0, -3.0)).abs() < 1e-15);
+        assert!(s.value(DVec3::new(1.0, 2.0, -3.0)) < 0.0);
+    }
+
+    #[test]
+    fn every_real_type_is_accepted() {
+        let cases = [
+            (
+                "paraboloid",
+                [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 5.0],
+            ),
+            (
+                "hyperbolic paraboloid",
+                [1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+            ),
+            ("cone", [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            (
+                "one sheet",
+                [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
+            ),
+            (
+                "two sheets",
+                [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+            ),
+            (
+                "parabolic cylinder",
+                [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+            ),
+            (
+                "hyperbolic cylinder",
+                [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
+            ),
+            ("slab", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0]),
+            ("plane", [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0]),
+            (
+                "outside of a sphere",
+                [-1.0, -1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+            ),
+        ];
+        for (name, c) in cases {
+            let surface = q(c).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+            // The same f, up to a positive factor, at some point.
+            let p = DVec3::new(0.3, -1.7, 2.9);
+            let [x, y, z] = p.to_array();
+            let terms = [x * x, y * y, z * z, x * y, y * z, z * x, x, y, z, 1.0];
+            let f: f64 = c.iter().zip(terms).map(|(c, t)| c * t).sum();
+            let scale = c.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+            assert!((surface.value(p) - f / scale).abs() < 1e-13, "{name}");
+        }
+    }
+
+    #[test]
+    fn zero_sets_that_are_no_surface_are_rejected() {
+        use NodeFault::{QuadricOfCrossingPlanes, QuadricWithoutSurface};
+        let cases = [
+            ([0.0; 10], QuadricWithoutSurface),
+            (
+                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+                QuadricWithoutSurface,
+            ),
+            (
+                [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+                QuadricWithoutSurface,
+            ),
+            // One point, one line, one plane counted twice.
+            (
+                [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                QuadricWithoutSurface,
+            ),
+            (
+                [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 1.0],
+                QuadricWithoutSurface,
+            ),
+            (
+                [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 1.0],
+                QuadricWithoutSurface,
+            ),
+            (
+                [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                QuadricOfCrossingPlanes,
+            ),
+            // (x - 1)(y - 2)
+            (
+                [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -2.0, -1.0, 0.0, 2.0],
+                QuadricOfCrossingPlanes,
+            ),
+        ];
+        for (c, fault) in cases {
+            assert_eq!(q(c), Err(fault), "{c:?}");
+        }
+        let nan = [f64::NAN; 10];
+        assert!(matches!(q(nan), Err(NodeFault::NotFinite { .. })));
+    }
+}
