@@ -1,1 +1,18 @@
 //! Files: meshes and scenes, in and out.
+
+mod assemble;
+mod atomic;
+mod error;
+mod format;
+pub mod gltf;
+pub mod obj;
+mod parts;
+pub mod ply;
+mod rows;
+pub mod stl;
+pub mod threemf;
+mod units;
+
+pub use atomic::AtomicFile;
+pub use error::Error;
+pub use format::{MeshFormat, WriteOptions, read_mesh, write_mesh};

@@ -1,0 +1,191 @@
+//! Files that are either replaced whole or left alone.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile, TempPath};
+
+use crate::Error;
+
+/// A file being written beside its place, which takes that place only when
+/// [`AtomicFile::commit`] succeeds: after an error, a panic or on a full disk
+/// the old file is still there, whole, and nothing else is.
+///
+/// The data goes to a temporary file in the same folder, is flushed to the
+/// disk, and is then renamed, keeping the permissions of a file it replaces.
+/// What is not a regular file (a pipe, `/dev/null`) is written to directly.
+#[derive(Debug)]
+pub struct AtomicFile {
+    /// The place, links followed.
+    path: PathBuf,
+    target: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    Beside(NamedTempFile),
+    Direct(File),
+}
+
+impl AtomicFile {
+    /// Starts a new file that shall be at `path`.
+    ///
+    /// # Errors
+    /// If `path` is a folder or in a folder that cannot be written to.
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let old = fs::metadata(path).ok();
+        let target = match &old {
+            Some(old) if !old.is_file() => {
+                // (Opening a folder for writing gives the error to report.)
+                let file = File::options().write(true).open(path);
+                Target::Direct(file.map_err(Error::file("write to", path))?)
+            }
+            _ => Target::Beside(
+                temporary_beside(path, old.map(|old| old.permissions()))
+                    .map_err(Error::file("create a file beside", path))?,
+            ),
+        };
+        // Replace what a symbolic link names, not the link.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        Ok(Self { path, target })
+    }
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// If the data cannot be flushed to the disk or the place not be taken;
+    /// then the old file is still there.
+    pub fn commit(self) -> Result<(), Error> {
+        Self::commit_all([self])
+    }
+
+    /// Puts several files that belong together in their places: all of them,
+    /// or on error none. They are flushed before the first is renamed; only
+    /// a crash of the machine between two renames can separate them.
+    ///
+    /// # Errors
+    /// As [`AtomicFile::commit`].
+    pub fn commit_all(files: impl IntoIterator<Item = Self>) -> Result<(), Error> {
+        let mut ready = Vec::new();
+        for file in files {
+            match file.target {
+                // Pipes and devices cannot always be flushed to a disk.
+                Target::Direct(_) => {}
+                Target::Beside(temporary) => {
+                    let synced = temporary.as_file().sync_all();
+                    synced.map_err(Error::file("write", &file.path))?;
+                    ready.push((file.path, temporary.into_temp_path()));
+                }
+            }
+        }
+        let mut done: Vec<Replaced> = Vec::new();
+        let last = ready.len().saturating_sub(1);
+        for (index, (path, temporary)) in ready.into_iter().enumerate() {
+            // Only files that later failures may bring back need keeping.
+            match replace(&path, temporary, index < last) {
+                Ok(replaced) => done.push(replaced),
+                Err(source) => {
+                    done.into_iter().rev().for_each(Replaced::undo);
+                    return Err(Error::file("replace", &path)(source));
+                }
+            }
+        }
+        for replaced in &done {
+            sync_folder_of(&replaced.path);
+        }
+        Ok(())
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        match &mut self.target {
+            Target::Beside(file) => file.write(data),
+            Target::Direct(file) => file.write(data),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.target {
+            Target::Beside(file) => file.flush(),
+            Target::Direct(file) => file.flush(),
+        }
+    }
+}
+
+/// A file that has taken its place, and the old one if it is kept.
+struct Replaced {
+    path: PathBuf,
+    old: Option<TempPath>,
+}
+
+impl Replaced {
+    /// Brings the old state back, as far as the system lets us.
+    fn undo(self) {
+        let _ = match self.old {
+            Some(old) => old.persist(&self.path).map_err(|error| error.error),
+            None => fs::remove_file(&self.path),
+        };
+    }
+}
+
+fn replace(path: &Path, temporary: TempPath, keep_old: bool) -> io::Result<Replaced> {
+    let mut old = None;
+    if keep_old && path.is_file() {
+        let aside = temporary_beside(path, None)?.into_temp_path();
+        fs::rename(path, &aside)?;
+        old = Some(aside);
+    }
+    match temporary.persist(path) {
+        Ok(()) => Ok(Replaced {
+            path: path.to_owned(),
+            old,
+        }),
+        Err(error) => {
+            if let Some(old) = old {
+                old.persist(path)?;
+            }
+            Err(error.error)
+        }
+    }
+}
+
+/// A new file in the folder of `path`, removed again unless it is renamed.
+fn temporary_beside(
+    path: &Path,
+    permissions: Option<fs::Permissions>,
+) -> io::Result<NamedTempFile> {
+    let folder = match path.canonicalize() {
+        Ok(path) => path.parent().map(Path::to_owned),
+        Err(_) => path.parent().map(Path::to_owned),
+    };
+    let folder = folder
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or_else(|| PathBuf::from("."));
+    let mut builder = Builder::new();
+    builder.prefix(".unfinished-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any new file: what the user's mask allows (the default of
+        // temporary files is private).
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let file = builder.tempfile_in(folder)?;
+    if let Some(permissions) = permissions {
+        file.as_file().set_permissions(permissions)?;
+    }
+    Ok(file)
+}
+
+/// Makes a rename last through a power failure, where folders can be flushed.
+fn sync_folder_of(path: &Path) {
+    #[cfg(unix)]
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+}

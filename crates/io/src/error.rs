@@ -1,0 +1,102 @@
+//! What can go wrong with a mesh file.
+
+use std::path::{Path, PathBuf};
+
+use crate::MeshFormat;
+
+/// Why a mesh file could not be written or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused something about a file.
+    #[error("cannot {action} {}: {source}", path.display())]
+    File {
+        /// What was tried, as a verb: "open", "read", "replace" ...
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// Writing to the given stream failed.
+    #[error("cannot write: {0}")]
+    Write(#[from] std::io::Error),
+    /// The file name does not say which format is meant.
+    #[error(
+        "{}: no mesh format has this extension; use one of {}",
+        path.display(), MeshFormat::extensions()
+    )]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The format can be written but not read.
+    #[error("{format} files can be written but not read; convert the file to GLB, OBJ, STL or PLY")]
+    WriteOnly {
+        /// The format.
+        format: MeshFormat,
+    },
+    /// There is nothing to write.
+    #[error(
+        "the mesh has no triangles, so there is nothing to write; \
+         is the solid empty, or smaller than the mesher's cells?"
+    )]
+    EmptyMesh,
+    /// The mesh breaks the rules of its own type.
+    #[error("the mesh is not valid: {problem}")]
+    InvalidMesh {
+        /// What is wrong, where, and how to mend it.
+        problem: String,
+    },
+    /// The mesh is valid but does not fit into the format.
+    #[error("{format} cannot hold this mesh: {problem}")]
+    DoesNotFit {
+        /// The format.
+        format: MeshFormat,
+        /// What does not fit, and what would.
+        problem: String,
+    },
+    /// A file is damaged, or uses what this reader does not know.
+    #[error("{place}: {problem}")]
+    Malformed {
+        /// The format.
+        format: MeshFormat,
+        /// A line, a byte offset or a named part of the file.
+        place: String,
+        /// What is wrong there, and how to mend it.
+        problem: String,
+    },
+    /// Any of the others, with the file it happened in.
+    #[error("{}: {source}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What happened.
+        source: Box<Error>,
+    },
+}
+
+impl Error {
+    pub(crate) fn file(
+        action: &'static str,
+        path: &Path,
+    ) -> impl FnOnce(std::io::Error) -> Self + use<> {
+        let path = path.to_owned();
+        move |source| Self::File {
+            action,
+            path,
+            source,
+        }
+    }
+
+    /// Says in which file it happened, unless the error does already.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        match self {
+            Self::File { .. } | Self::InFile { .. } | Self::UnknownFormat { .. } => self,
+            other => Self::InFile {
+                path: path.to_owned(),
+                source: Box::new(other),
+            },
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! The glTF writer.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::ops::Range;
+
+use csg::{Color, Mesh};
+use glam::{DVec3, Vec3};
+use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf_json::buffer::{Stride, Target};
+use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::mesh::{Mode, Primitive, Semantic};
+use gltf_json::validation::{Checked::Valid, USize64};
+use gltf_json::{Accessor, Asset, Index, Material, Node, Root, Scene, buffer};
+use serde_json::{json, value::to_raw_value};
+
+use super::Z_UP_TO_Y_UP;
+use crate::parts::{DEFAULT_COLOR, Parts, unit_normals};
+use crate::{Error, MeshFormat, units};
+
+/// Writes a binary glTF file (GLB).
+///
+/// Every name becomes a node with a mesh, every colour a material; normals
+/// are written where the mesh has them (without them, glTF viewers must
+/// shade flat). Surface indices and feature edges are not kept.
+///
+/// # Errors
+/// An empty or invalid mesh; one that single precision or the format's 4 GiB
+/// cannot hold; failed writing.
+pub fn write_glb(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
+    let geometry = Geometry::of(mesh, MeshFormat::Glb)?;
+    let mut json = geometry.json(mesh, None)?;
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + json.len() + 8 + geometry.byte_length();
+    let total = u32::try_from(total).map_err(|_| Error::DoesNotFit {
+        format: MeshFormat::Glb,
+        problem: "it would take more than 4 GiB; write .gltf with .bin, or mesh it coarser"
+            .to_owned(),
+    })?;
+    let mut head = Vec::with_capacity(20);
+    head.extend_from_slice(b"glTF");
+    for word in [2, total, json.len() as u32] {
+        head.extend_from_slice(&u32::to_le_bytes(word));
+    }
+    head.extend_from_slice(b"JSON");
+    out.write_all(&head)?;
+    out.write_all(&json)?;
+    out.write_all(&(geometry.byte_length() as u32).to_le_bytes())?;
+    out.write_all(b"BIN\0")?;
+    geometry.write_data(out)
+}
+
+/// Writes a glTF file in two parts: the JSON, and the data it refers to as
+/// `bin_uri` (a relative URI: percent-encode what is not plain).
+///
+/// # Errors
+/// As [`write_glb`], without the limit of 4 GiB.
+pub fn write_gltf(
+    mesh: &Mesh,
+    bin_uri: &str,
+    json: &mut impl Write,
+    bin: &mut impl Write,
+) -> Result<(), Error> {
+    let geometry = Geometry::of(mesh, MeshFormat::Gltf)?;
+    json.write_all(&geometry.json(mesh, Some(bin_uri))?)?;
+    geometry.write_data(bin)
+}
+
+/// The data of the buffer, and which stretch of it each primitive is.
+struct Geometry<'a> {
+    parts: Parts<'a>,
+    /// Added to every position by the nodes.
+    translation: DVec3,
+    positions: Vec<Vec3>,
+    /// Empty, or as long as `positions`.
+    normals: Vec<Vec3>,
+    indices: Vec<u32>,
+    /// One for each part.
+    primitives: Vec<Stretch>,
+}
+
+struct Stretch {
+    vertices: Range<usize>,
+    indices: Range<usize>,
+}
+
+impl<'a> Geometry<'a> {
+    /// Gathers the corners part by part; corners at one vertex with the same
+    /// normal become one.
+    fn of(mesh: &'a Mesh, format: MeshFormat) -> Result<Self, Error> {
+        /// No vertex, or the end of a chain.
+        const NONE: u32 = u32::MAX;
+        let parts = Parts::of(mesh, format)?;
+        let translation = translation_of(mesh);
+        let has_normals = !mesh.corner_normals.is_empty();
+        let mut geometry = Self {
+            parts,
+            translation,
+            positions: Vec::with_capacity(mesh.positions.len()),
+            normals: Vec::new(),
+            indices: Vec::with_capacity(mesh.triangles.len() * 3),
+            primitives: Vec::new(),
+        };
+        // Written vertices of one mesh vertex are chained: the first by mesh
+        // vertex, the next by written vertex (counted within the part).
+        let mut first = vec![NONE; mesh.positions.len()];
+        let mut next: Vec<u32> = Vec::new();
+        for part in &geometry.parts.parts {
+            let start = geometry.positions.len();
+            let first_index = geometry.indices.len();
+            next.clear();
+            for &triangle in &part.triangles {
+                let corners = mesh.triangles[triangle as usize];
+                let normals = unit_normals(mesh, triangle as usize).unwrap_or_default();
+                for (vertex, normal) in corners.into_iter().zip(normals) {
+                    let head = first[vertex as usize];
+                    let mut slot = head;
+                    while slot != NONE
+                        && has_normals
+                        && geometry.normals[start + slot as usize] != normal
+                    {
+                        slot = next[slot as usize];
+                    }
+                    if slot == NONE {
+                        slot = next.len() as u32;
+                        next.push(head);
+                        first[vertex as usize] = slot;
+                        let place = (mesh.positions[vertex as usize] - translation).as_vec3();
+                        geometry.positions.push(place);
+                        if has_normals {
+                            geometry.normals.push(normal);
+                        }
+                    }
+                    geometry.indices.push(slot);
+                }
+            }
+            // The greatest index is reserved.
+            if next.len() >= NONE as usize
+                || !geometry.positions[start..].iter().all(|p| p.is_finite())
+            {
+                return Err(Error::DoesNotFit {
+                    format,
+                    problem: "its coordinates or vertex count exceed 32 bits; \
+                              scale the model down or mesh it coarser"
+                        .to_owned(),
+                });
+            }
+            for &triangle in &part.triangles {
+                for vertex in mesh.triangles[triangle as usize] {
+                    first[vertex as usize] = NONE;
+                }
+            }
+            geometry.primitives.push(Stretch {
+                vertices: start..geometry.positions.len(),
+                indices: first_index..geometry.indices.len(),
+            });
+        }
+        Ok(geometry)
+    }
+
+    fn byte_length(&self) -> usize {
+        12 * (self.positions.len() + self.normals.len()) + 4 * self.indices.len()
+    }
+
+    /// Positions, normals, indices: little-endian, without gaps.
+    fn write_data(&self, out: &mut impl Write) -> Result<(), Error> {
+        let mut bytes = Vec::with_capacity(self.byte_length());
+        for place in self.positions.iter().chain(&self.normals) {
+            for coordinate in place.to_array() {
+                bytes.extend_from_slice(&coordinate.to_le_bytes());
+            }
+        }
+        for index in &self.indices {
+            bytes.extend_from_slice(&index.to_le_bytes());
+        }
+        Ok(out.write_all(&bytes)?)
+    }
+
+    fn json(&self, mesh: &Mesh, bin_uri: Option<&str>) -> Result<Vec<u8>, Error> {
+        let metres = mesh.unit.in_metres();
+        let mut root = Root {
+            asset: Asset {
+                generator: Some(concat!("stereotomy ", env!("CARGO_PKG_VERSION")).to_owned()),
+                extras: to_raw_value(&json!({
+                    "unit": units::name(mesh.unit),
+                    "unitInMetres": metres,
+                    "modelUpAxis": "Z",
+                }))
+                .ok(),
+                ..Asset::default()
+            },
+            ..Root::default()
+        };
+        let views = self.push_buffer(&mut root, bin_uri);
+        for index in 0..self.parts.colors.len() {
+            let name = self.parts.color_name(index);
+            root.push(material(name, self.parts.colors[index]));
+        }
+        let mut children = Vec::new();
+        let stretches: Vec<_> = self.parts.parts.iter().zip(&self.primitives).collect();
+        for of_one_name in stretches.chunk_by(|a, b| a.0.name == b.0.name) {
+            let primitives = of_one_name
+                .iter()
+                .map(|(part, stretch)| Primitive {
+                    attributes: self.push_accessors(&mut root, &views, stretch),
+                    extensions: None,
+                    extras: None,
+                    indices: Some(root.push(Accessor {
+                        buffer_view: Some(views.indices),
+                        byte_offset: Some(USize64::from(stretch.indices.start * 4)),
+                        count: USize64::from(stretch.indices.len()),
+                        component_type: Valid(GenericComponentType(ComponentType::U32)),
+                        type_: Valid(Type::Scalar),
+                        ..empty_accessor()
+                    })),
+                    material: Some(Index::new(part.color as u32)),
+                    mode: Valid(Mode::Triangles),
+                    targets: None,
+                })
+                .collect();
+            let name = of_one_name[0].0.name.map(str::to_owned);
+            let index = root.push(gltf_json::Mesh {
+                name: name.clone(),
+                primitives,
+                extensions: None,
+                extras: None,
+                weights: None,
+            });
+            children.push(root.push(Node {
+                name,
+                mesh: Some(index),
+                ..Node::default()
+            }));
+        }
+        let count = children.len();
+        let turned = root.push(Node {
+            name: Some("model".to_owned()),
+            children: Some(children),
+            ..Node::default()
+        });
+        root.scene = Some(root.push(Scene {
+            extensions: None,
+            extras: None,
+            name: None,
+            nodes: vec![turned],
+        }));
+        // glTF's numbers are decimal, gltf-json's are single precision: the
+        // transforms go in as doubles, so that nothing is lost on the way.
+        let mut json = serde_json::to_value(&root).map_err(std::io::Error::from)?;
+        if self.translation != DVec3::ZERO {
+            for node in 0..count {
+                json["nodes"][node]["translation"] = json!(self.translation.to_array());
+            }
+        }
+        let [x, y, z] = Z_UP_TO_Y_UP.map(|column| column.map(|entry| entry * metres));
+        json["nodes"][turned.value()]["matrix"] = json!([
+            x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, z[0], z[1], z[2], 0.0, 0.0, 0.0, 0.0, 1.0
+        ]);
+        Ok(serde_json::to_vec(&json).map_err(std::io::Error::from)?)
+    }
+
+    fn push_buffer(&self, root: &mut Root, uri: Option<&str>) -> Views {
+        let buffer = root.push(gltf_json::Buffer {
+            byte_length: USize64::from(self.byte_length()),
+            name: None,
+            uri: uri.map(str::to_owned),
+            extensions: None,
+            extras: None,
+        });
+        let mut offset = 0;
+        let mut view = |count: usize, size: usize, target: Target| {
+            let view = root.push(buffer::View {
+                buffer,
+                byte_length: USize64::from(count * size),
+                byte_offset: Some(USize64::from(offset)),
+                // Several accessors share a view, which must then say this.
+                byte_stride: (target == Target::ArrayBuffer).then_some(Stride(size)),
+                name: None,
+                target: Some(Valid(target)),
+                extensions: None,
+                extras: None,
+            });
+            offset += count * size;
+            view
+        };
+        Views {
+            positions: view(self.positions.len(), 12, Target::ArrayBuffer),
+            normals: (!self.normals.is_empty())
+                .then(|| view(self.normals.len(), 12, Target::ArrayBuffer)),
+            indices: view(self.indices.len(), 4, Target::ElementArrayBuffer),
+        }
+    }
+
+    fn push_accessors(
+        &self,
+        root: &mut Root,
+        views: &Views,
+        stretch: &Stretch,
+    ) -> BTreeMap<gltf_json::validation::Checked<Semantic>, Index<Accessor>> {
+        let vector = || Accessor {
+            byte_offset: Some(USize64::from(stretch.vertices.start * 12)),
+            count: USize64::from(stretch.vertices.len()),
+            component_type: Valid(GenericComponentType(ComponentType::F32)),
+            type_: Valid(Type::Vec3),
+            ..empty_accessor()
+        };
+        let places = &self.positions[stretch.vertices.clone()];
+        let low = places.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
+        let high = places
+            .iter()
+            .fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
+        let mut attributes = BTreeMap::new();
+        let positions = root.push(Accessor {
+            buffer_view: Some(views.positions),
+            min: Some(json!(low.to_array())),
+            max: Some(json!(high.to_array())),
+            ..vector()
+        });
+        attributes.insert(Valid(Semantic::Positions), positions);
+        if views.normals.is_some() {
+            let normals = root.push(Accessor {
+                buffer_view: views.normals,
+                ..vector()
+            });
+            attributes.insert(Valid(Semantic::Normals), normals);
+        }
+        attributes
+    }
+}
+
+struct Views {
+    positions: Index<buffer::View>,
+    normals: Option<Index<buffer::View>>,
+    indices: Index<buffer::View>,
+}
+
+fn empty_accessor() -> Accessor {
+    Accessor {
+        buffer_view: None,
+        byte_offset: None,
+        count: USize64(0),
+        component_type: Valid(GenericComponentType(ComponentType::F32)),
+        extensions: None,
+        extras: None,
+        type_: Valid(Type::Scalar),
+        min: None,
+        max: None,
+        name: None,
+        normalized: false,
+        sparse: None,
+    }
+}
+
+/// A matt material of the colour; glTF's factors are linear, as ours are.
+fn material(name: String, color: Option<Color>) -> Material {
+    let Color {
+        rgb: [r, g, b],
+        alpha,
+    } = color.unwrap_or(DEFAULT_COLOR);
+    Material {
+        name: Some(name),
+        alpha_mode: Valid(if alpha < 1.0 {
+            AlphaMode::Blend
+        } else {
+            AlphaMode::Opaque
+        }),
+        pbr_metallic_roughness: PbrMetallicRoughness {
+            base_color_factor: PbrBaseColorFactor([r, g, b, alpha]),
+            metallic_factor: StrengthFactor(0.0),
+            roughness_factor: StrengthFactor(0.5),
+            ..PbrMetallicRoughness::default()
+        },
+        ..Material::default()
+    }
+}
+
+/// The centre of the bounds, rounded to a multiple of a power of two about as
+/// large as the model.
+fn translation_of(mesh: &Mesh) -> DVec3 {
+    let Some((low, high)) = mesh.bounds() else {
+        return DVec3::ZERO;
+    };
+    let half = (high / 2.0 - low / 2.0).max_element();
+    let step = half.log2().floor().exp2();
+    let translation = (low.midpoint(high) / step).round() * step;
+    // (A single point has no size, a giant no step.)
+    if translation.is_finite() {
+        // Sums with +0 turn -0 into 0, which reads better.
+        translation + 0.0
+    } else {
+        DVec3::ZERO
+    }
+}

@@ -1,0 +1,135 @@
+//! What the Khronos glTF validator says about the files written here. The
+//! test installs the validator itself (once, under the target folder); it
+//! needs Node.js with npm, and fails without.
+
+mod common;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{colored_box, in_unit, small_box, sphere};
+use csg::{LengthUnit, Mesh};
+use glam::{DVec3, dvec3};
+use io::{WriteOptions, write_mesh};
+
+/// The folder with the validator's `node_modules`.
+fn installed_validator() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gltf-validator-2.0.0-dev.3.10");
+    fs::create_dir_all(&folder).expect("a folder for the validator");
+    // Tests run in parallel: one installs, the others wait.
+    let lock = File::create(folder.join("lock")).expect("a lock file");
+    lock.lock().expect("the lock");
+    let done = folder.join("installed");
+    if !done.exists() {
+        let package = include_str!("validator/package.json");
+        fs::write(folder.join("package.json"), package).expect("package.json");
+        let npm = if cfg!(windows) { "npm.cmd" } else { "npm" };
+        let output = Command::new(npm)
+            .args(["install", "--no-audit", "--no-fund", "--ignore-scripts"])
+            .current_dir(&folder)
+            .output()
+            .unwrap_or_else(|error| {
+                panic!("this test needs npm: install Node.js 18 or later ({error})")
+            });
+        assert!(
+            output.status.success(),
+            "npm could not install gltf-validator 2.0.0-dev.3.10 (is the registry reachable?):\n{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        fs::write(done, "").expect("a marker");
+    }
+    folder
+}
+
+/// The validator's verdict on each file.
+fn validate(files: &[PathBuf]) -> Vec<serde_json::Value> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/validator/validate.cjs");
+    let output = Command::new("node")
+        .env("NODE_PATH", installed_validator().join("node_modules"))
+        .arg(script)
+        .args(files)
+        .output()
+        .unwrap_or_else(|error| panic!("this test needs node: install Node.js ({error})"));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let lines = String::from_utf8(output.stdout).expect("UTF-8");
+    let reports: Vec<_> = lines
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
+    assert_eq!(reports.len(), files.len());
+    reports
+}
+
+#[test]
+fn the_khronos_validator_finds_nothing() {
+    let mut bare = small_box();
+    bare.corner_normals.clear();
+    bare.surfaces.clear();
+    bare.triangle_surfaces.clear();
+    // Normals that the writer must repair: zero, NaN, not of unit length.
+    let mut broken_normals = small_box();
+    broken_normals.corner_normals[0][0] = glam::Vec3::ZERO;
+    broken_normals.corner_normals[1][1] = glam::Vec3::NAN;
+    broken_normals.corner_normals[2] = [glam::vec3(0.0, 0.0, 7.0); 3];
+    let mut odd_color = small_box();
+    odd_color.surfaces[1].color = Some(csg::Color::from_linear([2.0, -1.0, f32::NAN]));
+    let far = dvec3(1e6, -3e8, 1e12);
+    let thin = colored_box(DVec3::ZERO, dvec3(1.0, 1.0, 1e-9));
+    let meshes: Vec<(&str, Mesh, u64)> = vec![
+        ("box", small_box(), 3),
+        ("bare", bare, 1),
+        ("broken normals", broken_normals, 3),
+        ("odd-color", odd_color, 4),
+        ("sphere", sphere(DVec3::ZERO, 10.0, 40), 1),
+        ("far", sphere(far, 1.0, 12), 1),
+        ("tiny", sphere(DVec3::ZERO, 1e-6, 12), 1),
+        ("huge", sphere(DVec3::ZERO, 1e6, 12), 1),
+        ("thin", thin, 3),
+        ("inch", in_unit(small_box(), LengthUnit::Inch), 3),
+        (
+            "micrometre",
+            in_unit(small_box(), LengthUnit::Micrometre),
+            3,
+        ),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut files = Vec::new();
+    for (name, mesh, _) in &meshes {
+        for extension in ["glb", "gltf"] {
+            let file = folder.path().join(format!("{name}.{extension}"));
+            write_mesh(&file, mesh, &WriteOptions::default()).expect("written");
+            files.push(file);
+        }
+    }
+    let reports = validate(&files);
+    for (pair, (name, mesh, materials)) in reports.chunks(2).zip(&meshes) {
+        for report in pair {
+            assert_eq!(report["numErrors"], 0, "{name}: {report:#}");
+            assert_eq!(report["numWarnings"], 0, "{name}: {report:#}");
+            assert_eq!(report["totalTriangleCount"], mesh.triangles.len(), "{name}");
+            assert_eq!(report["materialCount"], *materials, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_validator_does_find_faults() {
+    // Guards the test above: a file with a wrong bound must not pass.
+    let mut bytes = Vec::new();
+    io::gltf::write_glb(&small_box(), &mut bytes).expect("written");
+    let text = b"\"count\":";
+    let at = bytes
+        .windows(text.len())
+        .position(|w| w == text)
+        .expect("a count");
+    bytes[at + text.len()] = b'9';
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("wrong.glb");
+    fs::write(&file, bytes).expect("written");
+    assert_ne!(validate(&[file])[0]["numErrors"], 0);
+}
