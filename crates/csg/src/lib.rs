@@ -1,14 +1,21 @@
 //! Solids as Boolean combinations of half-spaces.
 
 pub mod color;
+mod control;
+mod draft;
 mod error;
 pub mod mesh;
+mod mesher;
 pub mod program;
+mod report;
 pub mod solid;
 
 pub use color::Color;
+pub use control::CancelToken;
 pub use error::{Error, NodeFault, NodePath, PathStep};
 pub use glam;
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
+pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Program, Surface};
+pub use report::{Fallback, PLACES_PER_FALLBACK, Report};
 pub use solid::{Axis, Node, Plane, Primitive, Solid};

@@ -50,7 +50,7 @@ pub enum Operand {
     Gate(u32),
 }
 
-/// An n-ary and- or or-gate: a range of [`Formula::operands`].
+/// An n-ary and- or or-gate: a range of the formula's operands ([`Formula::operands_of`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gate {
     /// How the operands combine.

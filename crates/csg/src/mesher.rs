@@ -1,0 +1,206 @@
+//! The one entry from a program to a mesh: options in, mesh and report out.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::control::{CancelToken, Control};
+use crate::draft;
+use crate::error::Error;
+use crate::mesh::{LengthUnit, Mesh};
+use crate::program::{Bounds, Program};
+use crate::report::Report;
+
+/// The most cells along one axis: indices and patience end there.
+pub const MAX_CELLS: u32 = 1 << 16;
+
+/// Turns programs into meshes.
+///
+/// ```
+/// use csg::{Mesher, Program, Solid};
+///
+/// let solid = Solid::cube(1.5) & Solid::sphere(1.0);
+/// let meshed = Mesher::new().cells(32).draft().mesh(&Program::lower(&solid)?)?;
+/// assert!(meshed.report.check.is_closed());
+/// // A ball without the six caps of height 1/4 that stick out of the cube.
+/// assert!((meshed.mesh.volume() - 3.109).abs() < 0.02);
+/// # Ok::<(), csg::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+#[must_use]
+pub struct Mesher {
+    resolution: Resolution,
+    method: Method,
+    bounds: Option<Bounds>,
+    unit: LengthUnit,
+    control: Control,
+}
+
+/// How fine the cells are.
+#[derive(Clone, Copy, Debug)]
+enum Resolution {
+    /// So many along the longest side of the bounds.
+    Cells(u32),
+    /// Of this side length.
+    Size(f64),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    Draft,
+}
+
+/// A finished mesh and how it came about.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Meshed {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was done for it, and what could not be done.
+    pub report: Report,
+}
+
+impl Default for Mesher {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Mesher {
+    /// 128 cells along the longest side of the solid's bounds, in millimetres.
+    pub fn new() -> Self {
+        Self {
+            resolution: Resolution::Cells(128),
+            method: Method::Draft,
+            bounds: None,
+            unit: LengthUnit::default(),
+            control: Control::default(),
+        }
+    }
+
+    /// As many cells along the longest side of the bounds, 1 to
+    /// [`MAX_CELLS`]. Time and memory grow with the square of it.
+    pub fn cells(mut self, cells: u32) -> Self {
+        self.resolution = Resolution::Cells(cells);
+        self
+    }
+
+    /// Cells of this side length, in model units.
+    pub fn cell_size(mut self, size: f64) -> Self {
+        self.resolution = Resolution::Size(size);
+        self
+    }
+
+    /// The draft quality: surface nets with one vertex a cell. Sharp edges
+    /// are bevelled by up to a cell, the volume is off by a second-order
+    /// term, and where two sheets pass through one cell the mesh has
+    /// non-manifold edges, which the report counts. It is always closed.
+    pub fn draft(mut self) -> Self {
+        self.method = Method::Draft;
+        self
+    }
+
+    /// A box known to contain the solid, in place of the one found from the
+    /// program. A solid that reaches out of it is an error; parts that lie
+    /// wholly outside are not seen.
+    pub fn bounds(mut self, bounds: Bounds) -> Self {
+        self.bounds = Some(bounds);
+        self
+    }
+
+    /// The unit of the model's lengths, handed on to the mesh.
+    pub fn unit(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// Called with the share of the work that is done, 0 to 1, about once a
+    /// percent, from whatever thread did it; two calls from different threads
+    /// may overtake each other.
+    pub fn progress(mut self, callback: impl Fn(f64) + Send + Sync + 'static) -> Self {
+        self.control.progress = Some(Arc::new(callback));
+        self
+    }
+
+    /// A handle with which another thread may stop the work.
+    pub fn cancel_token(mut self, token: CancelToken) -> Self {
+        self.control.cancel = token;
+        self
+    }
+
+    /// Meshes a program. The empty solid gives an empty mesh.
+    ///
+    /// The result is the same for any number of threads.
+    ///
+    /// # Errors
+    /// [`Error::Unbounded`] for a solid that reaches infinitely far,
+    /// [`Error::InvalidOption`] for a resolution or a box out of range,
+    /// [`Error::TooLarge`] if the vertices outnumber an index,
+    /// [`Error::Cancelled`] when asked to stop.
+    pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
+        let mut report = Report {
+            method: match self.method {
+                Method::Draft => "draft",
+            },
+            ..Report::default()
+        };
+        let start = Instant::now();
+        self.control.check()?;
+        let bounds = match self.bounds {
+            Some(bounds) if bounds.min.is_finite() && bounds.max.is_finite() => Some(bounds),
+            Some(_) => {
+                return Err(Error::InvalidOption(
+                    "the bounds must be finite: give two ordinary corners".into(),
+                ));
+            }
+            None => program.bounds()?,
+        };
+        let start = report.end_stage("bounds", start);
+        report.bounds = bounds;
+        let mut mesh = Mesh::default();
+        // A box without extent holds no solid: at most a point was left of it.
+        if let Some(bounds) = bounds.filter(|b| b.size().max_element() > 0.0) {
+            report.cell_size = self.cell_size_for(&bounds)?;
+            let origin = bounds.center();
+            let task = draft::Task {
+                program,
+                surfaces: program.surfaces_about(origin),
+                origin,
+                size: bounds.size(),
+                cell: report.cell_size,
+                control: &self.control,
+            };
+            mesh = match self.method {
+                Method::Draft => draft::mesh(&task, &mut report)?,
+            };
+        }
+        mesh.unit = self.unit;
+        self.control.check()?;
+        let start = report.end_stage("mesh", start);
+        report.check = mesh.check();
+        report.end_stage("check", start);
+        if let Some(progress) = &self.control.progress {
+            progress(1.0);
+        }
+        Ok(Meshed { mesh, report })
+    }
+
+    fn cell_size_for(&self, bounds: &Bounds) -> Result<f64, Error> {
+        let longest = bounds.size().max_element();
+        let range = format!("1 to {MAX_CELLS} cells along the longest side");
+        match self.resolution {
+            Resolution::Cells(cells) if (1..=MAX_CELLS).contains(&cells) => {
+                Ok(longest / f64::from(cells))
+            }
+            Resolution::Cells(cells) => Err(Error::InvalidOption(format!(
+                "{cells} cells: ask for {range}"
+            ))),
+            Resolution::Size(size) if size > 0.0 && longest / size <= f64::from(MAX_CELLS) => {
+                // Cells much larger than the solid would lose digits.
+                Ok(size.min(longest))
+            }
+            Resolution::Size(size) => Err(Error::InvalidOption(format!(
+                "a cell size of {size} for a solid {longest} long: ask for {range}"
+            ))),
+        }
+    }
+}

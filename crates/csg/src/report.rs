@@ -1,0 +1,88 @@
+//! What a mesher did, and what it could not do.
+
+use std::fmt;
+use std::time::Instant;
+
+use glam::DVec3;
+
+use crate::mesh::MeshCheck;
+use crate::program::Bounds;
+
+/// How many places of each [`Fallback`] a report keeps.
+pub const PLACES_PER_FALLBACK: usize = 8;
+
+/// The account of one run of a [`crate::Mesher`].
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Report {
+    /// The method's name: `"draft"`.
+    pub method: &'static str,
+    /// The box that was meshed; `None` if the solid is proven empty.
+    pub bounds: Option<Bounds>,
+    /// Side of a cell, in model units; 0 if the solid is proven empty.
+    pub cell_size: f64,
+    /// Cells that were sampled.
+    pub cells_visited: u64,
+    /// Cells in boxes that pruning proved to be all inside or all outside.
+    pub cells_pruned: u64,
+    /// Cells that the surface passes through.
+    pub surface_cells: u64,
+    /// The largest distance, in model units and to first order, of a vertex
+    /// from the surface that a triangle at it is assigned to.
+    pub largest_vertex_distance: f64,
+    /// What had to be settled for somewhere, each kind once.
+    pub fallbacks: Vec<Fallback>,
+    /// Closed, oriented, manifold? Checked on the finished mesh.
+    pub check: MeshCheck,
+    /// Seconds of each stage, in the order in which they ran.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+impl Report {
+    /// Counts a place where something had to be settled for.
+    pub(crate) fn add_fallback(&mut self, kind: &'static str, place: DVec3) {
+        let known = self.fallbacks.iter().position(|f| f.kind == kind);
+        let index = known.unwrap_or_else(|| {
+            self.fallbacks.push(Fallback {
+                kind,
+                count: 0,
+                places: Vec::new(),
+            });
+            self.fallbacks.len() - 1
+        });
+        let fallback = &mut self.fallbacks[index];
+        fallback.count += 1;
+        if fallback.places.len() < PLACES_PER_FALLBACK {
+            fallback.places.push(place);
+        }
+    }
+
+    /// Ends a stage that began at `since`, and returns the time now.
+    pub(crate) fn end_stage(&mut self, name: &'static str, since: Instant) -> Instant {
+        let now = Instant::now();
+        self.stages.push((name, (now - since).as_secs_f64()));
+        now
+    }
+}
+
+/// One kind of thing that had to be settled for, and where.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Fallback {
+    /// What it is.
+    pub kind: &'static str,
+    /// How often it happened.
+    pub count: usize,
+    /// The first few places, in model units.
+    pub places: Vec<DVec3>,
+}
+
+impl fmt::Display for Fallback {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} x {}", self.count, self.kind)?;
+        if let Some(place) = self.places.first() {
+            write!(f, " (first at {place})")?;
+        }
+        Ok(())
+    }
+}
