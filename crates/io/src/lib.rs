@@ -9,6 +9,7 @@ pub mod obj;
 mod parts;
 pub mod ply;
 mod rows;
+pub mod scene;
 pub mod stl;
 pub mod threemf;
 mod units;

@@ -1,0 +1,131 @@
+//! What can be wrong with a scene, and where.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A place in a scene text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file, if the text came from one.
+    pub file: Option<PathBuf>,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl Place {
+    /// The place of byte `offset` in `text`. Costs one pass over the text
+    /// before it, so it is asked for only when there is something to say.
+    pub(super) fn of(text: &str, offset: usize) -> Self {
+        let before = text.get(..offset).unwrap_or(text);
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self {
+            file: None,
+            line: before.bytes().filter(|&byte| byte == b'\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.file {
+            Some(file) => write!(f, "{}:{}:{}", file.display(), self.line, self.column),
+            None => write!(f, "line {}, column {}", self.line, self.column),
+        }
+    }
+}
+
+/// Why a scene could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The text does not follow the grammar.
+    #[error("{place}: {problem}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// What was found, and what should be there.
+        problem: String,
+    },
+    /// A node outside the core.
+    #[error(
+        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, multmatrix, color, render, cube, sphere and cylinder (a `%` before the node leaves it out)"
+    )]
+    Unsupported {
+        /// Where.
+        place: Place,
+        /// The node's name.
+        node: String,
+    },
+    /// An argument is missing, unknown or of the wrong kind.
+    #[error("{place}: {node}: {problem}")]
+    Argument {
+        /// Where.
+        place: Place,
+        /// The node's name.
+        node: String,
+        /// What is wrong, and what is asked for.
+        problem: String,
+    },
+    /// The bytes are not text.
+    #[error("{place}: the text is not UTF-8 from here on: save it as UTF-8")]
+    NotUtf8 {
+        /// Where the first byte that is not UTF-8 stands.
+        place: Place,
+    },
+    /// The file could not be read.
+    #[error("{}: {source}", .path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+impl SceneError {
+    /// The same error with the place's file named.
+    #[must_use]
+    pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
+        match &mut self {
+            Self::Syntax { place, .. }
+            | Self::Unsupported { place, .. }
+            | Self::Argument { place, .. }
+            | Self::NotUtf8 { place } => place.file = Some(path.as_ref().to_owned()),
+            Self::Io { .. } => {}
+        }
+        self
+    }
+
+    /// Where in the text, unless the file could not be read at all.
+    #[must_use]
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Syntax { place, .. }
+            | Self::Unsupported { place, .. }
+            | Self::Argument { place, .. }
+            | Self::NotUtf8 { place } => Some(place),
+            Self::Io { .. } => None,
+        }
+    }
+}
+
+/// A node that has no points because of its arguments.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Warning {
+    /// Where.
+    pub place: Place,
+    /// The node's name.
+    pub node: String,
+    /// Why it is empty.
+    pub problem: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}: {}", self.place, self.node, self.problem)
+    }
+}

@@ -1,0 +1,113 @@
+//! Scenes: OpenSCAD's evaluated tree text (`.csg`).
+//!
+//! The nodes of the core are read: `group`, `union`,
+//! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
+//! `sphere`, `cylinder`. Any other node is an error that names it and its
+//! place, unless `%` (background) leaves it out of the solid anyway.
+//!
+//! ```
+//! use io::scene::{ReadOptions, read};
+//!
+//! let text = "difference() { cube(size = [2, 2, 2], center = true); sphere(r = 1.2); }";
+//! let solid = read(text, &ReadOptions::default())?.solid;
+//! let program = csg::Program::lower(&solid)?;
+//! assert!(program.contains([0.9, 0.9, 0.9]) && !program.contains([0.0; 3]));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What the text means
+//! - A list of siblings (the roots, the children of `group`, `multmatrix`,
+//!   `color`, `render`) is their union. Nothing but empty children is empty.
+//! - Circles: `0 < $fn <= 12` means a polygon on purpose. Anything else is a
+//!   true circle, a true sphere, a true cone; with [`ReadOptions::faceted`]
+//!   it is the polygon or polyhedron that OpenSCAD would make of it.
+//! - A primitive with a size that is not positive or not finite has no points,
+//!   and so has whatever a map with an infinite or NaN entry or without an
+//!   inverse makes of its operand. That is OpenSCAD's rule; the reader says
+//!   so in [`Scene::warnings`].
+//! - Colours are sRGB, and the outermost wins. `color([-1, -1, -1, a])` is
+//!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
+//!   primitive shows that primitive's colour, as in OpenSCAD's preview.
+
+mod build;
+mod error;
+mod facets;
+mod lex;
+mod parse;
+
+use std::path::Path;
+
+use csg::Solid;
+
+pub use error::{Place, SceneError, Warning};
+
+/// How to read a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadOptions {
+    /// Read every circle, sphere and cone as the polygon or polyhedron that
+    /// OpenSCAD makes of it under `$fn`, `$fa` and `$fs`.
+    pub faceted: bool,
+}
+
+impl ReadOptions {
+    /// The same options with circles as OpenSCAD's polygons, or not.
+    #[must_use]
+    pub const fn faceted(self, faceted: bool) -> Self {
+        Self { faceted }
+    }
+}
+
+/// What a scene text says.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Scene {
+    /// The union of the roots; [`Solid::empty`] where there is nothing.
+    pub solid: Solid,
+    /// Nodes that have no points because of their arguments.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads a scene. Time and memory are linear in the text (in faceted mode:
+/// and in the number of facets), and no depth of nesting overflows the stack.
+///
+/// # Errors
+/// [`SceneError`] says in which line and column the text is not a scene, or
+/// which of its nodes or arguments cannot be read.
+pub fn read(text: &str, options: &ReadOptions) -> Result<Scene, SceneError> {
+    build::build(&parse::parse(text)?, *options)
+}
+
+/// Reads a scene file in UTF-8; errors name the file.
+///
+/// # Errors
+/// As [`read`]; [`SceneError::Io`] if the file cannot be read, and
+/// [`SceneError::NotUtf8`] if it is not text.
+pub fn read_file(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|source| SceneError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let mut scene = read_bytes(&bytes, options).map_err(|error| error.in_file(path))?;
+    for warning in &mut scene.warnings {
+        warning.place.file = Some(path.to_owned());
+    }
+    Ok(scene)
+}
+
+/// Reads a scene from bytes that should be UTF-8, as from a pipe.
+///
+/// # Errors
+/// As [`read`]; [`SceneError::NotUtf8`] if the bytes are not text.
+pub fn read_bytes(bytes: &[u8], options: &ReadOptions) -> Result<Scene, SceneError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let (valid, _) = bytes.split_at(error.valid_up_to());
+        let valid = String::from_utf8_lossy(valid);
+        SceneError::NotUtf8 {
+            place: Place::of(&valid, valid.len()),
+        }
+    })?;
+    // Some editors begin a text with a byte order mark.
+    read(text.strip_prefix('\u{feff}').unwrap_or(text), options)
+}
