@@ -1,1 +1,28 @@
 //! The `csg` command line, also for a model of your own.
+//!
+//! [`main`] is the `csg` command: it meshes, draws and measures files.
+//! [`run`] gives a model written in Rust the same subcommands, without the
+//! input file:
+//!
+//! ```no_run
+//! use csg::Solid;
+//!
+//! fn main() -> std::process::ExitCode {
+//!     cli::run(|| Solid::cube(2.0) - Solid::sphere(1.2))
+//! }
+//! ```
+//!
+//! so that `cargo run -- mesh -o part.glb` and `cargo run -- render -o
+//! part.png` work for it. [`run_with`] adds arguments of the model's own.
+
+mod commands;
+mod failure;
+mod input;
+mod mesher;
+mod output;
+mod progress;
+mod run;
+
+pub use clap;
+pub use failure::exit_codes;
+pub use run::{main, run, run_with};

@@ -1,2 +1,5 @@
 //! The `csg` command.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

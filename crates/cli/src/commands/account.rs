@@ -1,0 +1,152 @@
+//! What `mesh` and `measure` say of a mesh, as JSON and for people.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use csg::Report;
+use glam::DVec3;
+use serde::Serialize;
+
+use crate::mesher::Product;
+
+/// Measures, checks and times of a mesh. In the model's unit and its powers.
+#[derive(Debug, Serialize)]
+pub(crate) struct Account {
+    volume: f64,
+    area: f64,
+    centroid: Option<[f64; 3]>,
+    triangles: usize,
+    vertices: usize,
+    components: usize,
+    /// Summed over the components; null unless the mesh is manifold.
+    genus: Option<i64>,
+    manifold: bool,
+    closed: bool,
+    non_manifold_edges: usize,
+    non_manifold_vertices: usize,
+    bounds: Option<Bounds>,
+    /// Per stage, and the total.
+    seconds: BTreeMap<&'static str, f64>,
+    report: Option<ReportAccount>,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+/// The mesher's report.
+#[derive(Debug, Serialize)]
+struct ReportAccount {
+    method: &'static str,
+    cell_size: f64,
+    cells_visited: u64,
+    cells_pruned: u64,
+    surface_cells: u64,
+    largest_vertex_distance: f64,
+    fallbacks: Vec<FallbackAccount>,
+}
+
+#[derive(Debug, Serialize)]
+struct FallbackAccount {
+    kind: String,
+    count: usize,
+    places: Vec<[f64; 3]>,
+}
+
+impl Account {
+    /// Measures the mesh; that is the last stage.
+    pub(crate) fn of(product: &mut Product) -> Self {
+        let measure = product.stage("measure", |product| product.mesh.measure());
+        let (mesh, check) = (&product.mesh, &product.check);
+        let mut seconds: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut total = 0.0;
+        for &(stage, time) in &product.seconds {
+            *seconds.entry(stage).or_default() += time;
+            total += time;
+        }
+        seconds.insert("total", total);
+        Self {
+            volume: measure.volume,
+            area: measure.area,
+            centroid: measure.centroid.map(|c| c.to_array()),
+            triangles: mesh.triangles.len(),
+            vertices: mesh.positions.len(),
+            components: check.components,
+            genus: check.genus(),
+            manifold: check.is_manifold(),
+            closed: check.is_closed(),
+            non_manifold_edges: check.non_manifold_edges,
+            non_manifold_vertices: check.non_manifold_vertices,
+            bounds: mesh.bounds().map(|(min, max)| Bounds {
+                min: min.to_array(),
+                max: max.to_array(),
+            }),
+            seconds,
+            report: product.report.as_ref().map(ReportAccount::of),
+        }
+    }
+}
+
+impl ReportAccount {
+    fn of(report: &Report) -> Self {
+        Self {
+            method: report.method,
+            cell_size: report.cell_size,
+            cells_visited: report.cells_visited,
+            cells_pruned: report.cells_pruned,
+            surface_cells: report.surface_cells,
+            largest_vertex_distance: report.largest_vertex_distance,
+            fallbacks: report
+                .fallbacks
+                .iter()
+                .map(|fallback| FallbackAccount {
+                    kind: fallback.kind.to_string(),
+                    count: fallback.count,
+                    places: fallback.places.iter().map(DVec3::to_array).collect(),
+                })
+                .collect(),
+        }
+    }
+}
+
+impl fmt::Display for Account {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "volume      {}", self.volume)?;
+        writeln!(f, "area        {}", self.area)?;
+        if let Some([x, y, z]) = self.centroid {
+            writeln!(f, "centroid    {x} {y} {z}")?;
+        }
+        if let Some(Bounds { min, max }) = &self.bounds {
+            let [x, y, z] = min;
+            writeln!(f, "from        {x} {y} {z}")?;
+            let [x, y, z] = max;
+            writeln!(f, "to          {x} {y} {z}")?;
+        }
+        writeln!(f, "triangles   {}", self.triangles)?;
+        writeln!(f, "vertices    {}", self.vertices)?;
+        writeln!(f, "components  {}", self.components)?;
+        if let Some(genus) = self.genus {
+            writeln!(f, "genus       {genus}")?;
+        }
+        let state = match (self.closed, self.manifold) {
+            (_, true) => "closed and manifold".to_owned(),
+            (true, false) => format!(
+                "closed, but not manifold: {} edges, {} vertices",
+                self.non_manifold_edges, self.non_manifold_vertices
+            ),
+            (false, false) => "not closed: the volume means little".to_owned(),
+        };
+        writeln!(f, "state       {state}")?;
+        if let Some(report) = &self.report {
+            for fallback in &report.fallbacks {
+                writeln!(f, "settled for {} x {}", fallback.count, fallback.kind)?;
+            }
+        }
+        if let Some(total) = self.seconds.get("total") {
+            writeln!(f, "seconds     {total:.3}")?;
+        }
+        Ok(())
+    }
+}

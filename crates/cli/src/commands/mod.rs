@@ -1,0 +1,6 @@
+//! The subcommands, one per file.
+
+pub(crate) mod account;
+pub(crate) mod measure;
+pub(crate) mod mesh;
+pub(crate) mod render;

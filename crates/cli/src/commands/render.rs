@@ -1,0 +1,264 @@
+//! `render`: draw a picture.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use csg::Color;
+use glam::DVec3;
+use raster::{Camera, Lens, RenderOptions, StandardView};
+
+use crate::failure::{Failure, exit_codes};
+use crate::input::Subject;
+use crate::mesher::{MesherOptions, produce};
+use crate::output;
+use crate::progress::Progress;
+
+/// Options of `render`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// Where to write the picture (.png), or `-` for standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1024x768")]
+    size: Size,
+    /// front, back, left, right, top, bottom or iso; or the direction to look
+    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z
+    #[arg(
+        long,
+        value_name = "VIEW",
+        default_value = "iso",
+        allow_hyphen_values = true
+    )]
+    camera: View,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = field_of_view)]
+    fov: f64,
+    /// Parallel instead of perspective projection
+    #[arg(long, conflicts_with = "fov")]
+    orthographic: bool,
+    /// Colour behind the model as RRGGBB, sRGB; transparent by default
+    #[arg(long, value_name = "RRGGBB", value_parser = color)]
+    background: Option<Color>,
+    #[command(flatten)]
+    mesher: MesherOptions,
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('x');
+        let sides = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+        match sides {
+            Some((width, height))
+                if (1..=raster::MAX_SIZE).contains(&width)
+                    && (1..=raster::MAX_SIZE).contains(&height) =>
+            {
+                Ok(Self { width, height })
+            }
+            _ => Err(format!(
+                "give width and height from 1 to {}, like 1024x768",
+                raster::MAX_SIZE
+            )),
+        }
+    }
+}
+
+/// Where the camera is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum View {
+    Standard(StandardView),
+    Along(DVec3),
+    FromTo(DVec3, DVec3),
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some(view) = StandardView::from_name(text) {
+            return Ok(Self::Standard(view));
+        }
+        let view = match text.split_once(':') {
+            Some((eye, target)) => point(eye)
+                .zip(point(target))
+                .and_then(|(eye, target)| (eye != target).then_some(Self::FromTo(eye, target))),
+            None => point(text)
+                .filter(|direction| *direction != DVec3::ZERO)
+                .map(Self::Along),
+        };
+        view.ok_or_else(|| {
+            let names = StandardView::ALL.map(StandardView::name).join(", ");
+            format!(
+                "give one of {names}, a direction like -1,1,-1, or eye and target like 3,-3,2:0,0,0"
+            )
+        })
+    }
+}
+
+/// Three finite numbers with commas between them.
+fn point(text: &str) -> Option<DVec3> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|number| number.trim().parse())
+        .collect::<Result<_, _>>()
+        .ok()?;
+    let [x, y, z] = numbers[..] else {
+        return None;
+    };
+    Some(DVec3::new(x, y, z)).filter(|point| point.is_finite())
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("give an angle between 0 and 180 degrees".into()),
+    }
+}
+
+fn color(text: &str) -> Result<Color, String> {
+    let fault = || "give six hexadecimal digits, like ffffff".to_owned();
+    if text.len() != 6 || !text.bytes().all(|b| b.is_ascii_hexdigit()) {
+        return Err(fault());
+    }
+    let value = u32::from_str_radix(text, 16).map_err(|_| fault())?;
+    let [_, r, g, b] = value.to_be_bytes();
+    Ok(Color::from_srgb([r, g, b].map(|c| f32::from(c) / 255.0)))
+}
+
+pub(crate) fn run(
+    subject: impl FnOnce() -> Result<Subject, Failure>,
+    options: &Options,
+) -> Result<(), Failure> {
+    let extension = options.output.extension().and_then(|e| e.to_str());
+    if !output::is_stream(&options.output)
+        && !extension.is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        let cause = format!("{}: pictures are written as .png", options.output.display());
+        return Err(Failure::new(
+            exit_codes::USAGE,
+            "no such picture format",
+            cause,
+        ));
+    }
+    let progress = Progress::new();
+    let product = produce(subject, &options.mesher, &progress)?;
+    progress.stage("drawing");
+    let png = draw(&product.mesh, options).map_err(|error| {
+        let context = "cannot draw the model";
+        let failure = Failure::new(exit_codes::MODEL, context, error);
+        if product.mesh.triangles.is_empty() {
+            failure.hint("the mesh is empty: is the solid, or are its parts smaller than a cell?")
+        } else {
+            failure
+        }
+    })?;
+    progress.stage("writing");
+    output::write_bytes(&options.output, &png)
+}
+
+fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, raster::RasterError> {
+    let Size { width, height } = options.size;
+    let aspect = f64::from(width) / f64::from(height);
+    let lens = if options.orthographic {
+        // Framing finds the height.
+        Lens::Orthographic { height: 1.0 }
+    } else {
+        let fov_y = options.fov.to_radians();
+        Lens::Perspective { fov_y }
+    };
+    let camera = match options.camera {
+        View::Standard(view) => Camera::standard(mesh, view, lens, aspect)?,
+        View::Along(direction) => {
+            Camera::framing(mesh, direction, up_for(direction), lens, aspect)?
+        }
+        View::FromTo(eye, target) => {
+            let direction = target - eye;
+            let up = up_for(direction);
+            let framed = Camera::framing(mesh, direction, up, lens, aspect)?;
+            // The same depths, seen from the eye that was asked for.
+            let towards = direction.normalize();
+            let moved = (framed.eye - eye).dot(towards);
+            let far = (framed.far + moved).max(f64::MIN_POSITIVE);
+            let near = (framed.near + moved).max(far * 1e-3);
+            Camera {
+                eye,
+                target,
+                near,
+                far,
+                ..framed
+            }
+        }
+    };
+    let mut render = RenderOptions::default();
+    if let Some(background) = options.background {
+        render.background = background;
+    }
+    raster::render(mesh, &camera.view(width, height)?, width, height, &render)?.to_png()
+}
+
+/// Z is up in the picture unless the view is along it.
+fn up_for(direction: DVec3) -> DVec3 {
+    if direction.truncate() == glam::DVec2::ZERO {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(
+            "64x48".parse(),
+            Ok(Size {
+                width: 64,
+                height: 48
+            })
+        );
+        for faulty in ["", "64", "64x", "0x48", "-1x3", "64x48x2", "99999x1"] {
+            assert!(faulty.parse::<Size>().is_err(), "{faulty}");
+        }
+    }
+
+    #[test]
+    fn views() {
+        assert_eq!("top".parse(), Ok(View::Standard(StandardView::Top)));
+        assert_eq!(
+            "-1,1,-1".parse(),
+            Ok(View::Along(DVec3::new(-1.0, 1.0, -1.0)))
+        );
+        let eye = DVec3::new(3.0, -3.0, 2.0);
+        assert_eq!("3,-3,2:0,0,0".parse(), Ok(View::FromTo(eye, DVec3::ZERO)));
+        for faulty in [
+            "",
+            "above",
+            "0,0,0",
+            "1,2",
+            "1,2,nan",
+            "1,1,1:1,1,1",
+            "1,2,3:4,5",
+        ] {
+            assert!(faulty.parse::<View>().is_err(), "{faulty}");
+        }
+    }
+
+    #[test]
+    fn colors() {
+        assert_eq!(color("ff0000"), Ok(Color::from_srgb([1.0, 0.0, 0.0])));
+        for faulty in ["", "fff", "gg0000", "+f0000", "ff00000"] {
+            assert!(color(faulty).is_err(), "{faulty}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Why a command ended early: message, cause, hint and exit code.
+
+use std::error::Error;
+use std::fmt;
+
+/// The exit codes of every command.
+pub mod exit_codes {
+    /// Done.
+    pub const SUCCESS: u8 = 0;
+    /// The command line does not make sense, or an option is out of range.
+    pub const USAGE: u8 = 2;
+    /// The input cannot be read, or is not what its name says.
+    pub const INPUT: u8 = 3;
+    /// The model is faulty: a bad argument of a node, or no bounds.
+    pub const MODEL: u8 = 4;
+    /// The output cannot be written.
+    pub const OUTPUT: u8 = 5;
+    /// The model is right but too large for this program.
+    pub const TOO_LARGE: u8 = 6;
+}
+
+/// The table of [`exit_codes`] for `--help`.
+pub(crate) const EXIT_CODES_HELP: &str = "\
+Exit codes:
+  0  done
+  2  the command line does not make sense, or an option is out of range
+  3  the input cannot be read, or is not what its name says
+  4  the model is faulty: a bad argument of a node, or no bounds
+  5  the output cannot be written
+  6  the model is too large for this program";
+
+/// An error on its way to the user.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub(crate) code: u8,
+    /// What could not be done.
+    context: String,
+    /// Why not; says how to mend it where that depends on the cause.
+    cause: Box<dyn Error>,
+    hint: Option<&'static str>,
+}
+
+impl Failure {
+    pub(crate) fn new(
+        code: u8,
+        context: impl Into<String>,
+        cause: impl Into<Box<dyn Error>>,
+    ) -> Self {
+        Self {
+            code,
+            context: context.into(),
+            cause: cause.into(),
+            hint: None,
+        }
+    }
+
+    pub(crate) fn hint(self, hint: &'static str) -> Self {
+        Self {
+            hint: Some(hint),
+            ..self
+        }
+    }
+
+    pub(crate) fn input(name: &str, cause: impl Into<Box<dyn Error>>) -> Self {
+        Self::new(exit_codes::INPUT, format!("cannot read {name}"), cause)
+    }
+
+    pub(crate) fn output(name: &str, cause: impl Into<Box<dyn Error>>) -> Self {
+        Self::new(exit_codes::OUTPUT, format!("cannot write {name}"), cause)
+    }
+}
+
+impl From<csg::Error> for Failure {
+    fn from(error: csg::Error) -> Self {
+        let (code, context) = match &error {
+            csg::Error::InvalidOption(_) => (exit_codes::USAGE, "an option is out of range"),
+            csg::Error::TooLarge { .. } => (exit_codes::TOO_LARGE, "the model is too large"),
+            csg::Error::Unbounded { .. } => (exit_codes::MODEL, "the model has no end"),
+            _ => (exit_codes::MODEL, "the model is faulty"),
+        };
+        let hint = match &error {
+            csg::Error::TooLarge { .. } => Some("fewer cells (--cells) make a smaller mesh"),
+            csg::Error::Unbounded { .. } => {
+                Some("one unbounded operand of a union makes the whole unbounded")
+            }
+            _ => None,
+        };
+        Self {
+            hint,
+            ..Self::new(code, context, error)
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.context)?;
+        let mut cause: Option<&dyn Error> = Some(&*self.cause);
+        let mut said = String::new();
+        while let Some(error) = cause {
+            let message = error.to_string();
+            // Many errors repeat the message of the one below.
+            if !said.contains(&message) {
+                write!(f, "\n  cause: {message}")?;
+                said = message;
+            }
+            cause = error.source();
+        }
+        if let Some(hint) = self.hint {
+            write!(f, "\n  hint: {hint}")?;
+        }
+        Ok(())
+    }
+}

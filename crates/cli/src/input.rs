@@ -1,0 +1,81 @@
+//! What goes in: a scene, a mesh, or a model written in Rust.
+
+use std::io::Read;
+use std::path::PathBuf;
+
+use csg::{Mesh, Solid};
+use io::MeshFormat;
+use io::scene::{self, ReadOptions, SceneError};
+
+use crate::failure::Failure;
+
+/// The input file of the `csg` command.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Input {
+    /// The input: a scene (.csg), or a mesh (.glb .gltf .obj .stl .ply); `-`
+    /// reads a scene from standard input
+    #[arg(value_name = "IN")]
+    path: PathBuf,
+    /// Read circles, spheres and cones as the polygons that OpenSCAD makes of
+    /// them
+    #[arg(long)]
+    faceted: bool,
+}
+
+/// What a command works on.
+pub(crate) enum Subject {
+    /// A solid, still to be meshed.
+    Solid(Solid),
+    /// A mesh, as it was read.
+    Mesh(Mesh),
+}
+
+impl Input {
+    /// Reads the file by its extension; warnings go to standard error.
+    pub(crate) fn read(&self) -> Result<Subject, Failure> {
+        let options = ReadOptions::default().faceted(self.faceted);
+        let scene = if self.path.as_os_str() == "-" {
+            let mut bytes = Vec::new();
+            std::io::stdin()
+                .read_to_end(&mut bytes)
+                .map_err(|error| Failure::input("standard input", error))?;
+            scene::read_bytes(&bytes, &options)
+                .map_err(|error| scene_failure("standard input", error))?
+        } else {
+            let name = self.path.display().to_string();
+            if MeshFormat::from_path(&self.path).is_ok() {
+                let mesh =
+                    io::read_mesh(&self.path).map_err(|error| Failure::input(&name, error))?;
+                return Ok(Subject::Mesh(mesh));
+            }
+            let extension = self.path.extension().and_then(|e| e.to_str());
+            if !extension.is_some_and(|e| e.eq_ignore_ascii_case("csg")) {
+                let hint = "name a .csg scene (`openscad -o part.csg part.scad` makes one of an \
+                            OpenSCAD model) or a .glb, .gltf, .obj, .stl or .ply mesh";
+                return Err(Failure::input(&name, "its extension is not known").hint(hint));
+            }
+            scene::read_file(&self.path, &options).map_err(|error| scene_failure(&name, error))?
+        };
+        for warning in &scene.warnings {
+            eprintln!("warning: {warning}");
+        }
+        Ok(Subject::Solid(scene.solid))
+    }
+}
+
+fn scene_failure(name: &str, error: SceneError) -> Failure {
+    let hint = match &error {
+        SceneError::Unsupported { .. } => {
+            Some("rewrite that part with the supported nodes, or leave it out with `%`")
+        }
+        SceneError::Syntax { .. } => Some(
+            "scenes are OpenSCAD's evaluated trees, as `openscad -o part.csg part.scad` writes them",
+        ),
+        _ => None,
+    };
+    let failure = Failure::input(name, error);
+    match hint {
+        Some(hint) => failure.hint(hint),
+        None => failure,
+    }
+}

@@ -1,0 +1,95 @@
+//! What comes out: mesh files, pictures and JSON, `-` being standard output.
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use csg::Mesh;
+use io::{AtomicFile, MeshFormat, WriteOptions};
+
+use crate::failure::{Failure, exit_codes};
+
+const STANDARD_OUTPUT: &str = "standard output";
+
+/// Formats that fit into one stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StreamFormat {
+    /// glTF 2.0, binary
+    #[default]
+    Glb,
+    /// Wavefront OBJ without materials
+    Obj,
+    /// Stereolithography, binary
+    Stl,
+    /// Stanford polygons, binary
+    Ply,
+}
+
+/// Whether a file argument means standard output.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == OsStr::new("-")
+}
+
+/// Refuses outputs that would come out mixed, or in no known format, before
+/// any work is done for them.
+pub(crate) fn check(meshes: &[PathBuf], json: Option<&Path>) -> Result<(), Failure> {
+    let streams = meshes.iter().filter(|path| is_stream(path)).count()
+        + usize::from(json.is_some_and(is_stream));
+    if streams > 1 {
+        let context = "two outputs on standard output";
+        let cause = "they would come out mixed: send all but one to files";
+        return Err(Failure::new(exit_codes::USAGE, context, cause));
+    }
+    for path in meshes.iter().filter(|path| !is_stream(path)) {
+        MeshFormat::from_path(path)
+            .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))?;
+    }
+    Ok(())
+}
+
+/// Writes the mesh to a file by its extension, or to standard output.
+pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Result<(), Failure> {
+    if !is_stream(path) {
+        return io::write_mesh(path, mesh, &WriteOptions::default())
+            .map_err(|error| Failure::output(&path.display().to_string(), error));
+    }
+    let mut bytes = Vec::new();
+    match stream {
+        StreamFormat::Glb => io::gltf::write_glb(mesh, &mut bytes),
+        StreamFormat::Obj => io::obj::write_obj(mesh, None, &mut bytes),
+        StreamFormat::Stl => io::stl::write_stl(mesh, &mut bytes),
+        StreamFormat::Ply => io::ply::write_ply(mesh, &mut bytes),
+    }
+    .map_err(|error| Failure::output(STANDARD_OUTPUT, error))?;
+    print(&bytes)
+}
+
+/// Writes bytes to a file, whole or not at all, or to standard output.
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    if is_stream(path) {
+        return print(bytes);
+    }
+    let name = path.display().to_string();
+    let mut file = AtomicFile::create(path).map_err(|error| Failure::output(&name, error))?;
+    file.write_all(bytes)
+        .map_err(|error| Failure::output(&name, error))?;
+    file.commit().map_err(|error| Failure::output(&name, error))
+}
+
+/// Writes a value as JSON.
+pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Failure> {
+    let mut text = serde_json::to_vec_pretty(value)
+        .map_err(|error| Failure::output(&path.display().to_string(), error))?;
+    text.push(b'\n');
+    write_bytes(path, &text)
+}
+
+/// Writes to standard output; a reader that has gone away is an error, not a
+/// panic.
+pub(crate) fn print(bytes: &[u8]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(bytes)
+        .and_then(|()| out.flush())
+        .map_err(|error| Failure::output(STANDARD_OUTPUT, error))
+}

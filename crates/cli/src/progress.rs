@@ -1,0 +1,58 @@
+//! A progress bar on the terminal, for whatever takes long.
+
+use std::io::IsTerminal;
+use std::thread;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// What is done sooner than this needs no bar.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Length of the bar: the mesher reports hundredths.
+const STEPS: u64 = 100;
+
+/// A bar on standard error that appears if the work takes longer than half a
+/// second, and only on a terminal.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    pub(crate) fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg:>9} {wide_bar} {percent:>3}%  {elapsed}")
+        {
+            bar.set_style(style);
+        }
+        if std::io::stderr().is_terminal() {
+            let waiting = bar.clone();
+            thread::spawn(move || {
+                thread::sleep(PATIENCE);
+                if !waiting.is_finished() {
+                    waiting.set_draw_target(ProgressDrawTarget::stderr());
+                    waiting.enable_steady_tick(Duration::from_millis(100));
+                }
+            });
+        }
+        Self { bar }
+    }
+
+    /// Names what is being done now.
+    pub(crate) fn stage(&self, name: &'static str) {
+        self.bar.set_position(0);
+        self.bar.set_message(name);
+    }
+
+    /// A callback for the share that is done, 0 to 1.
+    pub(crate) fn callback(&self) -> impl Fn(f64) + Send + Sync + 'static {
+        let bar = self.bar.clone();
+        move |share: f64| bar.set_position((share * STEPS as f64) as u64)
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

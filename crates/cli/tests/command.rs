@@ -1,0 +1,272 @@
+//! The `csg` command as a user runs it.
+
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+const DRILLED: &str = "difference() {
+\tintersection() { cube(size = [1.5, 1.5, 1.5], center = true); sphere(r = 1); }
+\tcylinder(h = 4, r1 = 0.5, r2 = 0.5, center = true);
+\tmultmatrix([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) { cylinder(h = 4, r1 = 0.5, r2 = 0.5, center = true); }
+\tmultmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]) { cylinder(h = 4, r1 = 0.5, r2 = 0.5, center = true); }
+}
+";
+/// The exact volume of [`DRILLED`].
+const DRILLED_VOLUME: f64 = 0.988_789_557_199_477;
+
+/// A folder of its own with a scene in it.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().expect("a folder"));
+        fs::write(folder.file("in.csg"), DRILLED).expect("a file");
+        folder
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs the command here, words separated by spaces.
+    fn run(&self, arguments: &str) -> Output {
+        self.run_with_input(arguments, "")
+    }
+
+    fn run_with_input(&self, arguments: &str, input: &str) -> Output {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_csg"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.0.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the command runs");
+        let mut stdin = child.stdin.take().expect("its input");
+        // A command that fails early does not read it.
+        let _ = stdin.write_all(input.as_bytes());
+        drop(stdin);
+        child.wait_with_output().expect("the command ends")
+    }
+
+    /// Names of all files here but the scene, sorted.
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("a folder");
+        let mut names: Vec<String> = entries
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .filter(|name| name != "in.csg")
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+fn succeeded(output: &Output) -> &Output {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    output
+}
+
+/// Asserts the exit code, and returns what was said.
+fn failed(output: &Output, code: i32) -> String {
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    message
+}
+
+#[test]
+fn mesh_writes_every_format_and_json() {
+    let folder = Folder::new();
+    let outputs = ["glb", "gltf", "obj", "stl", "ply", "3mf"].map(|e| format!("-o out.{e}"));
+    let command = format!(
+        "mesh in.csg {} --cells 48 --json out.json",
+        outputs.join(" ")
+    );
+    succeeded(&folder.run(&command));
+    let expected = [
+        "out.3mf", "out.bin", "out.glb", "out.gltf", "out.json", "out.obj", "out.ply", "out.stl",
+    ];
+    assert_eq!(folder.files(), expected);
+
+    let text = fs::read_to_string(folder.file("out.json")).expect("a file");
+    let json: Value = serde_json::from_str(&text).expect("JSON");
+    let volume = json["volume"].as_f64().expect("a number");
+    assert!((volume / DRILLED_VOLUME - 1.0).abs() < 0.02, "{volume}");
+    assert_eq!(json["genus"], 5);
+    assert_eq!(json["components"], 1);
+    assert_eq!(
+        (&json["manifold"], &json["closed"]),
+        (&Value::Bool(true), &Value::Bool(true))
+    );
+    for (axis, low) in json["bounds"]["min"]
+        .as_array()
+        .expect("a point")
+        .iter()
+        .enumerate()
+    {
+        let high = &json["bounds"]["max"][axis];
+        assert!((low.as_f64().expect("a number") + 0.75).abs() < 0.02);
+        assert!((high.as_f64().expect("a number") - 0.75).abs() < 0.02);
+    }
+    let mesh = io::read_mesh(folder.file("out.glb")).expect("a mesh");
+    assert_eq!(json["triangles"], mesh.triangles.len());
+    let seconds = json["seconds"].as_object().expect("stages");
+    let total: f64 = seconds
+        .iter()
+        .filter(|s| s.0 != "total")
+        .filter_map(|s| s.1.as_f64())
+        .sum();
+    assert!((total - seconds["total"].as_f64().expect("a number")).abs() < 1e-9);
+    assert!(json["report"]["cells_visited"].as_u64() > json["report"]["surface_cells"].as_u64());
+    // A mesh that was read says in which unit it is: glTF is in metres.
+    for extension in ["glb", "gltf", "obj", "stl", "ply"] {
+        let mesh = io::read_mesh(folder.file(&format!("out.{extension}"))).expect("a mesh");
+        let millimetres = mesh.volume() * (mesh.unit.in_metres() * 1e3).powi(3);
+        assert!(
+            (millimetres / volume - 1.0).abs() < 1e-5,
+            "{extension} {millimetres}"
+        );
+    }
+}
+
+#[test]
+fn streams_carry_the_scene_the_mesh_and_the_json() {
+    let folder = Folder::new();
+    let output = folder.run_with_input("mesh - -o - --format stl --cells 32", DRILLED);
+    let mesh = io::stl::read_stl(&succeeded(&output).stdout).expect("an STL mesh");
+    assert!((mesh.volume() / DRILLED_VOLUME - 1.0).abs() < 0.05);
+
+    let output = folder.run_with_input("measure - --json - --cells 32", DRILLED);
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    assert_eq!(json["genus"], 5);
+
+    let output = folder.run("render in.csg -o - --size 40x30 --cells 32");
+    assert!(succeeded(&output).stdout.starts_with(b"\x89PNG"));
+
+    let message = failed(&folder.run("mesh in.csg -o - --json -"), 2);
+    assert!(message.contains("standard output"), "{message}");
+    assert_eq!(folder.files(), [] as [&str; 0]);
+}
+
+#[test]
+fn measure_reads_meshes_too() {
+    let folder = Folder::new();
+    succeeded(&folder.run("mesh in.csg -o part.ply --cells 32"));
+    let of_scene = folder.run("measure in.csg --cells 32 --json -");
+    let of_mesh = folder.run("measure part.ply --json -");
+    let [scene, mesh] = [of_scene, of_mesh]
+        .map(|output| serde_json::from_slice::<Value>(&succeeded(&output).stdout).expect("JSON"));
+    for key in ["triangles", "vertices", "genus", "manifold"] {
+        assert_eq!(scene[key], mesh[key], "{key}");
+    }
+    let text = folder.run("measure part.ply");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(
+        text.contains("volume") && text.contains("genus       5"),
+        "{text}"
+    );
+}
+
+#[test]
+fn faceted_gives_polygons() {
+    let folder = Folder::new();
+    let scene = "cylinder($fn = 24, $fa = 12, $fs = 2, h = 1, r1 = 1, r2 = 1, center = false);";
+    fs::write(folder.file("round.csg"), scene).expect("a file");
+    let volume = |command: &str| {
+        let output = folder.run(command);
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        json["volume"].as_f64().expect("a number")
+    };
+    let round = volume("measure round.csg --json - --cells 128");
+    let faceted = volume("measure round.csg --faceted --json - --cells 128");
+    let tau = std::f64::consts::TAU;
+    // Polygon and circle differ by 1.1%, more than the mesh from either.
+    assert!((round - tau / 2.0).abs() < 0.004 * round, "{round}");
+    assert!(
+        (faceted - 12.0 * (tau / 24.0).sin()).abs() < 0.004 * round,
+        "{faceted}"
+    );
+}
+
+#[test]
+fn render_frames_the_model() {
+    let folder = Folder::new();
+    let cameras = ["iso", "top", "-1,2,-1", "3,-4,2:0,0,0", "0,0,-1"];
+    for (index, camera) in cameras.iter().enumerate() {
+        let command = format!(
+            "render in.csg -o {index}.png --size 96x64 --cells 32 --camera {camera} --background ffffff"
+        );
+        succeeded(&folder.run(&command));
+        let file = fs::read(folder.file(&format!("{index}.png"))).expect("a file");
+        // Width and height stand in the header.
+        assert_eq!(&file[16..24], [0, 0, 0, 96, 0, 0, 0, 64]);
+    }
+    succeeded(&folder.run("render in.csg -o p.png --orthographic --cells 32 --size 96x64"));
+    let [perspective, parallel] =
+        ["0.png", "p.png"].map(|name| fs::read(folder.file(name)).expect("a file"));
+    assert_ne!(perspective, parallel);
+}
+
+#[test]
+fn failures_have_a_cause_a_hint_and_a_code() {
+    let folder = Folder::new();
+    let write = |name: &str, text: &str| fs::write(folder.file(name), text).expect("a file");
+    write("syntax.csg", "cube(size = [1, 1, 1], center = true)");
+    write("hull.csg", "group() {\n\thull() { sphere(r = 1); }\n}");
+    write(
+        "nothing.csg",
+        "difference() { sphere(r = 1); sphere(r = 2); }",
+    );
+    write("mesh.stl", "this is no mesh");
+    write("part.step", "");
+    for (command, code, words) in [
+        ("", 2, "Usage"),
+        ("mesh in.csg", 2, "--output"),
+        ("mesh in.csg -o out.dwg", 2, ".glb"),
+        ("mesh in.csg -o out.glb --cells 0", 2, "--cells"),
+        ("render in.csg -o out.jpg", 2, ".png"),
+        ("render in.csg -o out.png --size 0x4", 2, "1024x768"),
+        ("render in.csg -o out.png --camera above", 2, "front"),
+        ("mesh missing.csg -o out.glb", 3, "missing.csg"),
+        ("mesh part.step -o out.glb", 3, "hint:"),
+        ("mesh syntax.csg -o out.glb", 3, "syntax.csg:1:"),
+        ("mesh hull.csg -o out.glb", 3, "hull.csg:2:"),
+        ("measure mesh.stl", 3, "mesh.stl"),
+        (
+            "mesh in.csg -o no/such/folder/out.glb --cells 16",
+            5,
+            "no/such/folder",
+        ),
+        ("mesh nothing.csg -o out.glb", 5, "empty"),
+        ("render nothing.csg -o out.png", 4, "empty"),
+    ] {
+        let message = failed(&folder.run(command), code);
+        assert!(message.contains(words), "{command}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+    }
+    let left: Vec<String> = folder
+        .files()
+        .into_iter()
+        .filter(|f| f.starts_with("out"))
+        .collect();
+    assert_eq!(left, [] as [&str; 0]);
+}
+
+#[test]
+fn help_documents_the_exit_codes() {
+    let folder = Folder::new();
+    let output = folder.run("--help");
+    let text = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+    for code in [0, 2, 3, 4, 5, 6] {
+        assert!(text.contains(&format!("\n  {code}  ")), "{text}");
+    }
+}
