@@ -23,30 +23,17 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use self::attribution::Attribution;
 use self::field::{Field, ROW, Scratch, distance};
 use self::lattice::Lattice;
-use crate::control::{Control, Stage};
+use crate::control::Stage;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
-use crate::program::{Cell, Program, Pruner, Surface};
+use crate::mesher::Task;
+use crate::program::{Cell, Pruner};
 use crate::report::Report;
 
 /// Cells along the side of a brick: with the apron its samples fill rows of
 /// [`ROW`].
 const SIDE: i32 = ROW as i32 - 2;
 type Samples = ConstShape3u32<{ ROW as u32 }, { ROW as u32 }, { ROW as u32 }>;
-
-/// What there is to mesh. All geometry is relative to `origin`, the middle
-/// of the solid's bounds, so that a model far away loses no digits.
-pub(crate) struct Task<'a> {
-    pub(crate) program: &'a Program,
-    /// The program's surfaces about `origin`.
-    pub(crate) surfaces: Vec<Surface>,
-    pub(crate) origin: DVec3,
-    /// The lengths of the sides of the bounds.
-    pub(crate) size: DVec3,
-    /// Side of a cell.
-    pub(crate) cell: f64,
-    pub(crate) control: &'a Control,
-}
 
 /// Meshes the task's program on its lattice.
 pub(crate) fn mesh(task: &Task, report: &mut Report) -> Result<Mesh, Error> {

@@ -6,6 +6,7 @@ mod draft;
 mod error;
 pub mod mesh;
 mod mesher;
+mod net;
 pub mod program;
 mod report;
 pub mod solid;

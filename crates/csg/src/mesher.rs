@@ -3,11 +3,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::DVec3;
+
 use crate::control::{CancelToken, Control};
 use crate::draft;
 use crate::error::Error;
 use crate::mesh::{LengthUnit, Mesh};
-use crate::program::{Bounds, Program};
+use crate::net;
+use crate::program::{Bounds, Program, Surface};
 use crate::report::Report;
 
 /// The most cells along one axis: indices and patience end there.
@@ -46,6 +49,7 @@ enum Resolution {
 
 #[derive(Clone, Copy, Debug)]
 enum Method {
+    Exact,
     Draft,
 }
 
@@ -59,6 +63,20 @@ pub struct Meshed {
     pub report: Report,
 }
 
+/// What there is to mesh. All geometry is relative to `origin`, the middle
+/// of the solid's bounds, so that a model far away loses no digits.
+pub(crate) struct Task<'a> {
+    pub(crate) program: &'a Program,
+    /// The program's surfaces about `origin`.
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) origin: DVec3,
+    /// The lengths of the sides of the bounds.
+    pub(crate) size: DVec3,
+    /// Side of a cell.
+    pub(crate) cell: f64,
+    pub(crate) control: &'a Control,
+}
+
 impl Default for Mesher {
     fn default() -> Self {
         Self::new()
@@ -70,7 +88,7 @@ impl Mesher {
     pub fn new() -> Self {
         Self {
             resolution: Resolution::Cells(128),
-            method: Method::Draft,
+            method: Method::Exact,
             bounds: None,
             unit: LengthUnit::default(),
             control: Control::default(),
@@ -139,6 +157,7 @@ impl Mesher {
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
         let mut report = Report {
             method: match self.method {
+                Method::Exact => "exact",
                 Method::Draft => "draft",
             },
             ..Report::default()
@@ -161,7 +180,7 @@ impl Mesher {
         if let Some(bounds) = bounds.filter(|b| b.size().max_element() > 0.0) {
             report.cell_size = self.cell_size_for(&bounds)?;
             let origin = bounds.center();
-            let task = draft::Task {
+            let task = Task {
                 program,
                 surfaces: program.surfaces_about(origin),
                 origin,
@@ -170,6 +189,7 @@ impl Mesher {
                 control: &self.control,
             };
             mesh = match self.method {
+                Method::Exact => net::mesh(&task, &mut report)?,
                 Method::Draft => draft::mesh(&task, &mut report)?,
             };
         }

@@ -1,16 +1,20 @@
 //! The bounding box of a solid, from its program alone.
 //!
-//! First infinity: a point far away is s (±1, u, v) (or with another axis
-//! first) with |u|, |v| <= 1, and f / s² of a quadric, f / s of a plane, is a
-//! polynomial of second degree in u, v and w = 1/s. Those are quadrics again,
-//! on a finite box: the same pruning proves the solid empty there, or finds a
-//! direction in which it goes on. Then branch and bound from the finite box
-//! that is left, inwards.
+//! 1. Boxes of literals (axis-aligned planes, ellipsoids, cylinders along an
+//!    axis) combine through the formula: a finite result encloses the solid.
+//! 2. Otherwise infinity is searched: a point far away is s (±1, u, v) (or with
+//!    another axis first) with |u|, |v| <= 1, and f / s² of a quadric, f / s of
+//!    a plane, is a polynomial of second degree in u, v and w = 1/s. Those are
+//!    quadrics again, on a finite box: the same pruning proves the solid empty
+//!    there, or finds a direction in which it goes on.
+//! 3. From the finite box that is left, slabs are shaved off every side as long
+//!    as they are proven empty.
 
 use glam::DVec3;
 
 use super::Program;
-use super::cell::{Cell, Descend, Descent, Pruner, Visitor, octant_offset};
+use super::cell::{Cell, Pruner, octant_offset};
+use super::formula::{Formula, Operand, Operation};
 use super::surface::{Side, Surface};
 use crate::error::Error;
 
@@ -50,23 +54,32 @@ impl Bounds {
         }
     }
 
-    fn encloses(&self, other: &Self) -> bool {
-        self.min.cmple(other.min).all() && self.max.cmpge(other.max).all()
+    fn intersected(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
     }
 }
 
-/// Levels of splitting in the last, finest round: each side of the result is
-/// off by at most about 2⁻⁸ of the box.
-const FINE_LEVELS: usize = 9;
-/// Levels in the rounds before, which only bring the box near.
-const COARSE_LEVELS: usize = 5;
+/// A side is shaved until not even a slab of this share of the box is proven
+/// empty.
+const FINEST_SLAB: f64 = 1.0 / 512.0;
+/// The same for programs so large that every proof costs noticeable time.
+const COARSEST_SLAB: f64 = 1.0 / 4.0;
+/// How many surfaces all attempts at shaving together may look at before the
+/// coarser limit is approached.
+const SHAVING_BUDGET: usize = 4_000_000;
+/// How often a slab is halved before it counts as not empty.
+const SLAB_LEVELS: usize = 16;
 /// How often the neighbourhood of infinity is halved before a solid that is
 /// still there counts as unbounded.
 const INFINITY_LEVELS: usize = 12;
 
 impl Program {
     /// A box that encloses the solid, on each side at most about 1/256 of its
-    /// size too large; `None` if the solid is proven empty.
+    /// size too large (up to a quarter for programs of some 100,000 surfaces,
+    /// where more would cost time); `None` if the solid is proven empty.
     ///
     /// # Errors
     /// [`Error::Unbounded`] if the solid reaches infinitely far.
@@ -84,29 +97,21 @@ impl Program {
         });
         let origin = 0.5 * low + 0.5 * high;
         let surfaces = self.surfaces_about(origin);
-        let guess = surfaces
-            .iter()
-            .map(|s| s.anchor.abs().max_element() + s.constant.abs().sqrt() + s.extent_of_slope())
-            .fold(0.0, f64::max);
-        let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
-        let radius = finite_radius(&surfaces, &root, guess)?;
-
-        let mut descent = Descent::new(&surfaces);
-        let mut current = Bounds::around(DVec3::ZERO, DVec3::splat(radius));
-        // Each coarse round shrinks the box up to 32-fold; f64 has room for
-        // fewer than 300 of them.
-        for _ in 0..300 {
-            let Some(next) = hull(&mut descent, &root, current, COARSE_LEVELS) else {
-                return Ok(None);
+        let mut current = literal_bounds(&surfaces, &self.formula);
+        if !(current.min.is_finite() && current.max.is_finite()) {
+            let reach = |s: &Surface| {
+                s.anchor.abs().max_element() + s.constant.abs().sqrt() + s.extent_of_slope()
             };
-            let shrunk = next.size().cmplt(current.size() * 0.7).any();
-            current = next;
-            if !shrunk {
-                break;
-            }
+            let guess = surfaces.iter().map(reach).fold(0.0, f64::max);
+            let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
+            let radius = finite_radius(&surfaces, &root, guess)?;
+            current = current.intersected(Bounds::around(DVec3::ZERO, DVec3::splat(radius)));
         }
-        let hull = hull(&mut descent, &root, current, FINE_LEVELS);
-        Ok(hull.map(|bounds| Bounds {
+        if current.min.cmpgt(current.max).any() {
+            return Ok(None);
+        }
+        let shaved = Shaver::new(&surfaces, &root).shave(current);
+        Ok(shaved.map(|bounds| Bounds {
             min: bounds.min + origin,
             max: bounds.max + origin,
         }))
@@ -279,35 +284,185 @@ fn finite_radius(surfaces: &[Surface], root: &Cell, guess: f64) -> Result<f64, E
     Ok(radius)
 }
 
-/// The hull of those boxes, `levels` halvings below `start`, that are not
-/// proven empty.
-fn hull(descent: &mut Descent<'_>, root: &Cell, start: Bounds, levels: usize) -> Option<Bounds> {
-    struct Search {
-        found: Option<Bounds>,
-        levels: usize,
-    }
-    impl Visitor for Search {
-        fn wants(&mut self, center: DVec3, half: DVec3) -> bool {
-            let bounds = Bounds::around(center, half);
-            self.found.is_none_or(|found| !found.encloses(&bounds))
+/// The box of a formula, from boxes of its literals; infinite where they are.
+fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
+    const EVERYTHING: Bounds = Bounds {
+        min: DVec3::NEG_INFINITY,
+        max: DVec3::INFINITY,
+    };
+    const NOTHING: Bounds = Bounds {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
+    let mut gates: Vec<Bounds> = Vec::with_capacity(formula.gates().len());
+    let operand_bounds = |operand: Operand, gates: &[Bounds]| match operand {
+        Operand::Constant(true) => EVERYTHING,
+        Operand::Constant(false) => NOTHING,
+        Operand::Literal(i) => {
+            let literal = formula.literals()[i as usize];
+            let surface = surfaces[literal.surface as usize];
+            half_space_bounds(&if literal.outside {
+                surface.negated()
+            } else {
+                surface
+            })
         }
+        Operand::Gate(i) => gates[i as usize],
+    };
+    for gate in formula.gates() {
+        let boxes = formula.operands_of(gate).iter();
+        let boxes = boxes.map(|&operand| operand_bounds(operand, &gates));
+        gates.push(match gate.operation {
+            Operation::And => boxes.fold(EVERYTHING, Bounds::intersected),
+            // Nothing is the inverted box, which unites as it should.
+            Operation::Or => boxes.fold(NOTHING, |all, b| {
+                if b.min.cmpgt(b.max).any() {
+                    all
+                } else {
+                    all.united(b)
+                }
+            }),
+        });
+    }
+    operand_bounds(formula.root(), &gates)
+}
 
-        fn visit(&mut self, center: DVec3, half: DVec3, level: usize, cell: &Cell) -> Descend {
-            match cell.constant() {
-                Some(false) => Descend::Stop,
-                None if level < self.levels => Descend::Split,
-                _ => {
-                    let bounds = Bounds::around(center, half);
-                    self.found = Some(self.found.map_or(bounds, |found| found.united(bounds)));
-                    Descend::Stop
+/// The box of f <= 0 of one surface, as far as it is easily told.
+fn half_space_bounds(surface: &Surface) -> Bounds {
+    let mut bounds = Bounds {
+        min: DVec3::NEG_INFINITY,
+        max: DVec3::INFINITY,
+    };
+    let anchor = surface.anchor;
+    // Coordinates are computed with a few roundings.
+    let slack = |value: f64| 8.0 * f64::EPSILON * value.abs();
+    if surface.is_plane() {
+        for axis in 0..3 {
+            if surface.linear.abs()[axis] == 1.0 {
+                let at = anchor[axis];
+                if surface.linear[axis] > 0.0 {
+                    bounds.max[axis] = at + slack(at);
+                } else {
+                    bounds.min[axis] = at - slack(at);
                 }
             }
         }
+        return bounds;
     }
-    let mut search = Search {
-        found: None,
-        levels,
-    };
-    descent.run(root, start.center(), 0.5 * start.size(), &mut search);
-    search.found
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let squares = DVec3::new(xx, yy, zz);
+    let separable = [xy, yz, zx] == [0.0; 3] && surface.linear == DVec3::ZERO;
+    if separable && squares.min_element() >= 0.0 && surface.constant < 0.0 {
+        for axis in 0..3 {
+            if squares[axis] > 0.0 {
+                let reach = (-surface.constant / squares[axis]).sqrt();
+                let reach = reach + slack(reach) + slack(anchor[axis]);
+                bounds.min[axis] = anchor[axis] - reach;
+                bounds.max[axis] = anchor[axis] + reach;
+            }
+        }
+    }
+    bounds
+}
+
+/// Takes slabs off a box as long as they are proven empty.
+struct Shaver<'a> {
+    surfaces: &'a [Surface],
+    root: &'a Cell,
+    levels: Vec<Cell>,
+    pruner: Pruner,
+    /// Surfaces looked at so far.
+    spent: usize,
+}
+
+impl<'a> Shaver<'a> {
+    fn new(surfaces: &'a [Surface], root: &'a Cell) -> Self {
+        Self {
+            surfaces,
+            root,
+            levels: Vec::new(),
+            pruner: Pruner::default(),
+            spent: 0,
+        }
+    }
+
+    fn shave(&mut self, mut bounds: Bounds) -> Option<Bounds> {
+        if self.is_empty(bounds, SLAB_LEVELS / 2) {
+            return None;
+        }
+        // Shares of the box, from coarse to fine: all sides at each before the
+        // next, so that a budget that runs out has brought all sides equally
+        // far. A box that shrinks is gone over again.
+        let mut share = 0.5;
+        while share >= FINEST_SLAB && (share >= COARSEST_SLAB || self.spent < SHAVING_BUDGET) {
+            let mut shaved = false;
+            for axis in 0..3 {
+                for upper in [false, true] {
+                    let mut slab = bounds;
+                    let width = share * bounds.size()[axis];
+                    if upper {
+                        slab.min[axis] = bounds.max[axis] - width;
+                    } else {
+                        slab.max[axis] = bounds.min[axis] + width;
+                    }
+                    let inner = if upper {
+                        slab.min[axis]
+                    } else {
+                        slab.max[axis]
+                    };
+                    // Equal when the box is flat as far as doubles can tell.
+                    if !(width > 0.0 && inner > bounds.min[axis] && inner < bounds.max[axis]) {
+                        continue;
+                    }
+                    if self.is_empty(slab, SLAB_LEVELS) {
+                        shaved = true;
+                        if upper {
+                            bounds.max[axis] = inner;
+                        } else {
+                            bounds.min[axis] = inner;
+                        }
+                    }
+                }
+            }
+            if !shaved {
+                share *= 0.5;
+            } else if share < 0.5 {
+                share *= 2.0;
+            }
+        }
+        Some(bounds)
+    }
+
+    /// Whether the box is proven empty: by pruning it, or its halves, to the
+    /// given depth. A box that is not empty soon shows a piece that is not.
+    fn is_empty(&mut self, bounds: Bounds, levels: usize) -> bool {
+        let mut pending = vec![(bounds, 0)];
+        while let Some((bounds, level)) = pending.pop() {
+            if self.levels.len() <= level {
+                self.levels.resize_with(level + 1, Cell::default);
+            }
+            let (above, below) = self.levels.split_at_mut(level);
+            let parent = above.last().unwrap_or(self.root);
+            self.spent += parent.surfaces.len();
+            let cell = &mut below[0];
+            // The box of rounded corners, enlarged by what rounding took.
+            let slack = 4.0 * f64::EPSILON * (bounds.min.abs() + bounds.max.abs());
+            let half = 0.5 * bounds.size() + slack;
+            parent.prune_into(self.surfaces, bounds.center(), half, &mut self.pruner, cell);
+            match cell.constant() {
+                Some(false) => {}
+                None if level < levels => {
+                    let axis = bounds.size().max_position();
+                    let middle = bounds.center()[axis];
+                    let (mut low, mut high) = (bounds, bounds);
+                    low.max[axis] = middle;
+                    high.min[axis] = middle;
+                    pending.push((low, level + 1));
+                    pending.push((high, level + 1));
+                }
+                _ => return false,
+            }
+        }
+        true
+    }
 }

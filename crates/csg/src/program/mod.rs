@@ -18,7 +18,9 @@ use glam::DVec3;
 use crate::color::Color;
 
 pub use bounds::Bounds;
-pub use cell::{Cell, Descend, Descent, Pruner, Visitor};
+pub use cell::{Cell, Pruner};
+pub(crate) use quadric::eigen as eigen_symmetric;
+
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
 pub use surface::{Side, Surface};
 

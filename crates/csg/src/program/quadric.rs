@@ -102,7 +102,7 @@ pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, Node
 /// Eigenvalues and eigenvectors (columns) of the symmetric matrix of a
 /// quadratic form, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix
 /// Computations*, 8.5).
-fn eigen([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> ([f64; 3], DMat3) {
+pub(crate) fn eigen([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> ([f64; 3], DMat3) {
     let mut a = [
         [xx, 0.5 * xy, 0.5 * zx],
         [0.5 * xy, yy, 0.5 * yz],

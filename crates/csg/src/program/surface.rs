@@ -51,6 +51,13 @@ impl Surface {
         self.anchor
     }
 
+    /// The point where the gradient vanishes on the surface: a cone's apex.
+    #[must_use]
+    pub fn apex(&self) -> Option<DVec3> {
+        let is_cone = self.linear == DVec3::ZERO && self.constant == 0.0;
+        (is_cone && !self.is_plane()).then_some(self.anchor)
+    }
+
     /// f at `point`.
     ///
     /// The order of operations is part of the contract: along x it is Horner's

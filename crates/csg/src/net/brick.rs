@@ -1,0 +1,288 @@
+//! Bit-parallel classification of one brick.
+//!
+//! A brick has 16³ samples; sample (x, y, z) is bit x + 16 (y mod 4) of word
+//! 4z + y/4, so one word holds four rows, and a step along x, y or z is a shift
+//! by one bit, by 16 bits or by four words. Along a row every surface is a 1D
+//! quadratic: a sample costs two multiplications and two additions, its sign
+//! becomes a bit, and the formula is evaluated as word logic, 64 samples at a
+//! time. No fused multiply-add anywhere: the signs must not depend on the
+//! machine.
+
+use glam::DVec3;
+
+use super::lattice::SAMPLES;
+use crate::program::{Cell, Formula, Operand, Operation, Surface};
+
+/// One bit per sample.
+pub(super) type Mask = [u64; WORDS];
+pub(super) const WORDS: usize = SAMPLES * SAMPLES * SAMPLES / 64;
+
+/// The samples that have a neighbour at x + 1.
+const HAS_NEXT_X: u64 = 0x7fff_7fff_7fff_7fff;
+/// The same for y + 1, in a word that ends a z layer.
+const HAS_NEXT_Y: u64 = 0x0000_ffff_ffff_ffff;
+/// Words per z layer.
+const LAYER: usize = 4;
+
+/// The sample coordinates of a brick, in the local frame.
+#[derive(Clone, Debug)]
+pub(super) struct Samples {
+    pub x: [f64; SAMPLES],
+    pub y: [f64; SAMPLES],
+    pub z: [f64; SAMPLES],
+}
+
+impl Samples {
+    pub fn point(&self, sample: usize) -> DVec3 {
+        DVec3::new(
+            self.x[sample & 15],
+            self.y[sample >> 4 & 15],
+            self.z[sample >> 8],
+        )
+    }
+}
+
+/// The samples with f <= 0. Bit for bit [`Surface::value`].
+#[inline(always)]
+pub(super) fn surface_signs(surface: &Surface, samples: &Samples, signs: &mut Mask) {
+    let dx = samples.x.map(|x| x - surface.anchor().x);
+    for (word, bits) in signs.iter_mut().enumerate() {
+        let z = samples.z[word / LAYER];
+        let mut lanes = [0u64; 8];
+        for row in 0..4 {
+            let y = samples.y[word % LAYER * 4 + row];
+            let [a, b, c] = surface.row(y, z);
+            for half in 0..2 {
+                for (lane, bits) in lanes.iter_mut().enumerate() {
+                    let x = half * 8 + lane;
+                    let f = (a * dx[x] + b) * dx[x] + c;
+                    let bit = 1u64 << (row * 16 + x);
+                    *bits |= if f <= 0.0 { bit } else { 0 };
+                }
+            }
+        }
+        *bits = lanes.into_iter().fold(0, |all, lane| all | lane);
+    }
+}
+
+/// The samples inside the solid, from those inside each surface.
+#[inline(always)]
+pub(super) fn solid_signs(
+    formula: &Formula,
+    signs: &[Mask],
+    gates: &mut Vec<Mask>,
+    solid: &mut Mask,
+) {
+    gates.clear();
+    for gate in formula.gates() {
+        let is_and = gate.operation == Operation::And;
+        let mut value = [if is_and { u64::MAX } else { 0 }; WORDS];
+        for &operand in formula.operands_of(gate) {
+            let (mask, flip) = operand_mask(formula, operand, signs, gates);
+            if is_and {
+                for (v, m) in value.iter_mut().zip(mask) {
+                    *v &= m ^ flip;
+                }
+            } else {
+                for (v, m) in value.iter_mut().zip(mask) {
+                    *v |= m ^ flip;
+                }
+            }
+        }
+        gates.push(value);
+    }
+    let (mask, flip) = operand_mask(formula, formula.root(), signs, gates);
+    for (s, m) in solid.iter_mut().zip(mask) {
+        *s = m ^ flip;
+    }
+}
+
+/// The mask of an operand, and what to flip in it.
+#[inline(always)]
+fn operand_mask<'a>(
+    formula: &Formula,
+    operand: Operand,
+    signs: &'a [Mask],
+    gates: &'a [Mask],
+) -> (&'a Mask, u64) {
+    const NOTHING: Mask = [0; WORDS];
+    match operand {
+        Operand::Constant(value) => (&NOTHING, if value { u64::MAX } else { 0 }),
+        Operand::Literal(i) => {
+            let literal = formula.literals()[i as usize];
+            let flip = if literal.outside { u64::MAX } else { 0 };
+            (&signs[literal.surface as usize], flip)
+        }
+        Operand::Gate(i) => (&gates[i as usize], 0),
+    }
+}
+
+/// The lower samples of the lattice edges along `axis` whose ends differ.
+#[inline(always)]
+pub(super) fn changes_along(axis: usize, mask: &Mask, out: &mut Mask) {
+    match axis {
+        0 => {
+            for (o, m) in out.iter_mut().zip(mask) {
+                *o = (m ^ m >> 1) & HAS_NEXT_X;
+            }
+        }
+        1 => {
+            for word in 0..WORDS {
+                let next = if word % LAYER == LAYER - 1 {
+                    0
+                } else {
+                    mask[word + 1] << 48
+                };
+                let valid = if word % LAYER == LAYER - 1 {
+                    HAS_NEXT_Y
+                } else {
+                    u64::MAX
+                };
+                out[word] = (mask[word] ^ (mask[word] >> 16 | next)) & valid;
+            }
+        }
+        _ => {
+            for word in 0..WORDS - LAYER {
+                out[word] = mask[word] ^ mask[word + LAYER];
+            }
+            out[WORDS - LAYER..].fill(0);
+        }
+    }
+}
+
+/// The cells (by their lowest sample) whose corners differ in `mask`.
+#[inline(always)]
+pub(super) fn mixed_cells(mask: &Mask, out: &mut Mask) {
+    let (mut any, mut all) = ([0u64; WORDS], [0u64; WORDS]);
+    for word in 0..WORDS {
+        let m = mask[word];
+        any[word] = m | m >> 1;
+        all[word] = m & m >> 1;
+    }
+    let (x_any, x_all) = (any, all);
+    for word in 0..WORDS {
+        let last = word % LAYER == LAYER - 1;
+        let carry = |m: &Mask| if last { 0 } else { m[word + 1] << 48 };
+        any[word] |= x_any[word] >> 16 | carry(&x_any);
+        all[word] &= x_all[word] >> 16 | carry(&x_all);
+    }
+    for word in 0..WORDS - LAYER {
+        let any = any[word] | any[word + LAYER];
+        let all = all[word] & all[word + LAYER];
+        let valid = if word % LAYER == LAYER - 1 {
+            HAS_NEXT_X & HAS_NEXT_Y
+        } else {
+            HAS_NEXT_X
+        };
+        out[word] = any & !all & valid;
+    }
+    out[WORDS - LAYER..].fill(0);
+}
+
+/// The edges along `axis` that a brick owns: those that start in the first 15
+/// samples of every row, column and layer.
+#[inline(always)]
+pub(super) fn owned(word: usize) -> u64 {
+    if word >= WORDS - LAYER {
+        0
+    } else if word % LAYER == LAYER - 1 {
+        HAS_NEXT_X & HAS_NEXT_Y
+    } else {
+        HAS_NEXT_X
+    }
+}
+
+/// Row y + 16 z of a mask, as a 16-bit number.
+#[inline(always)]
+pub(super) fn row(mask: &Mask, row: usize) -> u32 {
+    (mask[row >> 2] >> (16 * (row & 3)) & 0xffff) as u32
+}
+
+/// The inside corners of a cell, bit x + 2y + 4z, by its lowest sample.
+#[inline(always)]
+pub(super) fn corners(mask: &Mask, sample: usize) -> u8 {
+    let (x, first) = (sample & 15, sample >> 4);
+    let pair = |r: usize| (row(mask, r) >> x & 3) as u8;
+    pair(first) | pair(first + 1) << 2 | pair(first + 16) << 4 | pair(first + 17) << 6
+}
+
+/// Whether one sample is set.
+#[inline(always)]
+pub(super) fn is_set(mask: &Mask, sample: usize) -> bool {
+    mask[sample >> 6] >> (sample & 63) & 1 == 1
+}
+
+/// Calls `visit` for every set bit, in ascending order.
+#[inline(always)]
+pub(super) fn for_each_set(mask: &Mask, mut visit: impl FnMut(usize)) {
+    for (word, &bits) in mask.iter().enumerate() {
+        let mut bits = bits;
+        while bits != 0 {
+            visit(word * 64 + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+        }
+    }
+}
+
+/// The formula over up to 64 assignments at once: bit i of
+/// `inside(literal index, surface)` tells whether the literal's surface is
+/// inside in assignment i, and bit i of the result whether the solid is.
+#[inline]
+pub(super) fn evaluate_assignments(
+    formula: &Formula,
+    gates: &mut Vec<u64>,
+    inside: impl Fn(u32, u32) -> u64,
+) -> u64 {
+    let value = |operand: Operand, gates: &[u64]| match operand {
+        Operand::Constant(false) => 0,
+        Operand::Constant(true) => u64::MAX,
+        Operand::Literal(i) => {
+            let literal = formula.literals()[i as usize];
+            let inside = inside(i, literal.surface);
+            if literal.outside { !inside } else { inside }
+        }
+        Operand::Gate(i) => gates[i as usize],
+    };
+    gates.clear();
+    for gate in formula.gates() {
+        let operands = formula.operands_of(gate).iter();
+        let result = match gate.operation {
+            Operation::And => operands.fold(u64::MAX, |all, &o| all & value(o, gates)),
+            Operation::Or => operands.fold(0, |all, &o| all | value(o, gates)),
+        };
+        gates.push(result);
+    }
+    value(formula.root(), gates)
+}
+
+/// Signs and changes of a brick's surfaces and of its solid.
+#[derive(Debug)]
+pub(super) struct Classified {
+    pub signs: Vec<Mask>,
+    pub solid: Mask,
+    gates: Vec<Mask>,
+}
+
+impl Default for Classified {
+    fn default() -> Self {
+        Self {
+            signs: Vec::new(),
+            solid: [0; WORDS],
+            gates: Vec::new(),
+        }
+    }
+}
+
+impl Classified {
+    /// Classifies all samples of a brick; `surfaces` is the whole program's
+    /// list in the local frame.
+    #[inline(always)]
+    pub fn classify(&mut self, cell: &Cell, surfaces: &[Surface], samples: &Samples) {
+        self.signs.clear();
+        self.signs.resize(cell.surfaces.len(), [0; WORDS]);
+        for (&id, signs) in cell.surfaces.iter().zip(&mut self.signs) {
+            surface_signs(&surfaces[id as usize], samples, signs);
+        }
+        solid_signs(&cell.formula, &self.signs, &mut self.gates, &mut self.solid);
+    }
+}

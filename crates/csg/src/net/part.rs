@@ -1,0 +1,146 @@
+//! What classification and placement leave behind for stitching: per brick
+//! its cells, its vertices and the lattice edges that become polygons.
+
+use std::ops::Range;
+
+use glam::{DVec3, UVec3};
+
+/// The output of one task: consecutive bricks, their lists concatenated.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    pub bricks: Vec<BrickRecord>,
+    /// Simple cells, by lowest sample; the i-th of a brick has its i-th vertex.
+    pub cells: Vec<u16>,
+    /// Cells with several loops or an ambiguous face.
+    pub complex: Vec<ComplexCell>,
+    /// Vertices on ambiguous faces.
+    pub arcs: Vec<FaceArcs>,
+    /// Vertex positions in the local frame.
+    pub vertices: Vec<DVec3>,
+    /// Lattice edges that carry a polygon, packed, grouped by provenance.
+    pub polygons: Vec<PolygonCode>,
+    pub groups: Vec<PolygonGroup>,
+    pub fallbacks: Vec<Fallback>,
+    pub surface_cells: u64,
+    pub bricks_sampled: u64,
+    pub cells_pruned: u64,
+}
+
+/// One brick's share of a [`Part`].
+#[derive(Clone, Debug)]
+pub(super) struct BrickRecord {
+    pub position: UVec3,
+    pub cells: Range<u32>,
+    pub complex: Range<u32>,
+    pub arcs: Range<u32>,
+    pub groups: Range<u32>,
+    pub polygons: Range<u32>,
+    /// First vertex, within the part.
+    pub vertices: u32,
+}
+
+/// A cell that is more than one loop without ambiguous faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ComplexCell {
+    pub sample: u16,
+    /// Inside corners.
+    pub corners: u8,
+    /// How its ambiguous faces are decided.
+    pub joined: u8,
+    /// Its first vertex, counted from the brick's first; one a loop.
+    pub vertex: u32,
+}
+
+/// The two vertices on the arcs across an ambiguous face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceArcs {
+    /// Normal axis << 12 | lowest sample.
+    pub face: u16,
+    /// The first vertex, counted from the brick's first, and the next: on the
+    /// arc through edge 0 of the face's cyclic order, and on the other.
+    pub vertex: u32,
+    /// Whether the face's inside corners are joined.
+    pub joined: bool,
+}
+
+/// A lattice edge that the solid's boundary crosses, owned by a brick: whether
+/// the surface's gradient points into the solid, the edge's axis, whether its
+/// lower sample is inside the solid, and that sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PolygonCode(u16);
+
+impl PolygonCode {
+    #[inline(always)]
+    pub fn new(
+        axis: usize,
+        starts_inside: bool,
+        surface_starts_inside: bool,
+        sample: usize,
+    ) -> Self {
+        let reversed = starts_inside != surface_starts_inside;
+        let flags = usize::from(reversed) << 3 | axis << 1 | usize::from(starts_inside);
+        Self((flags << 12 | sample) as u16)
+    }
+
+    #[inline(always)]
+    pub fn axis(self) -> usize {
+        (self.0 >> 13 & 3) as usize
+    }
+
+    #[inline(always)]
+    pub fn is_reversed(self) -> bool {
+        self.0 >> 15 == 1
+    }
+
+    #[inline(always)]
+    pub fn starts_inside(self) -> bool {
+        self.0 >> 12 & 1 == 1
+    }
+
+    #[inline(always)]
+    pub fn sample(self) -> usize {
+        (self.0 & 0xfff) as usize
+    }
+}
+
+/// A run of polygons that lie on one surface and come from one primitive.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PolygonGroup {
+    pub surface: u32,
+    pub origin: u32,
+    pub count: u32,
+}
+
+/// Where the mesher had to make do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fallback {
+    pub kind: FallbackKind,
+    /// In the local frame.
+    pub place: DVec3,
+}
+
+/// Why the mesher had to make do at some place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FallbackKind {
+    NoCommonPoint,
+    HiddenFeature,
+    SeveralCrossings,
+    Folded,
+}
+
+impl FallbackKind {
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::NoCommonPoint => {
+                "surfaces of a vertex without a common point near its cell: it lies on some only"
+            }
+            Self::HiddenFeature => {
+                "feature that no sample saw: the solid does not change across a vertex's surfaces"
+            }
+            Self::SeveralCrossings => {
+                "lattice edge that the boundary crosses several times: thinner than a cell"
+            }
+            Self::Folded => "polygon folded against its surface",
+        }
+    }
+}

@@ -1,0 +1,914 @@
+//! From a classified brick to vertices: which surface causes each crossing,
+//! which crossings form a vertex, and where it lies.
+
+use glam::{DVec3, UVec3};
+
+use super::brick::{self, Classified, Mask, Samples, WORDS};
+use super::lattice::{CELLS, Lattice, SAMPLES};
+use super::loops::{self, PATTERNS};
+use super::part::{
+    BrickRecord, ComplexCell, FaceArcs, Fallback, FallbackKind, Part, PolygonCode, PolygonGroup,
+};
+use super::solve;
+use crate::program::{Cell, Surface};
+
+const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
+
+/// The surfaces of one vertex, as positions in the brick's list. More than
+/// this never have a common point but by construction of the model.
+const MOST_CONSTRAINTS: usize = 8;
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Constraints {
+    len: usize,
+    list: [u16; MOST_CONSTRAINTS],
+}
+
+impl Constraints {
+    fn insert(&mut self, surface: u16) {
+        if !self.as_slice().contains(&surface) && self.len < MOST_CONSTRAINTS {
+            self.list[self.len] = surface;
+            self.len += 1;
+        }
+    }
+
+    fn as_slice(&self) -> &[u16] {
+        &self.list[..self.len]
+    }
+
+    fn without(&self, index: usize) -> Self {
+        let mut rest = Self::default();
+        for (i, &surface) in self.as_slice().iter().enumerate() {
+            if i != index {
+                rest.insert(surface);
+            }
+        }
+        rest
+    }
+}
+
+/// What the whole mesh has in common.
+pub(super) struct Scene<'a> {
+    /// The program's surfaces, in the local frame.
+    pub surfaces: &'a [Surface],
+    pub lattice: Lattice,
+    /// Distance to a surface below which a point lies on it.
+    pub tolerance: f64,
+}
+
+/// Scratch memory of one worker, reused from brick to brick.
+pub(super) struct Placer {
+    classified: Classified,
+    samples: Samples,
+    /// Per surface: where it changes sign along x, y, z, and which cells it
+    /// crosses as far as their corners tell.
+    changes: Vec<[Mask; 4]>,
+    /// Per axis and lower sample: the surface that causes the crossing.
+    cause: [Vec<u16>; 3],
+    /// Per axis and lower sample: where along the edge, 0 to 1.
+    root: [Vec<f32>; 3],
+    polygons: Vec<Vec<PolygonCode>>,
+    /// Mass points, then vertices, of the simple cells of one surface.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+    batch: Vec<u16>,
+    gates: Vec<u64>,
+    signs: Vec<u64>,
+    slow: Vec<u16>,
+}
+
+impl Default for Placer {
+    fn default() -> Self {
+        Self {
+            classified: Classified::default(),
+            samples: Samples {
+                x: [0.0; SAMPLES],
+                y: [0.0; SAMPLES],
+                z: [0.0; SAMPLES],
+            },
+            changes: Vec::new(),
+            cause: [(); 3].map(|()| vec![0; EDGES]),
+            root: [(); 3].map(|()| vec![0.0; EDGES]),
+            polygons: Vec::new(),
+            x: Vec::new(),
+            y: Vec::new(),
+            z: Vec::new(),
+            batch: Vec::new(),
+            gates: Vec::new(),
+            signs: Vec::new(),
+            slow: Vec::new(),
+        }
+    }
+}
+
+/// Where the solid, and more than one surface at once, changes sign.
+struct Crossings {
+    /// Along x, y, z, and per cell.
+    solid: [Mask; 4],
+    several: [Mask; 4],
+}
+
+impl Placer {
+    /// Processes one brick: appends its vertices and polygons to `part`.
+    #[inline(always)]
+    pub fn brick(&mut self, scene: &Scene<'_>, cell: &Cell, position: UVec3, part: &mut Part) {
+        let lattice = &scene.lattice;
+        let first = position * CELLS as u32;
+        for i in 0..SAMPLES {
+            self.samples.x[i] = lattice.coordinate(0, first.x + i as u32);
+            self.samples.y[i] = lattice.coordinate(1, first.y + i as u32);
+            self.samples.z[i] = lattice.coordinate(2, first.z + i as u32);
+        }
+        part.bricks_sampled += 1;
+        self.classified
+            .classify(cell, scene.surfaces, &self.samples);
+        let inside = self.classified.solid[0] & 1 == 1;
+        let constant = if inside { u64::MAX } else { 0 };
+        if self.classified.solid.iter().all(|&word| word == constant) {
+            return;
+        }
+        let crossings = self.find_crossings(cell.surfaces.len());
+        let record = BrickRecord {
+            position,
+            cells: part.cells.len() as u32..0,
+            complex: part.complex.len() as u32..0,
+            arcs: part.arcs.len() as u32..0,
+            groups: part.groups.len() as u32..0,
+            polygons: part.polygons.len() as u32..0,
+            vertices: part.vertices.len() as u32,
+        };
+        self.find_causes(scene, cell, &crossings, part);
+        self.place_simple(scene, cell, &crossings, part);
+        self.place_slow(scene, cell, &record, part);
+        self.place_arcs(scene, cell, &crossings, &record, part);
+        self.collect_polygons(cell, part);
+        let surface_cells = part.cells.len() - record.cells.start as usize
+            + (part.complex.len() - record.complex.start as usize);
+        part.surface_cells += surface_cells as u64;
+        part.bricks.push(BrickRecord {
+            cells: record.cells.start..part.cells.len() as u32,
+            complex: record.complex.start..part.complex.len() as u32,
+            arcs: record.arcs.start..part.arcs.len() as u32,
+            groups: record.groups.start..part.groups.len() as u32,
+            polygons: record.polygons.start..part.polygons.len() as u32,
+            ..record
+        });
+    }
+
+    #[inline(always)]
+    fn find_crossings(&mut self, surfaces: usize) -> Crossings {
+        let mut crossings = Crossings {
+            solid: [[0; WORDS]; 4],
+            several: [[0; WORDS]; 4],
+        };
+        let fill = |mask: &Mask, out: &mut [Mask; 4]| {
+            let [x, y, z, cells] = out;
+            brick::changes_along(0, mask, x);
+            brick::changes_along(1, mask, y);
+            brick::changes_along(2, mask, z);
+            brick::mixed_cells(mask, cells);
+        };
+        fill(&self.classified.solid, &mut crossings.solid);
+        self.changes.clear();
+        self.changes.resize(surfaces, [[0; WORDS]; 4]);
+        if surfaces == 1 {
+            self.changes[0] = crossings.solid;
+            return crossings;
+        }
+        let mut any = [[0u64; WORDS]; 4];
+        for (signs, changes) in self.classified.signs.iter().zip(&mut self.changes) {
+            fill(signs, changes);
+            for ((any, several), changes) in
+                any.iter_mut().zip(&mut crossings.several).zip(&*changes)
+            {
+                for ((any, several), &changes) in any.iter_mut().zip(several).zip(changes) {
+                    *several |= *any & changes;
+                    *any |= changes;
+                }
+            }
+        }
+        crossings
+    }
+
+    /// Finds for every crossing its surface and its place on the edge, and
+    /// collects the polygons of those that the brick owns.
+    #[inline(always)]
+    fn find_causes(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        crossings: &Crossings,
+        part: &mut Part,
+    ) {
+        self.polygons.iter_mut().for_each(Vec::clear);
+        if self.polygons.len() < cell.surfaces.len() {
+            self.polygons.resize_with(cell.surfaces.len(), Vec::new);
+        }
+        for s in 0..cell.surfaces.len() {
+            let surface = &scene.surfaces[cell.surfaces[s] as usize];
+            for axis in 0..3 {
+                self.batch.clear();
+                let batch = &mut self.batch;
+                let polygons = &mut self.polygons[s];
+                for word in 0..WORDS {
+                    let mut bits = crossings.solid[axis][word]
+                        & self.changes[s][axis][word]
+                        & !crossings.several[axis][word];
+                    let starts_inside = self.classified.solid[word];
+                    let surface_starts_inside = self.classified.signs[s][word];
+                    let owned = brick::owned(word);
+                    while bits != 0 {
+                        let bit = bits.trailing_zeros() as usize;
+                        bits &= bits - 1;
+                        let sample = word * 64 + bit;
+                        batch.push(sample as u16);
+                        if owned >> bit & 1 == 1 {
+                            let inside = starts_inside >> bit & 1 == 1;
+                            let within = surface_starts_inside >> bit & 1 == 1;
+                            polygons.push(PolygonCode::new(axis, inside, within, sample));
+                        }
+                    }
+                }
+                linear_roots(
+                    surface,
+                    &self.samples,
+                    axis,
+                    scene.lattice.step,
+                    &self.batch,
+                    &mut self.root[axis],
+                );
+                for &sample in &self.batch {
+                    self.cause[axis][usize::from(sample)] = s as u16;
+                }
+            }
+        }
+        for axis in 0..3 {
+            for word in 0..WORDS {
+                let mut bits = crossings.solid[axis][word] & crossings.several[axis][word];
+                while bits != 0 {
+                    let bit = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let sample = word * 64 + bit;
+                    let (s, t, several) = self.edge_cause(scene, cell, axis, sample);
+                    self.cause[axis][sample] = s;
+                    self.root[axis][sample] = t as f32;
+                    let is_owned = brick::owned(word) >> bit & 1 == 1;
+                    if several && is_owned {
+                        part.fallbacks.push(Fallback {
+                            kind: FallbackKind::SeveralCrossings,
+                            place: self.samples.point(sample),
+                        });
+                    }
+                    if is_owned {
+                        let s = usize::from(s);
+                        let inside = brick::is_set(&self.classified.solid, sample);
+                        let within = brick::is_set(&self.classified.signs[s], sample);
+                        self.polygons[s].push(PolygonCode::new(axis, inside, within, sample));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The crossing of an edge on which several surfaces change sign: their
+    /// roots in order, the formula between them, and of the odd number of
+    /// transitions the one nearest to the middle that goes the way the whole
+    /// edge does.
+    #[inline(never)]
+    fn edge_cause(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        axis: usize,
+        sample: usize,
+    ) -> (u16, f64, bool) {
+        let start = self.samples.point(sample);
+        let mut roots: Vec<(f64, u16)> = Vec::with_capacity(4);
+        for (s, changes) in self.changes.iter().enumerate() {
+            if brick::is_set(&changes[axis], sample) {
+                let surface = &scene.surfaces[cell.surfaces[s] as usize];
+                let t = root_along(surface, start, axis, scene.lattice.step);
+                roots.push((t, s as u16));
+            }
+        }
+        roots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Bit i of an assignment: after the first i roots.
+        roots.truncate(63);
+        let signs = &self.classified.signs;
+        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            let inside = brick::is_set(&signs[surface as usize], sample);
+            let before = if inside { u64::MAX } else { 0 };
+            match roots.iter().position(|&(_, s)| u32::from(s) == surface) {
+                Some(rank) => before ^ (u64::MAX << (rank + 1)),
+                None => before,
+            }
+        });
+        let transitions: Vec<usize> = (0..roots.len())
+            .filter(|&i| (result >> i ^ result >> (i + 1)) & 1 == 1)
+            .collect();
+        let chosen = transitions
+            .get((transitions.len() / 2) & !1)
+            .copied()
+            .unwrap_or(roots.len() / 2);
+        let (t, s) = roots[chosen];
+        (s, t, transitions.len() > 1)
+    }
+
+    /// Places the vertices of cells that one surface crosses in one loop.
+    #[inline(always)]
+    fn place_simple(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        crossings: &Crossings,
+        part: &mut Part,
+    ) {
+        let step = scene.lattice.step;
+        self.slow.clear();
+        let mut several = crossings.several[3];
+        self.mark_apexes(scene, cell, &mut several);
+        brick::for_each_set(&crossings.solid[3], |sample| {
+            if brick::is_set(&several, sample) {
+                self.slow.push(sample as u16);
+            }
+        });
+        for s in 0..cell.surfaces.len() {
+            let surface = &scene.surfaces[cell.surfaces[s] as usize];
+            self.batch.clear();
+            self.x.clear();
+            self.y.clear();
+            self.z.clear();
+            let own = crossings.solid[3]
+                .iter()
+                .zip(&self.changes[s][3])
+                .zip(&several);
+            for (word, ((solid, changes), several)) in own.enumerate() {
+                let mut bits = solid & changes & !several;
+                while bits != 0 {
+                    let bit = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let sample = word * 64 + bit;
+                    let corners = brick::corners(&self.classified.solid, sample);
+                    let pattern = &PATTERNS[usize::from(corners)];
+                    if !pattern.simple {
+                        self.slow.push(sample as u16);
+                        continue;
+                    }
+                    let mut sum = pattern.start_sum;
+                    let mut edges = pattern.loops.edges;
+                    while edges != 0 {
+                        let edge = edges.trailing_zeros() as usize;
+                        edges &= edges - 1;
+                        let (axis, offset) = EDGE_OFFSETS[edge];
+                        sum[axis] += self.root[axis][sample + offset];
+                    }
+                    let scale = f64::from(pattern.weight) * step;
+                    self.x
+                        .push(self.samples.x[sample & 15] + f64::from(sum[0]) * scale);
+                    self.y
+                        .push(self.samples.y[sample >> 4 & 15] + f64::from(sum[1]) * scale);
+                    self.z
+                        .push(self.samples.z[sample >> 8] + f64::from(sum[2]) * scale);
+                    self.batch.push(sample as u16);
+                }
+            }
+            solve::project_all(surface, &mut self.x, &mut self.y, &mut self.z);
+            for i in 0..self.batch.len() {
+                let sample = usize::from(self.batch[i]);
+                let point = DVec3::new(self.x[i], self.y[i], self.z[i]);
+                let middle = self.samples.point(sample) + 0.5 * step;
+                if (point - middle).abs().max_element() <= step {
+                    part.cells.push(sample as u16);
+                    part.vertices.push(point);
+                } else {
+                    self.slow.push(sample as u16);
+                }
+            }
+        }
+    }
+
+    /// Marks the cells that hold the apex of one of their surfaces.
+    fn mark_apexes(&self, scene: &Scene<'_>, cell: &Cell, marks: &mut Mask) {
+        for &id in &cell.surfaces {
+            if let Some(apex) = scene.surfaces[id as usize].apex()
+                && let Some(sample) = self.cell_at(scene, apex)
+            {
+                marks[sample >> 6] |= 1 << (sample & 63);
+            }
+        }
+    }
+
+    /// The brick's cell that a point lies in.
+    fn cell_at(&self, scene: &Scene<'_>, point: DVec3) -> Option<usize> {
+        let first = self.samples.point(0);
+        let index = ((point - first) / scene.lattice.step).floor();
+        let fits = index.min_element() >= 0.0 && index.max_element() < CELLS as f64;
+        fits.then(|| index.x as usize + 16 * index.y as usize + 256 * index.z as usize)
+    }
+
+    /// Places the vertices of all other cells: several surfaces, several loops
+    /// or ambiguous faces.
+    #[inline(never)]
+    fn place_slow(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        record: &BrickRecord,
+        part: &mut Part,
+    ) {
+        let mut slow = std::mem::take(&mut self.slow);
+        slow.sort_unstable();
+        // Simple cells first: the i-th of them has the brick's i-th vertex.
+        let mut complex = Vec::new();
+        for &sample in &slow {
+            let corners = brick::corners(&self.classified.solid, usize::from(sample));
+            let pattern = &PATTERNS[usize::from(corners)];
+            if pattern.simple {
+                let edges = pattern.loops.edges;
+                let vertex = self.place_loop(scene, cell, usize::from(sample), edges, part);
+                part.cells.push(sample);
+                part.vertices.push(vertex);
+            } else {
+                complex.push((sample, corners));
+            }
+        }
+        for (sample, corners) in complex {
+            let at = usize::from(sample);
+            let mut joined = 0;
+            for face in 0..6 {
+                if PATTERNS[usize::from(corners)].ambiguous >> face & 1 == 1 {
+                    let (axis, side) = (face / 2, face & 1);
+                    let lowest = at + (side << (4 * axis));
+                    let is_joined = self.face_is_joined(scene, cell, axis, lowest);
+                    joined |= u8::from(is_joined) << face;
+                }
+            }
+            part.complex.push(ComplexCell {
+                sample,
+                corners,
+                joined,
+                vertex: part.vertices.len() as u32 - record.vertices,
+            });
+            let traced = loops::trace(corners, joined);
+            for index in 0..usize::from(traced.count) {
+                let vertex = self.place_loop(scene, cell, at, traced.edges_of(index), part);
+                part.vertices.push(vertex);
+            }
+        }
+        self.slow = slow;
+    }
+
+    /// Whether the inside corners of an ambiguous face are joined across it:
+    /// by surfaces where they pair up one way only, else by what the solid is
+    /// in the middle of the face. Depends on the face alone, so both its cells
+    /// agree.
+    fn face_is_joined(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        axis: usize,
+        lowest: usize,
+    ) -> bool {
+        let causes = self.face_edges(axis, lowest).map(|(a, s)| self.cause[a][s]);
+        let [a, b, c, d] = causes;
+        let first_inside = brick::is_set(&self.classified.solid, lowest);
+        // Arcs (0,1) and (2,3) cut off the odd corners, (1,2) and (3,0) the even.
+        let odd = a == b && c == d;
+        let even = b == c && d == a;
+        if odd != even {
+            return even != first_inside;
+        }
+        let (b, c) = loops::next_axes(axis);
+        let mut middle = self.samples.point(lowest);
+        middle[b] += 0.5 * scene.lattice.step;
+        middle[c] += 0.5 * scene.lattice.step;
+        self.contains(scene, cell, middle)
+    }
+
+    /// The (axis, lower sample) of the edges of a face, in cyclic order.
+    fn face_edges(&self, axis: usize, lowest: usize) -> [(usize, usize); 4] {
+        let (b, c) = loops::next_axes(axis);
+        let (step_b, step_c) = (1 << (4 * b), 1 << (4 * c));
+        [
+            (b, lowest),
+            (c, lowest + step_b),
+            (b, lowest + step_c),
+            (c, lowest),
+        ]
+    }
+
+    fn contains(&mut self, scene: &Scene<'_>, cell: &Cell, point: DVec3) -> bool {
+        self.signs.clear();
+        let values = cell.surfaces.iter().map(|&id| {
+            let inside = scene.surfaces[id as usize].value(point) <= 0.0;
+            if inside { u64::MAX } else { 0 }
+        });
+        self.signs.extend(values);
+        let signs = &self.signs;
+        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            signs[surface as usize]
+        });
+        result & 1 == 1
+    }
+
+    /// The vertex of one loop: on all surfaces that cause its crossings.
+    fn place_loop(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        sample: usize,
+        edges: u16,
+        part: &mut Part,
+    ) -> DVec3 {
+        let mut constraints = Constraints::default();
+        let mut start = DVec3::ZERO;
+        let mut remaining = edges;
+        while remaining != 0 {
+            let edge = remaining.trailing_zeros() as usize;
+            remaining &= remaining - 1;
+            let (axis, offset) = EDGE_OFFSETS[edge];
+            constraints.insert(self.cause[axis][sample + offset]);
+            start += self.crossing_point(scene, axis, sample + offset);
+        }
+        start /= f64::from(edges.count_ones());
+        let middle = self.samples.point(sample) + 0.5 * scene.lattice.step;
+        self.place_vertex(scene, cell, &constraints, start, middle, part)
+    }
+
+    fn crossing_point(&self, scene: &Scene<'_>, axis: usize, sample: usize) -> DVec3 {
+        let mut point = self.samples.point(sample);
+        point[axis] += f64::from(self.root[axis][sample]) * scene.lattice.step;
+        point
+    }
+
+    /// Puts a vertex, expected near `start`, on all `constraints`; `middle` is
+    /// the middle of its cell or face, which it may leave by a cell at most.
+    fn place_vertex(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        start: DVec3,
+        middle: DVec3,
+        part: &mut Part,
+    ) -> DVec3 {
+        if let Some(apex) = self.apex_vertex(scene, cell, constraints, middle) {
+            return apex;
+        }
+        let plain = self.try_constraints(scene, cell, constraints, start, middle);
+        if let Some(point) = plain
+            && self.is_valid(scene, cell, constraints, point)
+        {
+            return point;
+        }
+        // A feature that no sample saw: one more surface passes through.
+        if constraints.len < 3 {
+            for extra in 0..cell.surfaces.len() as u16 {
+                if constraints.as_slice().contains(&extra) {
+                    continue;
+                }
+                let surface = &scene.surfaces[cell.surfaces[usize::from(extra)] as usize];
+                let half = DVec3::splat(scene.lattice.step);
+                if surface.side_of_box(middle, half) != crate::program::Side::Crossing {
+                    continue;
+                }
+                let mut more = *constraints;
+                more.insert(extra);
+                if let Some(point) = self.try_constraints(scene, cell, &more, start, middle)
+                    && self.is_valid(scene, cell, &more, point)
+                {
+                    return point;
+                }
+            }
+        }
+        if let Some(point) = plain {
+            part.fallbacks.push(Fallback {
+                kind: FallbackKind::HiddenFeature,
+                place: point,
+            });
+            return point;
+        }
+        part.fallbacks.push(Fallback {
+            kind: FallbackKind::NoCommonPoint,
+            place: start,
+        });
+        // As many of the surfaces as have a common point.
+        let mut fewer = vec![*constraints];
+        while let Some(candidates) = shrink(&fewer) {
+            for candidate in &candidates {
+                if let Some(point) = self.try_constraints(scene, cell, candidate, start, middle) {
+                    return point;
+                }
+            }
+            fewer = candidates;
+        }
+        start
+    }
+
+    /// The apex of one of the surfaces, if it is near and on all of them.
+    fn apex_vertex(
+        &self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        middle: DVec3,
+    ) -> Option<DVec3> {
+        let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+        let within = 0.5 * scene.lattice.step;
+        let mut apexes = constraints
+            .as_slice()
+            .iter()
+            .filter_map(|&s| surface(s).apex());
+        let apex = apexes.find(|apex| (*apex - middle).abs().max_element() <= within)?;
+        let others = constraints.as_slice().iter().map(|&s| surface(s));
+        (solve::residual(others, apex) <= scene.tolerance).then_some(apex)
+    }
+
+    /// A point on all constraints within a cell of `middle`, if there is one.
+    fn try_constraints(
+        &self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        start: DVec3,
+        middle: DVec3,
+    ) -> Option<DVec3> {
+        let mut list = [&scene.surfaces[0]; MOST_CONSTRAINTS];
+        for (slot, &s) in list.iter_mut().zip(constraints.as_slice()) {
+            *slot = &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+        }
+        let step = scene.lattice.step;
+        let solution = solve::common_point(&list[..constraints.len], start, step);
+        let near = (solution.point - middle).abs().max_element() <= 1.5 * step;
+        (near && solution.residual <= scene.tolerance).then_some(solution.point)
+    }
+
+    /// Whether the solid changes across each of the constraints at `point`:
+    /// the formula over all their sign combinations, the other surfaces as
+    /// they are there (both ways where they pass through the point, too).
+    fn is_valid(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        point: DVec3,
+    ) -> bool {
+        /// Bit i of the k-th: bit k of i.
+        const VARIABLES: [u64; 6] = [
+            0xaaaa_aaaa_aaaa_aaaa,
+            0xcccc_cccc_cccc_cccc,
+            0xf0f0_f0f0_f0f0_f0f0,
+            0xff00_ff00_ff00_ff00,
+            0xffff_0000_ffff_0000,
+            0xffff_ffff_0000_0000,
+        ];
+        if constraints.len > VARIABLES.len() {
+            return true;
+        }
+        let mut free = constraints.len;
+        self.signs.clear();
+        for (s, &id) in cell.surfaces.iter().enumerate() {
+            let own = constraints
+                .as_slice()
+                .iter()
+                .position(|&c| usize::from(c) == s);
+            let sign = match own {
+                Some(k) => VARIABLES[k],
+                None => {
+                    let surface = &scene.surfaces[id as usize];
+                    let value = surface.value(point);
+                    let on_it = free < VARIABLES.len()
+                        && value.abs() <= scene.tolerance * surface.gradient(point).length();
+                    if on_it {
+                        free += 1;
+                        VARIABLES[free - 1]
+                    } else if value <= 0.0 {
+                        u64::MAX
+                    } else {
+                        0
+                    }
+                }
+            };
+            self.signs.push(sign);
+        }
+        let signs = &self.signs;
+        let table = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            signs[surface as usize]
+        });
+        (0..constraints.len).all(|k| {
+            let shifted = table >> (1 << k);
+            (table ^ shifted) & !VARIABLES[k] & assignments(free) != 0
+        })
+    }
+
+    /// Puts two vertices on every ambiguous face the brick owns, one on each
+    /// arc, so that no two mesh edges join the same two loops.
+    #[inline(never)]
+    fn place_arcs(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        crossings: &Crossings,
+        record: &BrickRecord,
+        part: &mut Part,
+    ) {
+        for axis in 0..3 {
+            let (b, c) = loops::next_axes(axis);
+            let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
+            let mut faces = Vec::new();
+            brick::for_each_set(&crossings.solid[b], |sample| {
+                let along = |axis: usize| sample >> (4 * axis) & 15;
+                let owned = along(axis) < CELLS && along(b) < CELLS && along(c) < CELLS;
+                if owned
+                    && brick::is_set(&crossings.solid[c], sample)
+                    && brick::is_set(&crossings.solid[b], sample + step_c)
+                    && brick::is_set(&crossings.solid[c], sample + step_b)
+                {
+                    faces.push(sample);
+                }
+            });
+            for lowest in faces {
+                let joined = self.face_is_joined(scene, cell, axis, lowest);
+                part.arcs.push(FaceArcs {
+                    face: (axis << 12 | lowest) as u16,
+                    vertex: part.vertices.len() as u32 - record.vertices,
+                    joined,
+                });
+                let edges = self.face_edges(axis, lowest);
+                let first_inside = brick::is_set(&self.classified.solid, lowest);
+                let mut middle = self.samples.point(lowest);
+                middle[b] += 0.5 * scene.lattice.step;
+                middle[c] += 0.5 * scene.lattice.step;
+                let partner = loops::ambiguous_partner(first_inside, joined, 0);
+                let other = if partner == 1 { 2 } else { 1 };
+                let other_partner = loops::ambiguous_partner(first_inside, joined, other);
+                for pair in [[0, partner], [other, other_partner]] {
+                    let mut constraints = Constraints::default();
+                    let mut start = DVec3::ZERO;
+                    for i in pair {
+                        let (axis, sample) = edges[i];
+                        constraints.insert(self.cause[axis][sample]);
+                        start += 0.5 * self.crossing_point(scene, axis, sample);
+                    }
+                    let vertex = self.place_vertex(scene, cell, &constraints, start, middle, part);
+                    part.vertices.push(vertex);
+                }
+            }
+        }
+    }
+
+    /// Moves the collected polygons to the part, grouped by surface and by
+    /// the primitive that the surface belongs to there.
+    fn collect_polygons(&mut self, cell: &Cell, part: &mut Part) {
+        for s in 0..cell.surfaces.len() {
+            let polygons = std::mem::take(&mut self.polygons[s]);
+            if polygons.is_empty() {
+                self.polygons[s] = polygons;
+                continue;
+            }
+            let literals = cell.formula.literals().iter().enumerate();
+            let mut own = literals.filter(|(_, literal)| literal.surface as usize == s);
+            let first = own.next().map_or(0, |(_, literal)| literal.origin);
+            let several = own.any(|(_, literal)| literal.origin != first);
+            if several {
+                let mut by_origin: Vec<(u32, PolygonCode)> = polygons
+                    .iter()
+                    .map(|&code| (self.origin_at(cell, s as u32, code), code))
+                    .collect();
+                by_origin.sort_by_key(|&(origin, _)| origin);
+                for run in by_origin.chunk_by(|a, b| a.0 == b.0) {
+                    part.polygons.extend(run.iter().map(|&(_, code)| code));
+                    part.groups.push(PolygonGroup {
+                        surface: cell.surfaces[s],
+                        origin: run[0].0,
+                        count: run.len() as u32,
+                    });
+                }
+            } else {
+                part.polygons.extend_from_slice(&polygons);
+                part.groups.push(PolygonGroup {
+                    surface: cell.surfaces[s],
+                    origin: first,
+                    count: polygons.len() as u32,
+                });
+            }
+            self.polygons[s] = polygons;
+        }
+    }
+
+    /// Of the primitives that share a surface, the first whose literal alone
+    /// makes the solid change at a crossing; the first of all if none does.
+    fn origin_at(&mut self, cell: &Cell, surface: u32, code: PolygonCode) -> u32 {
+        let literals = cell.formula.literals();
+        let own: Vec<u32> = (0..literals.len() as u32)
+            .filter(|&i| literals[i as usize].surface == surface)
+            .take(63)
+            .collect();
+        let signs = &self.classified.signs;
+        let sample = code.sample();
+        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |i, s| {
+            let inside = brick::is_set(&signs[s as usize], sample);
+            let sign = if inside { u64::MAX } else { 0 };
+            // Assignment k + 1 toggles the k-th literal alone.
+            match own.iter().position(|&o| o == i) {
+                Some(k) => sign ^ 1 << (k + 1),
+                None => sign,
+            }
+        });
+        let decides = |k: &usize| (result >> (k + 1) ^ result) & 1 == 1;
+        let chosen = (0..own.len()).find(decides).unwrap_or(0);
+        literals[own[chosen] as usize].origin
+    }
+}
+
+/// The low 2^free bits.
+const fn assignments(free: usize) -> u64 {
+    if free >= 6 {
+        u64::MAX
+    } else {
+        (1 << (1 << free)) - 1
+    }
+}
+
+/// All sets with one constraint less.
+fn shrink(sets: &[Constraints]) -> Option<Vec<Constraints>> {
+    let smaller: Vec<Constraints> = sets
+        .iter()
+        .take(8)
+        .flat_map(|set| (0..set.len).rev().map(|i| set.without(i)))
+        .filter(|set| set.len > 0)
+        .collect();
+    (!smaller.is_empty()).then_some(smaller)
+}
+
+/// Per edge of a cell its axis and the offset of its lower sample from the
+/// cell's.
+const EDGE_OFFSETS: [(usize, usize); 12] = {
+    let mut offsets = [(0, 0); 12];
+    let mut edge = 0;
+    while edge < 12 {
+        let start = loops::edge_start(edge);
+        let offset = (start & 1) + 16 * (start >> 1 & 1) + 256 * (start >> 2);
+        offsets[edge] = (edge / 4, offset);
+        edge += 1;
+    }
+    offsets
+};
+
+/// Where a surface crosses the given edges, by linear interpolation: a start
+/// for Newton's method, not a result.
+#[inline(always)]
+fn linear_roots(
+    surface: &Surface,
+    samples: &Samples,
+    axis: usize,
+    step: f64,
+    edges: &[u16],
+    roots: &mut [f32],
+) {
+    let anchor = surface.anchor();
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let g = surface.linear;
+    let square = surface.quadratic[axis];
+    for &sample in edges {
+        let sample = usize::from(sample);
+        let d = samples.point(sample) - anchor;
+        let h = DVec3::new(
+            xx * d.x + 0.5 * (xy * d.y + zx * d.z),
+            yy * d.y + 0.5 * (yz * d.z + xy * d.x),
+            zz * d.z + 0.5 * (zx * d.x + yz * d.y),
+        );
+        let f = (h.x + g.x) * d.x + (h.y + g.y) * d.y + (h.z + g.z) * d.z + surface.constant;
+        let slope = 2.0 * h[axis] + g[axis];
+        let change = (slope + square * step) * step;
+        let t = -f / change;
+        roots[sample] = if t >= 0.0 { t.min(1.0) as f32 } else { 0.0 };
+    }
+}
+
+/// The root of f along an edge on which it changes sign, in units of the
+/// edge, in closed form.
+fn root_along(surface: &Surface, start: DVec3, axis: usize, step: f64) -> f64 {
+    let f = surface.value(start);
+    let b = surface.gradient(start)[axis] * step;
+    let a = surface.quadratic[axis] * step * step;
+    // Of a t² + b t + f = 0 the root in 0..1, without cancellation (Press et
+    // al., *Numerical Recipes*, 5.6).
+    let discriminant = (b * b - 4.0 * a * f).max(0.0);
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    let misfit = |t: f64| {
+        if t.is_finite() {
+            (t - 0.5).abs()
+        } else {
+            f64::INFINITY
+        }
+    };
+    let (first, second) = (q / a, f / q);
+    let t = if misfit(second) <= misfit(first) {
+        second
+    } else {
+        first
+    };
+    if t >= 0.0 { t.min(1.0) } else { 0.0 }
+}

@@ -1,0 +1,203 @@
+//! Newton's method onto one, two, three or more surfaces at once.
+//!
+//! The step is the shortest vector that satisfies all linearised constraints
+//! (Gauss–Newton with the pseudo-inverse where constraints are dependent), so
+//! that on one surface it runs along the gradient, on two it stays in their
+//! common normal plane, and on three it is Newton's method proper.
+
+use glam::{DMat3, DVec3};
+
+use crate::program::Surface;
+
+/// How the search for a common point ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solution {
+    pub point: DVec3,
+    /// The largest distance to any of the surfaces, to first order.
+    pub residual: f64,
+}
+
+/// f/|∇f| and the unit gradient.
+#[inline]
+fn distance(surface: &Surface, point: DVec3) -> (f64, DVec3) {
+    let value = surface.value(point);
+    if surface.is_plane() {
+        return (value, surface.linear);
+    }
+    let gradient = surface.gradient(point);
+    let length = gradient.length();
+    if length > 0.0 {
+        (value / length, gradient / length)
+    } else {
+        // An apex: there is no direction to go.
+        (value.abs().sqrt(), DVec3::ZERO)
+    }
+}
+
+/// The distance of `point` to the farthest of the surfaces, to first order.
+pub(super) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: DVec3) -> f64 {
+    surfaces
+        .map(|surface| distance(surface, point).0.abs())
+        .fold(0.0, f64::max)
+}
+
+/// Looks for a point on all of the surfaces near `start`, never taking a step
+/// longer than `reach`. Convergence is quadratic where the surfaces cross,
+/// linear where they touch.
+pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
+    const MOST_STEPS: usize = 60;
+    let mut point = start;
+    let mut best = Solution {
+        point,
+        residual: f64::INFINITY,
+    };
+    let mut stalled = 0;
+    for _ in 0..MOST_STEPS {
+        let (step, residual) = step(surfaces, point);
+        if residual < best.residual {
+            // Less than a halving in a step: near the end, or not converging.
+            stalled = if residual > 0.5 * best.residual {
+                stalled + 1
+            } else {
+                0
+            };
+            best = Solution { point, residual };
+        } else {
+            stalled += 1;
+        }
+        let length = step.length();
+        if residual == 0.0 || stalled > 3 || !length.is_finite() {
+            break;
+        }
+        let limited = if length > reach {
+            step * (reach / length)
+        } else {
+            step
+        };
+        let next = point + limited;
+        if next == point {
+            break;
+        }
+        point = next;
+    }
+    best
+}
+
+/// The shortest step onto all linearised surfaces, and the largest distance
+/// before it.
+fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
+    match surfaces {
+        [] => (DVec3::ZERO, 0.0),
+        [surface] => {
+            let (r, n) = distance(surface, point);
+            (-r * n, r.abs())
+        }
+        [first, second] => {
+            let (r1, n1) = distance(first, point);
+            let (r2, n2) = distance(second, point);
+            let residual = r1.abs().max(r2.abs());
+            // In the plane of the normals: along n1, and along what of n2 is
+            // across it.
+            let across = n2 - n1 * n1.dot(n2);
+            let square = across.length_squared();
+            if square < NEARLY_DEPENDENT {
+                return (-0.5 * (r1 * n1 + r2 * n2), residual);
+            }
+            let along_across = (-r2 + r1 * n1.dot(n2)) / square;
+            (-r1 * n1 + along_across * across, residual)
+        }
+        [first, second, third] => {
+            let (r1, n1) = distance(first, point);
+            let (r2, n2) = distance(second, point);
+            let (r3, n3) = distance(third, point);
+            let residual = r1.abs().max(r2.abs()).max(r3.abs());
+            let (c23, c31, c12) = (n2.cross(n3), n3.cross(n1), n1.cross(n2));
+            let determinant = n1.dot(c23);
+            if determinant.abs() < 1e-6 {
+                let pairs = [(r1, n1), (r2, n2), (r3, n3)];
+                return (least_squares_step(&pairs), residual);
+            }
+            (-(r1 * c23 + r2 * c31 + r3 * c12) / determinant, residual)
+        }
+        _ => {
+            let pairs: Vec<(f64, DVec3)> = surfaces.iter().map(|s| distance(s, point)).collect();
+            let residual = pairs.iter().fold(0.0f64, |m, (r, _)| m.max(r.abs()));
+            (least_squares_step(&pairs), residual)
+        }
+    }
+}
+
+/// Squared sine of the angle between two normals below which they count as
+/// parallel: Newton's step would leave the neighbourhood.
+const NEARLY_DEPENDENT: f64 = 1e-16;
+
+/// The shortest least-squares solution of n_i · step = -r_i through the
+/// eigenvectors of Σ n nᵀ; directions in which no constraint has a say are
+/// left alone.
+fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
+    let mut normal_matrix = DMat3::ZERO;
+    let mut right = DVec3::ZERO;
+    for &(r, n) in pairs {
+        normal_matrix += DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        right -= r * n;
+    }
+    let m = normal_matrix;
+    let (values, vectors) = crate::program::eigen_symmetric([
+        m.x_axis.x,
+        m.y_axis.y,
+        m.z_axis.z,
+        2.0 * m.x_axis.y,
+        2.0 * m.y_axis.z,
+        2.0 * m.z_axis.x,
+    ]);
+    let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
+    let mut step = DVec3::ZERO;
+    for (value, axis) in values.into_iter().zip(axes) {
+        if value > 1e-10 * largest {
+            step += right.dot(axis) / value * axis;
+        }
+    }
+    step
+}
+
+/// Moves many points onto one surface, along its gradient: Newton's method in
+/// lanes. The same operations in the same order for every point, whatever the
+/// machine's vector width.
+#[inline(always)]
+pub(super) fn project_all(surface: &Surface, x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+    let anchor = surface.anchor();
+    let g = surface.linear;
+    if surface.is_plane() {
+        for ((x, y), z) in x.iter_mut().zip(&mut *y).zip(&mut *z) {
+            for _ in 0..2 {
+                let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
+                let f = g.x * dx + g.y * dy + g.z * dz;
+                *x -= f * g.x;
+                *y -= f * g.y;
+                *z -= f * g.z;
+            }
+        }
+        return;
+    }
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let c = surface.constant;
+    for ((x, y), z) in x.iter_mut().zip(&mut *y).zip(&mut *z) {
+        // A distance of a tenth of the radius of curvature falls to 1e-17 of
+        // it in four steps.
+        for _ in 0..4 {
+            let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
+            // Half the gradient of the quadratic part, so that f needs no more.
+            let hx = xx * dx + 0.5 * (xy * dy + zx * dz);
+            let hy = yy * dy + 0.5 * (yz * dz + xy * dx);
+            let hz = zz * dz + 0.5 * (zx * dx + yz * dy);
+            let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
+            let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
+            let square = gx * gx + gy * gy + gz * gz;
+            let t = f / (square + f64::MIN_POSITIVE);
+            *x -= t * gx;
+            *y -= t * gy;
+            *z -= t * gz;
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! From crossing edges to triangles.
+//!
+//! Every lattice edge with a crossing is a polygon between the vertices of the
+//! four cells around it, lying on the surface that causes the crossing. Across
+//! an ambiguous face the polygon takes in the vertex on its arc as well.
+
+use glam::{DVec3, UVec3};
+use rustc_hash::FxHashMap;
+
+use super::lattice::CELLS;
+use super::loops;
+use super::part::{BrickRecord, ComplexCell, FaceArcs, Fallback, FallbackKind, Part, PolygonCode};
+use crate::program::Surface;
+
+/// A brick's place in the list of parts.
+#[derive(Clone, Copy, Debug)]
+struct BrickRef {
+    part: u32,
+    brick: u32,
+}
+
+/// All parts, with the means to look across brick borders.
+pub(super) struct Stitcher<'a> {
+    parts: &'a [Part],
+    /// First vertex of each part in the whole mesh.
+    vertex_base: Vec<u32>,
+    bricks: FxHashMap<UVec3, BrickRef>,
+    positions: &'a [DVec3],
+    surfaces: &'a [Surface],
+}
+
+/// The triangles of one part.
+#[derive(Debug, Default)]
+pub(super) struct Stitched {
+    pub triangles: Vec<[u32; 3]>,
+    pub fallbacks: Vec<Fallback>,
+    /// Triangles of each polygon group, in order.
+    pub group_triangles: Vec<u32>,
+}
+
+/// Marks a table entry as an index into the complex cells.
+const COMPLEX: u32 = 1 << 31;
+
+/// Vertex lookup around one brick: cells from -1 to 14 along each axis.
+pub(super) struct Table {
+    cells: Vec<u32>,
+    complex: Vec<(ComplexCell, u32)>,
+    arcs: Vec<(u16, u32, bool)>,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self {
+            cells: vec![0; 4096],
+            complex: Vec::new(),
+            arcs: Vec::new(),
+        }
+    }
+}
+
+/// A neighbour's contribution: for each axis, this brick (0) or the one
+/// before it (1), of which only the last layer counts.
+fn shifted(sample: u16, before: [bool; 3]) -> Option<u16> {
+    let mut index = 0;
+    for (axis, &before) in before.iter().enumerate() {
+        let along = sample >> (4 * axis) & 15;
+        let place = if !before {
+            along + 1
+        } else if along == CELLS as u16 - 1 {
+            0
+        } else {
+            return None;
+        };
+        if place > 15 {
+            return None;
+        }
+        index |= place << (4 * axis);
+    }
+    Some(index)
+}
+
+impl<'a> Stitcher<'a> {
+    pub fn new(parts: &'a [Part], positions: &'a [DVec3], surfaces: &'a [Surface]) -> Self {
+        let mut vertex_base = Vec::with_capacity(parts.len());
+        let mut bricks = FxHashMap::default();
+        let mut base = 0;
+        for (p, part) in parts.iter().enumerate() {
+            vertex_base.push(base);
+            base += part.vertices.len() as u32;
+            for (b, brick) in part.bricks.iter().enumerate() {
+                let place = BrickRef {
+                    part: p as u32,
+                    brick: b as u32,
+                };
+                bricks.insert(brick.position, place);
+            }
+        }
+        Self {
+            parts,
+            vertex_base,
+            bricks,
+            positions,
+            surfaces,
+        }
+    }
+
+    fn fill_table(&self, position: UVec3, table: &mut Table) {
+        table.complex.clear();
+        table.arcs.clear();
+        for octant in 0..8u32 {
+            let offset = UVec3::new(octant & 1, octant >> 1 & 1, octant >> 2);
+            if offset.cmpgt(position).any() {
+                continue;
+            }
+            let Some(found) = self.bricks.get(&(position - offset)) else {
+                continue;
+            };
+            let part = &self.parts[found.part as usize];
+            let brick = &part.bricks[found.brick as usize];
+            let base = self.vertex_base[found.part as usize] + brick.vertices;
+            add_brick(part, brick, base, offset.to_array().map(|o| o == 1), table);
+        }
+        table.arcs.sort_unstable_by_key(|&(face, ..)| face);
+    }
+
+    /// The triangles of all polygons that the bricks of `part` own.
+    pub fn part(&self, part: usize, table: &mut Table) -> Stitched {
+        let part = &self.parts[part];
+        let mut out = Stitched {
+            triangles: Vec::with_capacity(2 * part.polygons.len()),
+            ..Stitched::default()
+        };
+        for brick in &part.bricks {
+            self.fill_table(brick.position, table);
+            let mut polygons = brick.polygons.start as usize;
+            for group in &part.groups[brick.groups.start as usize..brick.groups.end as usize] {
+                let surface = &self.surfaces[group.surface as usize];
+                let before = out.triangles.len();
+                let end = polygons + group.count as usize;
+                for &code in &part.polygons[polygons..end] {
+                    self.polygon(code, surface, table, &mut out);
+                }
+                polygons = end;
+                let count = (out.triangles.len() - before) as u32;
+                out.group_triangles.push(count);
+            }
+        }
+        out
+    }
+
+    #[inline]
+    fn polygon(&self, code: PolygonCode, surface: &Surface, table: &Table, out: &mut Stitched) {
+        let axis = code.axis();
+        let (b, c) = loops::next_axes(axis);
+        let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
+        // Indices into the table are shifted by one cell along each axis.
+        let here = code.sample() + 0x111;
+        let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
+        let mut corners = cells.map(|cell| table.cells[cell]);
+        if (corners[0] | corners[1] | corners[2] | corners[3]) & COMPLEX != 0 {
+            self.complex_polygon(code, surface, table, out);
+            return;
+        }
+        if !code.starts_inside() {
+            corners.swap(1, 3);
+        }
+        self.quad(corners, surface, code.is_reversed(), out);
+    }
+
+    /// A polygon with a complex cell: looks up which loop each corner is, and
+    /// takes in the vertices on ambiguous faces.
+    #[inline(never)]
+    fn complex_polygon(
+        &self,
+        code: PolygonCode,
+        surface: &Surface,
+        table: &Table,
+        out: &mut Stitched,
+    ) {
+        let axis = code.axis();
+        let (b, c) = loops::next_axes(axis);
+        let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
+        let here = code.sample() + 0x111;
+        let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
+        // The edge's place in each cell.
+        let edges = [4 * axis, 4 * axis + 1, 4 * axis + 3, 4 * axis + 2];
+        // The face from each cell to the next: normal, lowest sample, and the
+        // edge's place in its cyclic order.
+        let faces = [
+            (b, here, 3),
+            (c, here - step_b, 2),
+            (b, here - step_c, 1),
+            (c, here, 0),
+        ];
+        let mut corners = Vec::with_capacity(8);
+        let mut first_arc = None;
+        for i in 0..4 {
+            let entry = table.cells[cells[i]];
+            corners.push(if entry & COMPLEX == 0 {
+                entry
+            } else {
+                let (cell, vertex) = &table.complex[(entry & !COMPLEX) as usize];
+                vertex + loops::trace(cell.corners, cell.joined).of(edges[i]) as u32
+            });
+            let (normal, lowest, place) = faces[i];
+            let face = (normal << 12 | lowest) as u16;
+            if let Ok(found) = table.arcs.binary_search_by_key(&face, |&(face, ..)| face) {
+                let (_, vertex, joined) = table.arcs[found];
+                let first_inside = code.starts_inside() == (place == 0 || place == 3);
+                let partner = loops::ambiguous_partner(first_inside, joined, 0);
+                let on_first = place == 0 || place == partner;
+                first_arc.get_or_insert(corners.len());
+                corners.push(vertex + u32::from(!on_first));
+            }
+        }
+        let Some(apex) = first_arc else {
+            let mut quad = [corners[0], corners[1], corners[2], corners[3]];
+            if !code.starts_inside() {
+                quad.swap(1, 3);
+            }
+            self.quad(quad, surface, code.is_reversed(), out);
+            return;
+        };
+        // A fan around a vertex on a face: none of its diagonals can join the
+        // same vertices as another edge of the mesh.
+        corners.rotate_left(apex);
+        for pair in corners[1..].windows(2) {
+            let triangle = if code.starts_inside() {
+                [corners[0], pair[0], pair[1]]
+            } else {
+                [corners[0], pair[1], pair[0]]
+            };
+            out.triangles.push(triangle);
+            let [p, q, r] = triangle.map(|v| self.positions[v as usize]);
+            let outward = outward(surface, code.is_reversed(), (p + q + r) / 3.0);
+            if (q - p).cross(r - p).dot(outward) < 0.0 {
+                self.report_fold((p + q + r) / 3.0, out);
+            }
+        }
+    }
+
+    /// Splits a quad along the diagonal whose midpoint is nearer to the
+    /// surface, unless only the other one leaves no triangle folded over.
+    #[inline]
+    fn quad(&self, corners: [u32; 4], surface: &Surface, reversed: bool, out: &mut Stitched) {
+        let p = corners.map(|v| self.positions[v as usize]);
+        let outward = outward(surface, reversed, 0.25 * ((p[0] + p[1]) + (p[2] + p[3])));
+        // Twice the signed areas, seen from outside, of the two triangles on
+        // either side of the diagonal from corner i.
+        let smaller_area = |i: usize| {
+            let across = (p[i + 2] - p[i]).cross(outward);
+            let before = (p[i + 1] - p[i]).dot(across);
+            let after = (p[i] - p[(i + 3) % 4]).dot(across);
+            before.min(after)
+        };
+        let (even, odd);
+        let take_even = if surface.is_plane() {
+            (even, odd) = (smaller_area(0), smaller_area(1));
+            even >= odd
+        } else {
+            let miss = |a: DVec3, b: DVec3| surface.value(0.5 * (a + b)).abs();
+            let nearer_even = miss(p[0], p[2]) <= miss(p[1], p[3]);
+            (even, odd) = (smaller_area(0), smaller_area(1));
+            if nearer_even {
+                even > 0.0 || odd <= 0.0
+            } else {
+                odd <= 0.0 && even > 0.0
+            }
+        };
+        if even.max(odd) < 0.0 {
+            self.report_fold(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), out);
+        }
+        let [a, b, c, d] = corners;
+        out.triangles.extend(if take_even {
+            [[a, b, c], [a, c, d]]
+        } else {
+            [[b, c, d], [b, d, a]]
+        });
+    }
+
+    fn report_fold(&self, place: DVec3, out: &mut Stitched) {
+        out.fallbacks.push(Fallback {
+            kind: FallbackKind::Folded,
+            place,
+        });
+    }
+}
+
+/// The outward gradient of the solid's boundary on `surface`.
+#[inline]
+fn outward(surface: &Surface, reversed: bool, point: DVec3) -> DVec3 {
+    let gradient = surface.gradient(point);
+    if reversed { -gradient } else { gradient }
+}
+
+fn add_brick(part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3], table: &mut Table) {
+    let cells = &part.cells[brick.cells.start as usize..brick.cells.end as usize];
+    if before == [false; 3] {
+        for (i, &sample) in cells.iter().enumerate() {
+            table.cells[usize::from(sample) + 0x111] = base + i as u32;
+        }
+    } else {
+        for (i, &sample) in cells.iter().enumerate() {
+            if let Some(place) = shifted(sample, before) {
+                table.cells[usize::from(place)] = base + i as u32;
+            }
+        }
+    }
+    for cell in &part.complex[brick.complex.start as usize..brick.complex.end as usize] {
+        if let Some(place) = shifted(cell.sample, before) {
+            table.cells[usize::from(place)] = COMPLEX | table.complex.len() as u32;
+            table.complex.push((*cell, base + cell.vertex));
+        }
+    }
+    for arcs in &part.arcs[brick.arcs.start as usize..brick.arcs.end as usize] {
+        let FaceArcs {
+            face,
+            vertex,
+            joined,
+        } = *arcs;
+        if let Some(place) = shifted(face & 0xfff, before) {
+            table
+                .arcs
+                .push((face & 0xf000 | place, base + vertex, joined));
+        }
+    }
+}

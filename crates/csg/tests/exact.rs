@@ -1,0 +1,92 @@
+//! The exact mesher: manifold whatever the resolution, on the surface to
+//! rounding, with the right topology where the cells resolve it.
+
+use csg::{Mesh, Mesher, Program, Solid};
+use glam::DVec3;
+
+fn drilled() -> Solid {
+    let bore = Solid::infinite_cylinder(0.5);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    (Solid::cube(1.5) & Solid::sphere(1.0))
+        - &bore
+        - bore.rotate_x(quarter)
+        - bore.rotate_y(quarter)
+}
+
+fn mesh(solid: &Solid, cells: u32) -> Mesh {
+    let program = Program::lower(solid).expect("a valid solid");
+    let meshed = Mesher::new().cells(cells).mesh(&program).expect("bounded");
+    assert!(meshed.report.check.is_manifold(), "{cells} cells");
+    assert!(
+        meshed.report.fallbacks.is_empty(),
+        "{:?}",
+        meshed.report.fallbacks
+    );
+    meshed.mesh
+}
+
+/// The largest distance of a vertex from a surface that one of its triangles
+/// claims, by evaluation.
+fn largest_miss(solid: &Solid, mesh: &Mesh) -> f64 {
+    let program = Program::lower(solid).expect("a valid solid");
+    let mut largest = 0.0f64;
+    for (triangle, &entry) in mesh.triangles.iter().zip(&mesh.triangle_surfaces) {
+        let id = mesh.surfaces[entry as usize].surface;
+        let surface = &program.surfaces()[id as usize];
+        for &vertex in triangle {
+            let p = mesh.positions[vertex as usize];
+            let distance = surface.value(p).abs() / surface.gradient(p).length();
+            largest = largest.max(distance);
+        }
+    }
+    largest
+}
+
+#[test]
+fn a_rotated_box_is_exact() {
+    let solid = Solid::cuboid([2.0, 1.2, 0.6]).rotate_xyz(0.7, 0.5, 0.3);
+    for cells in [16, 33, 64] {
+        let mesh = mesh(&solid, cells);
+        assert!((mesh.volume() - 1.44).abs() < 1e-13, "{}", mesh.volume());
+        for i in 0..8 {
+            let sign = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = DVec3::new(sign(0), 0.6 * sign(1), 0.3 * sign(2));
+            let corner = glam::DMat3::from_rotation_z(0.3)
+                * glam::DMat3::from_rotation_y(0.5)
+                * glam::DMat3::from_rotation_x(0.7)
+                * corner;
+            let nearest = mesh.positions.iter().map(|p| p.distance(corner));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-13, "corner {i} off by {nearest:e} at {cells}");
+        }
+    }
+}
+
+#[test]
+fn curved_solids_converge_at_second_order_with_vertices_on_their_surfaces() {
+    let exact = 0.988_789_557_199_477;
+    let mut previous = f64::INFINITY;
+    for cells in [32, 64, 128] {
+        let mesh = mesh(&drilled(), cells);
+        let miss = largest_miss(&drilled(), &mesh);
+        assert!(miss < 1e-13, "{miss:e} at {cells}");
+        let error = (mesh.volume() - exact).abs();
+        assert!(error < previous / 3.0, "{error:e} after {previous:e}");
+        previous = error;
+        assert_eq!(mesh.check().genus(), Some(5));
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_mesh() {
+    let program = Program::lower(&drilled()).expect("a valid solid");
+    let with_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().expect("threads");
+        let meshed = pool.install(|| Mesher::new().cells(100).mesh(&program));
+        meshed.expect("bounded").mesh
+    };
+    let one = with_threads(1);
+    assert!(one == with_threads(2));
+    assert!(one == with_threads(8));
+}
