@@ -35,6 +35,7 @@ pub struct Mesher {
     method: Method,
     bounds: Option<Bounds>,
     unit: LengthUnit,
+    check: bool,
     control: Control,
 }
 
@@ -91,6 +92,7 @@ impl Mesher {
             method: Method::Exact,
             bounds: None,
             unit: LengthUnit::default(),
+            check: true,
             control: Control::default(),
         }
     }
@@ -128,6 +130,13 @@ impl Mesher {
     /// The unit of the model's lengths, handed on to the mesh.
     pub fn unit(mut self, unit: LengthUnit) -> Self {
         self.unit = unit;
+        self
+    }
+
+    /// Whether to check the finished mesh (on by default), which takes about
+    /// as long again as meshing; off, [`Report::check`] stays empty.
+    pub fn check(mut self, check: bool) -> Self {
+        self.check = check;
         self
     }
 
@@ -196,8 +205,10 @@ impl Mesher {
         mesh.unit = self.unit;
         self.control.check()?;
         let start = report.end_stage("mesh", start);
-        report.check = mesh.check();
-        report.end_stage("check", start);
+        if self.check {
+            report.check = mesh.check();
+            report.end_stage("check", start);
+        }
         if let Some(progress) = &self.control.progress {
             progress(1.0);
         }
