@@ -5,3 +5,5 @@
 //! This crate is the facade: it re-exports the three libraries under one name.
 
 pub use {csg, io, raster};
+
+pub mod scenes;

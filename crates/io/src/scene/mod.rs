@@ -1,17 +1,18 @@
-//! Scenes: OpenSCAD's evaluated tree text (`.csg`).
+//! Scenes: OpenSCAD's evaluated tree text (`.csg`), in and out.
 //!
-//! The nodes of the core are read: `group`, `union`,
+//! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
 //! `sphere`, `cylinder`. Any other node is an error that names it and its
 //! place, unless `%` (background) leaves it out of the solid anyway.
 //!
 //! ```
-//! use io::scene::{ReadOptions, read};
+//! use io::scene::{ReadOptions, read, write};
 //!
 //! let text = "difference() { cube(size = [2, 2, 2], center = true); sphere(r = 1.2); }";
 //! let solid = read(text, &ReadOptions::default())?.solid;
 //! let program = csg::Program::lower(&solid)?;
 //! assert!(program.contains([0.9, 0.9, 0.9]) && !program.contains([0.0; 3]));
+//! assert!(write(&solid)?.starts_with("difference() {"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -34,12 +35,15 @@ mod error;
 mod facets;
 mod lex;
 mod parse;
+mod shapes;
+mod write;
 
 use std::path::Path;
 
 use csg::Solid;
 
 pub use error::{Place, SceneError, Warning};
+pub use write::{WriteError, write};
 
 /// How to read a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

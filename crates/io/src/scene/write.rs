@@ -1,0 +1,298 @@
+//! Writing: from a solid to scene text.
+//!
+//! One walk with a stack of its own. In a solid the innermost colour wins, in
+//! a scene the outermost: a colour is therefore written around the largest
+//! subtrees that hold no other.
+
+use std::collections::HashSet;
+use std::fmt::Write as _;
+
+use csg::color::srgb_to_linear;
+use csg::{Color, Node, NodePath, PathStep, Solid};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::shapes::{Shape, shape};
+
+/// Why a solid could not be written as a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// No node of the format says this.
+    #[error("{problem} (at {path})")]
+    NotExpressible {
+        /// Where in the solid's tree.
+        path: NodePath,
+        /// What there is no node for, and what to use instead.
+        problem: String,
+    },
+    /// The format cannot share subtrees, and written out there are too many.
+    #[error(
+        "written out without sharing, the tree has more than {limit} nodes: write its parts to several files"
+    )]
+    TooLarge {
+        /// The most nodes that are written.
+        limit: usize,
+    },
+}
+
+/// More would be gigabytes of text.
+const MOST_NODES: usize = 20_000_000;
+/// Deeper levels are indented like this one, or the white space of a deep
+/// tree would grow with the square of its depth.
+const DEEPEST_INDENT: usize = 24;
+
+/// The scene text of a solid that is made of these nodes: every Boolean
+/// operation, affine map, name (as a comment) and colour over boxes, spheres,
+/// ellipsoids, finite cylinders, frusta, cones, and the prisms, frusta and
+/// faceted spheres over polygons of at most 12 corners that are affine images
+/// of regular ones. Numbers are the shortest that read back the same.
+///
+/// Subtrees that are shared are written at every place; the size of the text
+/// is linear in the number of nodes so counted.
+///
+/// # Errors
+/// [`WriteError::NotExpressible`] names the first node that no scene can
+/// hold, such as an infinite cylinder; [`WriteError::TooLarge`].
+pub fn write(solid: &Solid) -> Result<String, WriteError> {
+    let mut writer = Writer {
+        text: String::new(),
+        depth: 0,
+        path: NodePath::default(),
+        with_color: with_color(solid),
+    };
+    let mut steps = vec![Step::Enter {
+        solid,
+        color: None,
+        operand: 0,
+    }];
+    let mut nodes = 0;
+    while let Some(step) = steps.pop() {
+        match step {
+            Step::Close => {
+                writer.depth -= 1;
+                writer.line("}");
+            }
+            Step::Leave => {
+                writer.path.steps.pop();
+            }
+            Step::Enter {
+                solid,
+                color,
+                operand,
+            } => {
+                nodes += 1;
+                if nodes > MOST_NODES {
+                    return Err(WriteError::TooLarge { limit: MOST_NODES });
+                }
+                writer.enter(solid, color, operand, &mut steps)?;
+            }
+        }
+    }
+    Ok(writer.text)
+}
+
+enum Step<'a> {
+    /// Writes a node in the colour set further out and not yet written.
+    Enter {
+        solid: &'a Solid,
+        color: Option<Color>,
+        operand: usize,
+    },
+    /// Closes a brace.
+    Close,
+    /// Steps back up in the path.
+    Leave,
+}
+
+struct Writer {
+    text: String,
+    depth: usize,
+    path: NodePath,
+    /// Identities of the nodes with a colour in their subtree.
+    with_color: HashSet<usize>,
+}
+
+impl Writer {
+    fn enter<'a>(
+        &mut self,
+        solid: &'a Solid,
+        color: Option<Color>,
+        operand: usize,
+        steps: &mut Vec<Step<'a>>,
+    ) -> Result<(), WriteError> {
+        let node = solid.node();
+        self.path.steps.push(PathStep {
+            operand,
+            kind: node.kind(),
+            name: match node {
+                Node::Named(name, _) => Some(name.clone()),
+                _ => None,
+            },
+        });
+        steps.push(Step::Leave);
+        let mut color = color;
+        if !self.with_color.contains(&solid.id())
+            && let Some(color) = color.take()
+        {
+            self.open(&color_head(color));
+            steps.push(Step::Close);
+        }
+        let head = match node {
+            Node::Primitive(primitive) => {
+                let shape = shape(primitive).map_err(|problem| self.fault(problem))?;
+                self.shape(&shape);
+                return Ok(());
+            }
+            Node::Colored(own, inner) => {
+                // Written here or, if there are colours further in, there.
+                steps.push(Step::Enter {
+                    solid: inner,
+                    color: Some(*own),
+                    operand: 0,
+                });
+                return Ok(());
+            }
+            Node::Union(_) => "union()".to_owned(),
+            Node::Intersection(_) => "intersection()".to_owned(),
+            Node::Difference(_) => "difference()".to_owned(),
+            Node::Transform(Ok(map), _) if map.is_finite() => multmatrix(map),
+            Node::Transform(Ok(_), _) => return Err(self.fault("the map is not finite".into())),
+            Node::Transform(Err(fault), _) => return Err(self.fault(fault.to_string())),
+            Node::Named(name, _) => {
+                let comment: String = name
+                    .chars()
+                    .map(|c| if c.is_control() { ' ' } else { c })
+                    .collect();
+                self.line(&format!("// {comment}"));
+                "group()".to_owned()
+            }
+            other => return Err(self.fault(format!("there is no node for {}", other.kind()))),
+        };
+        let operands = node.operands();
+        if operands.is_empty() {
+            let problem = format!("{} of nothing: use Solid::empty()", node.kind());
+            return Err(self.fault(problem));
+        }
+        self.open(&head);
+        steps.push(Step::Close);
+        for (operand, solid) in operands.iter().enumerate().rev() {
+            steps.push(Step::Enter {
+                solid,
+                color,
+                operand,
+            });
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, shape: &Shape) {
+        if let Some(map) = &shape.map {
+            self.open(&multmatrix(map));
+            self.line(&shape.node);
+            self.depth -= 1;
+            self.line("}");
+        } else {
+            self.line(&shape.node);
+        }
+    }
+
+    fn open(&mut self, head: &str) {
+        self.line(&format!("{head} {{"));
+        self.depth += 1;
+    }
+
+    fn line(&mut self, line: &str) {
+        let tabs = self.depth.min(DEEPEST_INDENT);
+        self.text.extend(std::iter::repeat_n('\t', tabs));
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    fn fault(&self, problem: String) -> WriteError {
+        WriteError::NotExpressible {
+            path: self.path.clone(),
+            problem,
+        }
+    }
+}
+
+/// The identities of the nodes that are coloured or have a coloured node
+/// below them.
+fn with_color(root: &Solid) -> HashSet<usize> {
+    let mut found = HashSet::new();
+    let mut seen = HashSet::new();
+    // Nodes on the way down, and again (true) after their operands.
+    let mut pending = vec![(root, false)];
+    while let Some((solid, after)) = pending.pop() {
+        let operands = solid.node().operands();
+        if after {
+            if matches!(solid.node(), Node::Colored(..))
+                || operands.iter().any(|operand| found.contains(&operand.id()))
+            {
+                found.insert(solid.id());
+            }
+        } else if !operands.is_empty() && seen.insert(solid.id()) {
+            pending.push((solid, true));
+            pending.extend(operands.iter().map(|operand| (operand, false)));
+        }
+    }
+    found
+}
+
+fn color_head(color: Color) -> String {
+    let encoded = color.to_srgb();
+    let [r, g, b] = [0, 1, 2].map(|i| shortest_srgb(encoded[i], color.rgb[i]));
+    format!("color([{r}, {g}, {b}, {}])", color.alpha)
+}
+
+/// The fewest decimals of an sRGB component that decode to `linear`: powers
+/// in f32 leave 1 at 0.99999994.
+fn shortest_srgb(encoded: f32, linear: f32) -> f32 {
+    let mut rounded = (0..9).map(|decimals| {
+        let unit = 10_f64.powi(decimals);
+        ((f64::from(encoded) * unit).round() / unit) as f32
+    });
+    rounded
+        .find(|&candidate| srgb_to_linear(candidate) == linear)
+        .unwrap_or(encoded)
+}
+
+fn multmatrix(map: &DAffine3) -> String {
+    let mut head = "multmatrix([".to_owned();
+    for row in 0..3 {
+        let linear = map.matrix3.row(row);
+        head.push('[');
+        for entry in linear.to_array() {
+            let _ = write!(head, "{}, ", number(entry));
+        }
+        let _ = write!(head, "{}], ", number(map.translation[row]));
+    }
+    head.push_str("[0, 0, 0, 1]])");
+    head
+}
+
+/// The shortest digits that read back as the same number.
+pub(super) fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-5..1e16).contains(&magnitude) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// The number list `[x, y, ..]`.
+pub(super) fn list(values: &[f64]) -> String {
+    let numbers: Vec<String> = values.iter().map(|&value| number(value)).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+/// The map with the given columns across and the identity along z.
+pub(super) fn across(x: DVec2, y: DVec2, center: DVec2) -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::from_cols(x.extend(0.0), y.extend(0.0), DVec3::Z),
+        translation: center.extend(0.0),
+    }
+}
