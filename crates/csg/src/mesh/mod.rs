@@ -2,9 +2,11 @@
 //!
 //! Nothing here knows about solids; `raster` and `io` need only this module.
 
+mod box_tree;
 mod check;
 mod components;
 mod data;
+mod intersect;
 mod measure;
 mod star;
 
