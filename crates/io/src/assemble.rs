@@ -7,12 +7,12 @@ use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
 use crate::parts::{ColorBits, color_bits, in_gamut};
+use crate::weld::Weld;
 
 /// Collects vertices and triangles into a mesh.
 pub(crate) struct Assembler {
     mesh: Mesh,
-    /// Vertices by the bits of their coordinates.
-    welded: FxHashMap<[u64; 3], u32>,
+    welded: Weld,
     /// Surfaces by name and colour.
     parts: FxHashMap<(Option<Arc<str>>, Option<ColorBits>), u32>,
     part: u32,
@@ -27,23 +27,39 @@ impl Assembler {
                 unit,
                 ..Mesh::default()
             },
-            welded: FxHashMap::default(),
+            welded: Weld::default(),
             parts: FxHashMap::default(),
             part: 0,
             has_normals: true,
         }
     }
 
+    /// Makes room for that many more vertices to weld and triangles. (What a
+    /// file promises is no reason to reserve: pass what is really there.)
+    pub(crate) fn reserve(&mut self, vertices: usize, triangles: usize) {
+        let mesh = &mut self.mesh;
+        self.welded
+            .reserve(mesh.positions.len() + vertices, &mesh.positions);
+        mesh.positions.reserve(vertices);
+        mesh.triangles.reserve(triangles);
+        mesh.triangle_surfaces.reserve(triangles);
+    }
+
     /// The vertex at exactly this place; `None` if the place is not finite or
     /// there are too many vertices.
     pub(crate) fn weld(&mut self, place: DVec3) -> Option<u32> {
-        // (0 and -0 are the same place.)
-        let key = place.to_array().map(|x| (x + 0.0).to_bits());
-        if let Some(&vertex) = self.welded.get(&key) {
-            return Some(vertex);
+        if !place.is_finite() {
+            return None;
         }
-        let vertex = self.vertex(place)?;
-        self.welded.insert(key, vertex);
+        // (The greatest number stands for no vertex.)
+        let new = u32::try_from(self.mesh.positions.len()).ok()?;
+        if new == u32::MAX {
+            return None;
+        }
+        let vertex = self.welded.find_or_insert(place, new, &self.mesh.positions);
+        if vertex == new {
+            self.mesh.positions.push(place);
+        }
         Some(vertex)
     }
 

@@ -13,6 +13,7 @@ pub mod scene;
 pub mod stl;
 pub mod threemf;
 mod units;
+mod weld;
 
 pub use atomic::AtomicFile;
 pub use error::Error;

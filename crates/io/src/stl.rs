@@ -120,6 +120,8 @@ fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {
 fn read_binary(data: &[u8]) -> Result<Mesh, Error> {
     let count = u32::from_le_bytes([data[80], data[81], data[82], data[83]]) as usize;
     let mut mesh = Assembler::new(LengthUnit::Millimetre);
+    // A closed mesh has half as many vertices as triangles.
+    mesh.reserve(count / 2, count);
     for (index, record) in data[HEAD..].chunks_exact(RECORD).take(count).enumerate() {
         let real = |at: usize| {
             f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])

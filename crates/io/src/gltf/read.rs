@@ -374,6 +374,7 @@ impl Reader {
             linear.x_axis.cross(linear.y_axis),
         );
         let sign = if mirrored { -1.0 } else { 1.0 };
+        assembler.reserve(positions.len(), indices.len() / 3);
         let vertices = positions
             .iter()
             .map(|&p| assembler.weld(transform.transform_point3(p)))
