@@ -1,0 +1,94 @@
+//! The same solids by manifold3d, an independent program: volumes agree, and
+//! it accepts every mesh that our own check calls manifold.
+#![allow(missing_docs, reason = "a test")]
+
+mod manifold3d {
+    pub mod python;
+    pub mod solids;
+}
+
+use std::fs;
+use std::path::Path;
+
+use manifold3d::python::Script;
+use manifold3d::solids::{Random, question};
+use serde_json::json;
+use stereotomy::csg::{Meshed, Mesher, Program, Solid};
+
+/// Segments of manifold3d's circles.
+const SEGMENTS: u32 = 96;
+
+/// Meshes a solid at three resolutions: the finest mesh, and the spread of
+/// the volumes, which estimates its error. An error that falls with the cells
+/// leaves the coarser ones that much farther off.
+fn mesh(solid: &Solid) -> (Meshed, f64) {
+    let program = Program::lower(solid).expect("a valid solid");
+    let mesh = |cells| Mesher::new().cells(cells).mesh(&program).expect("a mesh");
+    let (coarse, middle, fine) = (mesh(24), mesh(34), mesh(60));
+    let volumes = [&coarse, &middle, &fine].map(|meshed| meshed.mesh.volume());
+    let spread = volumes
+        .iter()
+        .fold(0.0f64, |m, v| m.max((v - volumes[2]).abs()));
+    (fine, spread)
+}
+
+/// Compares one solid; returns whether its mesh was manifold.
+fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> bool {
+    let theirs = script.ask(&json!({"solid": question(solid), "segments": SEGMENTS}));
+    let their_volume = theirs["volume"].as_f64().expect("a number");
+    let tessellation = theirs["tessellation"].as_f64().expect("a number");
+    let (Meshed { mesh, report, .. }, spread) = mesh(solid);
+    let volume = mesh.volume();
+    let tolerance = tessellation + spread + 1e-9;
+    assert!(
+        (volume - their_volume).abs() <= tolerance,
+        "{name}: {volume}, by manifold3d {their_volume} ± {tessellation}, spread {spread}: {solid:?}"
+    );
+    assert!(report.check.is_closed(), "{name}: {}", report.check);
+    if !report.check.is_manifold() || mesh.triangles.is_empty() {
+        return false;
+    }
+    let positions = folder.join("positions");
+    let triangles = folder.join("triangles");
+    let coordinates = mesh.positions.iter().flat_map(glam::DVec3::to_array);
+    let bytes: Vec<u8> = coordinates.flat_map(f64::to_le_bytes).collect();
+    fs::write(&positions, bytes).expect("a file");
+    let indices = mesh.triangles.as_flattened().iter().map(|&i| u64::from(i));
+    let bytes: Vec<u8> = indices.flat_map(u64::to_le_bytes).collect();
+    fs::write(&triangles, bytes).expect("a file");
+    let said = script.ask(&json!({"positions": positions, "triangles": triangles}));
+    assert_eq!(said["status"], "NoError", "{name}: {solid:?}");
+    // It reads the mesh as we do, but for the degenerate triangles that it
+    // collapses.
+    let found = said["volume"].as_f64().expect("a number");
+    assert!(
+        (found - their_volume).abs() <= tolerance,
+        "{name}: {found}, of our mesh {volume}, by manifold3d {their_volume}: {solid:?}"
+    );
+    true
+}
+
+#[test]
+fn random_trees_agree() {
+    let mut script = Script::start("crosscheck.py");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut manifold = 0;
+    let mut not_empty = 0;
+    for seed in 0..240 {
+        let solid = Random::new(seed).solid(2 + seed % 8);
+        let name = format!("tree {seed}");
+        manifold += usize::from(compare(&mut script, folder.path(), &name, &solid));
+        not_empty += usize::from(
+            Program::lower(&solid)
+                .expect("valid")
+                .bounds()
+                .expect("bounded")
+                .is_some(),
+        );
+    }
+    // Otherwise little was compared.
+    assert!(
+        not_empty >= 200 && manifold >= 150,
+        "{not_empty} solids, {manifold} manifold"
+    );
+}

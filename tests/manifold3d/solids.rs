@@ -1,0 +1,143 @@
+//! Solids as questions, and random ones.
+
+use std::f64::consts::FRAC_PI_2;
+
+use csg::{Node, Primitive, Solid};
+use glam::DVec3;
+use serde_json::{Value, json};
+use stereotomy::csg;
+
+/// The JSON of a solid: what both programs build.
+pub fn question(solid: &Solid) -> Value {
+    let all = |operands: &[Solid]| operands.iter().map(question).collect::<Vec<_>>();
+    match solid.node() {
+        Node::Primitive(Primitive::Empty) => json!({"empty": null}),
+        Node::Primitive(Primitive::Cuboid { min, max }) => {
+            json!({"cuboid": [min.to_array(), max.to_array()]})
+        }
+        Node::Primitive(Primitive::Ellipsoid { radii }) if *radii == DVec3::splat(radii.x) => {
+            json!({"sphere": radii.x})
+        }
+        Node::Primitive(Primitive::Cylinder { radii, z: Some(z) }) if radii.x == radii.y => {
+            json!({"frustum": [radii.x, radii.y, z.start, z.end]})
+        }
+        Node::Primitive(Primitive::Frustum { bottom, top, z }) => {
+            json!({"frustum": [bottom, top, z.start, z.end]})
+        }
+        Node::Transform(Ok(map), operand) => {
+            let m = map.matrix3.transpose();
+            let rows = [
+                (m.x_axis, map.translation.x),
+                (m.y_axis, map.translation.y),
+                (m.z_axis, map.translation.z),
+            ];
+            let rows = rows.map(|(row, offset)| [row.x, row.y, row.z, offset]);
+            json!({"map": [rows, question(operand)]})
+        }
+        Node::Union(operands) => json!({"union": all(operands)}),
+        Node::Intersection(operands) => json!({"intersection": all(operands)}),
+        Node::Difference(operands) => json!({"difference": all(operands)}),
+        Node::Named(_, operand) | Node::Colored(_, operand) => question(operand),
+        other => panic!("no such question: {}", other.kind()),
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A multiple of 1/4: sizes and places that make faces coincide.
+    fn quarters(&mut self, low: i32, high: i32) -> f64 {
+        f64::from(low + self.below((high - low + 1) as u64) as i32) / 4.0
+    }
+
+    fn leaf(&mut self) -> Solid {
+        match self.below(6) {
+            0 | 1 => Solid::cuboid([
+                self.quarters(2, 6),
+                self.quarters(2, 6),
+                self.quarters(2, 6),
+            ]),
+            2 => Solid::sphere(self.quarters(2, 4)),
+            3 => {
+                let half = self.quarters(1, 4);
+                Solid::cylinder(self.quarters(1, 3), -half..half)
+            }
+            4 => Solid::cone(self.quarters(2, 4), 0.0..self.quarters(2, 6)),
+            _ => Solid::frustum(
+                self.quarters(1, 2),
+                self.quarters(3, 4),
+                0.0..self.quarters(2, 4),
+            ),
+        }
+    }
+
+    fn moved(&mut self, solid: &Solid) -> Solid {
+        match self.below(6) {
+            // On the grid of quarters, where faces meet faces.
+            0..=2 => solid.translate([
+                self.quarters(-3, 3),
+                self.quarters(-3, 3),
+                self.quarters(-3, 3),
+            ]),
+            3 => solid.rotate_x(FRAC_PI_2 * self.below(4) as f64),
+            // And anywhere.
+            4 => solid
+                .rotate_xyz(
+                    self.between(-3.0, 3.0),
+                    self.between(-3.0, 3.0),
+                    self.between(-3.0, 3.0),
+                )
+                .translate([
+                    self.between(-0.5, 0.5),
+                    self.between(-0.5, 0.5),
+                    self.between(-0.5, 0.5),
+                ]),
+            _ => solid.scale_xyz([
+                self.between(0.6, 1.4),
+                self.between(0.6, 1.4),
+                -self.between(0.6, 1.4),
+            ]),
+        }
+    }
+
+    /// A solid of about `leaves` primitives.
+    pub fn solid(&mut self, leaves: u64) -> Solid {
+        if leaves <= 1 {
+            let leaf = self.leaf();
+            return self.moved(&leaf);
+        }
+        let first = 1 + self.below(leaves - 1);
+        let (left, right) = (self.solid(first), self.solid(leaves - first));
+        let combined = match self.below(5) {
+            0 | 1 => left | right,
+            2 | 3 => left - right,
+            _ => left & right,
+        };
+        if self.below(3) == 0 {
+            self.moved(&combined)
+        } else {
+            combined
+        }
+    }
+}
