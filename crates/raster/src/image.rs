@@ -1,5 +1,7 @@
 //! Pictures in memory.
 
+use rayon::prelude::*;
+
 /// A picture: sRGB-encoded red, green and blue with straight opacity, 8 bits
 /// each, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,5 +33,58 @@ impl Image {
         }
         let index = y as usize * self.width as usize + x as usize;
         self.pixels.get(index).copied()
+    }
+}
+
+impl Image {
+    /// The picture at 1/n of its size: squares of n x n pixels averaged in
+    /// linear light, weighted by opacity. A remainder at the right and bottom
+    /// is dropped.
+    #[must_use]
+    pub fn shrink(&self, n: u32) -> Self {
+        let n = n.max(1);
+        let mut linear = [0f32; 256];
+        for (encoded, value) in linear.iter_mut().enumerate() {
+            *value = csg::color::srgb_to_linear(encoded as f32 / 255.0);
+        }
+        let (width, height) = (self.width / n, self.height / n);
+        let mut pixels = vec![[0; 4]; width as usize * height as usize];
+        if pixels.is_empty() {
+            return Self {
+                width,
+                height,
+                pixels,
+            };
+        }
+        let stride = self.width as usize;
+        let step = n as usize;
+        pixels
+            .par_chunks_mut(width as usize)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    let mut sum = [0f32; 4];
+                    for from in (0..step).map(|dy| (y * step + dy) * stride + x * step) {
+                        for &[r, g, b, a] in &self.pixels[from..from + step] {
+                            let weight = f32::from(a);
+                            sum[0] += linear[r as usize] * weight;
+                            sum[1] += linear[g as usize] * weight;
+                            sum[2] += linear[b as usize] * weight;
+                            sum[3] += weight;
+                        }
+                    }
+                    let divisor = if sum[3] > 0.0 { sum[3] } else { 1.0 };
+                    let [r, g, b] = [sum[0], sum[1], sum[2]].map(|c| {
+                        let encoded = csg::color::linear_to_srgb(c / divisor);
+                        (encoded.clamp(0.0, 1.0) * 255.0).round() as u8
+                    });
+                    *pixel = [r, g, b, (sum[3] / (n * n) as f32).round() as u8];
+                }
+            });
+        Self {
+            width,
+            height,
+            pixels,
+        }
     }
 }

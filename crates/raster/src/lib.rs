@@ -17,25 +17,41 @@
 //! # Ok::<(), raster::RasterError>(())
 //! ```
 
+mod buffers;
 mod camera;
 pub mod clip;
+mod deferred;
 mod error;
+mod fill;
 pub mod fixed;
+mod frame;
 mod framing;
+mod geometry;
 mod image;
 mod normals;
+mod options;
 mod pipeline;
 mod png_file;
 pub mod projection;
+mod resolve;
+mod scene;
 pub mod shade;
+mod simd;
+mod stats;
+mod tile;
 pub mod viewport;
 
+pub use buffers::{Buffer, Pick, depth_image, id_image, normal_image};
 pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use csg::Mesh;
 pub use error::{MAX_SIZE, RasterError};
 pub use framing::StandardView;
 pub use image::Image;
 pub use normals::{CREASE_ANGLE, corner_normals};
-pub use pipeline::{RenderOptions, render};
-pub use shade::{Light, Material};
+pub use options::{AntiAliasing, RenderOptions};
+pub use pipeline::{Renderer, render};
+pub use scene::Scene;
+pub use shade::{Interpolation, Light, Material};
+pub use simd::Level;
+pub use stats::Stats;
 pub use viewport::{Viewport, YAxis};

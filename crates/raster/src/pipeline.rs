@@ -1,44 +1,47 @@
-//! The pipeline from a mesh and a view to a picture.
+//! The pipeline from a scene and a view to a picture.
+//!
+//! Clusters are culled and taken front to back in a few batches. Each batch
+//! is set up in parallel by cluster, then filled in parallel by tile, and
+//! what it draws culls clusters of the next one. When visibility is settled,
+//! each tile is shaded. Equal depths go to the triangle drawn first whatever
+//! order the filler meets them in, so pictures depend neither on the number
+//! of threads nor on the batches.
 
 use csg::{Color, Mesh};
-use glam::{DVec3, DVec4, Vec3};
+use rayon::prelude::*;
 
 use crate::camera::View;
-use crate::clip::{ClipVertex, clip_triangle};
+use crate::deferred::ShadeContext;
 use crate::error::{MAX_SIZE, RasterError};
-use crate::fixed::{FixedPoint, SUBPIXELS, covers, doubled_area, snap};
+use crate::fill::{FillCounts, fill};
+use crate::frame::FrameMatrix;
+use crate::geometry::{
+    Bins, Facing, GeometryContext, SetUpClusters, Visibility, cluster_visibility,
+};
 use crate::image::Image;
-use crate::normals::{CREASE_ANGLE, corner_normals};
-use crate::shade::{Incident, Light, Material, phong};
-use crate::viewport::Viewport;
+use crate::options::{AntiAliasing, RenderOptions};
+use crate::resolve::{ResolveTile, tile_rows};
+use crate::scene::Scene;
+use crate::shade::Material;
+use crate::simd::{Kernel, Lanes, Level};
+use crate::stats::Stats;
+use crate::tile::{TILE, Tile};
 
-/// What a picture looks like, apart from the mesh and the view.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct RenderOptions {
-    /// Colour behind the mesh; transparent by default.
-    pub background: Color,
-    /// Colour of surfaces that have none.
-    pub default_color: Color,
-    /// Lights of the scene.
-    pub lights: Vec<Light>,
-    /// Whether triangles that face away from the viewer are left out.
-    pub cull_back_faces: bool,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            background: Color::from_linear([0.0; 3]).with_alpha(0.0),
-            default_color: Material::default_color(),
-            lights: Light::default_rig(),
-            cull_back_faces: true,
-        }
-    }
+/// Draws frames; keeps its working memory from one to the next.
+#[derive(Clone, Debug, Default)]
+pub struct Renderer {
+    level: Level,
+    /// Size of the last frame.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) tiles: Vec<Tile>,
+    bins: Vec<Bins>,
+    order: Vec<(f32, u32)>,
 }
 
 /// Draws a mesh as seen by `view` into a picture of `width` x `height`
-/// pixels.
+/// pixels. To draw a mesh more than once, keep a [`Scene`] and a
+/// [`Renderer`].
 ///
 /// # Errors
 /// [`RasterError::SizeTooLarge`] above [`MAX_SIZE`] pixels a side.
@@ -49,147 +52,278 @@ pub fn render(
     height: u32,
     options: &RenderOptions,
 ) -> Result<Image, RasterError> {
-    if width.max(height) > MAX_SIZE {
-        return Err(RasterError::SizeTooLarge { width, height });
-    }
-    let mut image = Image::new(width, height, encode(options.background));
-    if image.pixels.is_empty() {
-        return Ok(image);
-    }
-    let viewport = Viewport::of_image(width, height);
-    let normals = corner_normals(mesh, CREASE_ANGLE);
-    let mut depth = vec![1.0f64; image.pixels.len()];
-    let (mut polygon, mut scratch) = (Vec::new(), Vec::new());
-    for (index, triangle) in mesh.triangles.iter().enumerate() {
-        let Some(corners) = positions(mesh, *triangle) else {
-            continue;
-        };
-        clip_triangle(
-            corners.map(|p| view.world_to_clip() * p.extend(1.0)),
-            &mut polygon,
-            &mut scratch,
-        );
-        let color = mesh
-            .surface_of(index)
-            .and_then(|surface| surface.color)
-            .unwrap_or(options.default_color);
-        let material = Material::of_color(color);
-        let shade = |weights: [f64; 3]| {
-            let mix = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
-            let point = mix(corners);
-            let normal = mix(normals[index].map(Vec3::as_dvec3)).normalize_or_zero();
-            let viewer = view.towards_viewer(point);
-            let lights: Vec<Incident> = options
-                .lights
-                .iter()
-                .map(|light| incident(light, view, point, viewer))
-                .collect();
-            let rgb = phong(&material, &lights, normal.as_vec3(), viewer.as_vec3());
-            encode(Color::from_linear(
-                rgb.clamp(Vec3::ZERO, Vec3::ONE).to_array(),
-            ))
-        };
-        for i in 2..polygon.len() {
-            let fan = [polygon[0], polygon[i - 1], polygon[i]];
-            fill(
-                fan,
-                &viewport,
-                options.cull_back_faces,
-                |x, y, z, weights| {
-                    let at = y as usize * width as usize + x as usize;
-                    if z < depth[at] {
-                        depth[at] = z;
-                        image.pixels[at] = shade(weights);
-                    }
-                },
-            );
-        }
-    }
+    let mut image = Image::default();
+    Renderer::default().draw(&Scene::new(mesh), view, width, height, options, &mut image)?;
     Ok(image)
 }
 
-/// The corners of a triangle, unless it names a vertex that is not there.
-fn positions(mesh: &Mesh, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
-    let at = |i: u32| mesh.positions.get(i as usize).copied();
-    Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
-}
-
-/// The light of one source at a point.
-fn incident(light: &Light, view: &View, point: DVec3, viewer: DVec3) -> Incident {
-    let (towards, intensity) = match *light {
-        Light::Ambient { intensity } => (DVec3::ZERO, intensity),
-        Light::Directional { towards, intensity } => (towards, intensity),
-        Light::Point {
-            position,
-            intensity,
-        } => (position - point, intensity),
-        Light::Head { intensity } => (viewer, intensity),
-        Light::Camera { towards, intensity } => (
-            view.world_to_eye().inverse().transform_vector3(towards),
-            intensity,
-        ),
-    };
-    Incident {
-        towards: towards.normalize_or_zero().as_vec3(),
-        intensity,
-    }
-}
-
-/// A linear colour as an 8-bit sRGB pixel.
-fn encode(color: Color) -> [u8; 4] {
-    let [r, g, b] = color.to_srgb();
-    [r, g, b, color.alpha].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
-}
-
-/// Calls `fragment` with column, row, depth and perspective-correct weights
-/// for every pixel that a clipped triangle covers.
-fn fill(
-    triangle: [ClipVertex; 3],
-    viewport: &Viewport,
-    cull: bool,
-    mut fragment: impl FnMut(i32, i32, f64, [f64; 3]),
-) {
-    let inverse_w = triangle.map(|v| 1.0 / v.position.w);
-    let window = triangle.map(|v: ClipVertex| {
-        let p: DVec4 = v.position;
-        viewport.from_ndc(p.truncate() / p.w)
-    });
-    let mut points: [FixedPoint; 3] = [[0; 2]; 3];
-    for (point, p) in points.iter_mut().zip(window) {
-        let (Some(x), Some(y)) = (snap(p.x), snap(p.y)) else {
-            return;
-        };
-        *point = [x, y];
-    }
-    // Counter-clockwise in space is clockwise's opposite with y downwards.
-    let area = doubled_area(points);
-    if area == 0 || (cull && area > 0) {
-        return;
-    }
-    let pixel = |v: i32| v >> crate::fixed::SUBPIXEL_BITS;
-    let low = |axis: usize| pixel(points.iter().map(|p| p[axis]).min().unwrap_or(0)).max(0);
-    let high = |axis: usize, size: f64| {
-        pixel(points.iter().map(|p| p[axis]).max().unwrap_or(-1)).min(size as i32 - 1)
-    };
-    for y in low(1)..=high(1, viewport.height) {
-        for x in low(0)..=high(0, viewport.width) {
-            let sample = [x, y].map(|v| v * SUBPIXELS + SUBPIXELS / 2);
-            if !covers(points, sample) {
-                continue;
-            }
-            let area = area as f64;
-            let e =
-                |a: usize, b: usize| crate::fixed::edge(points[a], points[b], sample) as f64 / area;
-            let flat = [e(1, 2), e(2, 0), e(0, 1)];
-            let z = (0..3).map(|i| flat[i] * window[i].z).sum();
-            let w: f64 = (0..3).map(|i| flat[i] * inverse_w[i]).sum();
-            let mut weights = [0.0; 3];
-            for (i, vertex) in triangle.iter().enumerate() {
-                for (weight, part) in weights.iter_mut().zip(vertex.weights) {
-                    *weight += part * flat[i] * inverse_w[i] / w;
-                }
-            }
-            fragment(x, y, z, weights);
+impl Renderer {
+    /// A renderer that runs at a given level of instruction set; the picture
+    /// is the same at every level.
+    #[must_use]
+    pub fn with_level(level: Level) -> Self {
+        Self {
+            level,
+            ..Self::default()
         }
+    }
+
+    /// Draws one frame into `image`, which gets the given size, and returns
+    /// what was done and left out.
+    ///
+    /// # Errors
+    /// [`RasterError::SizeTooLarge`] above [`MAX_SIZE`] pixels a side (of the
+    /// enlarged picture, for supersampling).
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        width: u32,
+        height: u32,
+        options: &RenderOptions,
+        image: &mut Image,
+    ) -> Result<Stats, RasterError> {
+        let scale = options.anti_aliasing.scale();
+        if scale == 1 {
+            return self.draw_plain(scene, view, width, height, options, image);
+        }
+        let mut large = Image::default();
+        let (large_width, large_height) =
+            (width.saturating_mul(scale), height.saturating_mul(scale));
+        let stats = self.draw_plain(scene, view, large_width, large_height, options, &mut large)?;
+        *image = large.shrink(scale);
+        Ok(stats)
+    }
+
+    fn draw_plain(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        width: u32,
+        height: u32,
+        options: &RenderOptions,
+        image: &mut Image,
+    ) -> Result<Stats, RasterError> {
+        if width.max(height) > MAX_SIZE {
+            return Err(RasterError::SizeTooLarge { width, height });
+        }
+        image.width = width;
+        image.height = height;
+        image
+            .pixels
+            .resize(width as usize * height as usize, [0; 4]);
+        let matrix = FrameMatrix::new(view, scene.centre, width, height);
+        let mut stats = self.settle_visibility(scene, &matrix, options);
+        let materials = scene
+            .colors
+            .iter()
+            .map(|color| Material::of_color(color.unwrap_or(options.default_color)))
+            .collect();
+        let context = ShadeContext::new(
+            scene,
+            view,
+            &matrix,
+            &options.lights,
+            materials,
+            options.interpolation,
+            options.two_sided,
+        );
+        stats.pixels_shaded = self.resolve(&context, options.background, image);
+        Ok(stats)
+    }
+
+    /// Fills the visibility buffer.
+    fn settle_visibility(
+        &mut self,
+        scene: &Scene,
+        matrix: &FrameMatrix,
+        options: &RenderOptions,
+    ) -> Stats {
+        let columns = (matrix.width as usize).div_ceil(TILE);
+        let rows = (matrix.height as usize).div_ceil(TILE);
+        (self.width, self.height) = (matrix.width, matrix.height);
+        self.tiles.resize_with(columns * rows, Tile::default);
+        self.tiles.iter_mut().for_each(|tile| tile.drawn = false);
+        let facing = Facing {
+            front: true,
+            back: !options.cull_back_faces,
+        };
+        let mut stats = Stats {
+            clusters: scene.clusters.len() as u64,
+            triangles: scene.triangles.len() as u64,
+            tiles: self.tiles.len() as u64,
+            ..Stats::default()
+        };
+        self.order_clusters(scene, matrix, facing, &mut stats);
+        let samples = options.anti_aliasing.samples();
+        let sample_range = match options.anti_aliasing {
+            AntiAliasing::Msaa4 | AntiAliasing::Msaa8 => [0, 255],
+            _ => [128, 128],
+        };
+        let tasks = rayon::current_num_threads() * 4;
+        self.bins.resize_with(tasks, Bins::default);
+        let order = std::mem::take(&mut self.order);
+        let mut rest = &order[..];
+        for share in batches(order.len()) {
+            let (batch, later) = rest.split_at(share);
+            rest = later;
+            let context = GeometryContext {
+                scene,
+                matrix,
+                facing,
+                tiles: &self.tiles,
+                columns,
+                sample_range,
+            };
+            let level = self.level;
+            let part = batch.len().div_ceil(tasks).max(1);
+            self.bins.par_iter_mut().enumerate().for_each(|(k, bins)| {
+                bins.clear(columns * rows);
+                let first = (k * part).min(batch.len());
+                let end = (first + part).min(batch.len());
+                level.run(SetUpClusters {
+                    context,
+                    clusters: &batch[first..end],
+                    bins,
+                });
+            });
+            let bins = &self.bins;
+            let size = [matrix.width, matrix.height].map(u32::cast_signed);
+            let counts = self
+                .tiles
+                .par_iter_mut()
+                .enumerate()
+                .map(|(index, tile)| {
+                    let origin = [index % columns, index / columns].map(|t| (t * TILE) as i32);
+                    level.run(FillTile {
+                        tile,
+                        index,
+                        bins,
+                        origin,
+                        size,
+                        samples,
+                    })
+                })
+                .reduce(FillCounts::default, |a, b| FillCounts {
+                    hidden: a.hidden + b.hidden,
+                    blocks: a.blocks + b.blocks,
+                });
+            stats.bin_entries_hidden += counts.hidden;
+            stats.blocks += counts.blocks;
+            for bins in &mut self.bins {
+                stats.triangles_set_up += bins.records.len() as u64;
+                stats.bin_entries += bins.tiles.iter().map(|t| t.len() as u64).sum::<u64>();
+            }
+        }
+        self.order = order;
+        for bins in &mut self.bins {
+            let counts = std::mem::take(&mut bins.counts);
+            stats.clusters_hidden += counts.clusters_hidden;
+            stats.vertices_transformed += counts.vertices;
+            stats.triangles_looked_at += counts.triangles;
+            stats.triangles_facing_away += counts.facing_away;
+            stats.triangles_without_sample += counts.no_sample;
+            stats.triangles_clipped += counts.clipped;
+        }
+        stats.tiles_empty = self.tiles.iter().filter(|tile| !tile.drawn).count() as u64;
+        stats
+    }
+
+    /// Leaves in `self.order` the clusters that may be seen, with their
+    /// nearest depths, front to back.
+    fn order_clusters(
+        &mut self,
+        scene: &Scene,
+        matrix: &FrameMatrix,
+        facing: Facing,
+        stats: &mut Stats,
+    ) {
+        self.order.clear();
+        for (index, cluster) in scene.clusters.iter().enumerate() {
+            match cluster_visibility(cluster, matrix, facing) {
+                Visibility::Outside => stats.clusters_outside += 1,
+                Visibility::FacingAway => stats.clusters_facing_away += 1,
+                Visibility::Possible(depth) => self.order.push((depth, index as u32)),
+            }
+        }
+        self.order
+            .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    }
+
+    /// Shades every tile.
+    fn resolve(&self, context: &ShadeContext, background: Color, image: &mut Image) -> u64 {
+        let width = image.width as usize;
+        if image.pixels.is_empty() {
+            return 0;
+        }
+        let columns = width.div_ceil(TILE);
+        let mut pieces = tile_rows(&mut image.pixels, width);
+        pieces
+            .par_iter_mut()
+            .zip(&self.tiles)
+            .enumerate()
+            .map(|(index, (rows, tile))| {
+                self.level.run(ResolveTile {
+                    context,
+                    tile,
+                    origin: [index % columns * TILE, index / columns * TILE],
+                    rows,
+                    background,
+                })
+            })
+            .sum()
+    }
+}
+
+/// Sizes of the batches that so many clusters are taken in: few enough that
+/// waiting for each other costs nothing, the first ones small so that what
+/// they draw hides much of the rest.
+fn batches(clusters: usize) -> Vec<usize> {
+    if clusters < 512 {
+        return vec![clusters];
+    }
+    let mut sizes: Vec<usize> = [8, 8, 8, 8, 4].iter().map(|part| clusters / part).collect();
+    sizes.push(clusters - sizes.iter().sum::<usize>());
+    sizes
+}
+
+/// Fills the triangles of one batch into one tile.
+struct FillTile<'a> {
+    tile: &'a mut Tile,
+    index: usize,
+    bins: &'a [Bins],
+    origin: [i32; 2],
+    size: [i32; 2],
+    samples: &'static [[i32; 2]],
+}
+
+impl Kernel for FillTile<'_> {
+    type Output = FillCounts;
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) -> FillCounts {
+        let mut counts = FillCounts::default();
+        let mut any = false;
+        for bins in self.bins {
+            for &entry in &bins.tiles[self.index] {
+                if !self.tile.drawn {
+                    self.tile.begin(self.samples.len());
+                }
+                any = true;
+                let record = &bins.records[entry as usize];
+                fill(
+                    s,
+                    self.tile,
+                    self.origin,
+                    self.size,
+                    record,
+                    self.samples,
+                    &mut counts,
+                );
+            }
+        }
+        if any {
+            self.tile.update_farthest();
+        }
+        counts
     }
 }

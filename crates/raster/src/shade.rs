@@ -66,6 +66,19 @@ impl Light {
     }
 }
 
+/// Where the reflection model is evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Once a triangle, with its plane's normal, at its centroid.
+    Flat,
+    /// At the corners; colours are interpolated (Gouraud, *Continuous shading
+    /// of curved surfaces*, IEEE Trans. C-20(6), 1971).
+    Gouraud,
+    /// At every pixel, with interpolated normals.
+    #[default]
+    Phong,
+}
+
 /// How a surface reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {

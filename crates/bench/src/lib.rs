@@ -1,0 +1,3 @@
+//! Measurements: one binary for each question asked, and what they share.
+
+pub mod meshes;

@@ -1,0 +1,127 @@
+//! How long does a steady frame of 1920x1080 pixels take?
+//!
+//! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--stats]
+//! [--png FOLDER] [m1 m2 m3 m4 ...]`; threads by `RAYON_NUM_THREADS`. Prints
+//! the best and the median of the frames drawn within two seconds.
+
+use std::time::{Duration, Instant};
+
+use bench::meshes;
+use csg::Mesh;
+use glam::{DVec3, Vec3};
+use raster::{
+    AntiAliasing, Camera, Image, Lens, Level, Light, RenderOptions, Renderer, Scene, View,
+};
+
+const SIZE: (u32, u32) = (1920, 1080);
+
+/// A named mesh, and where it is seen from.
+fn subject(name: &str) -> Option<(Mesh, View)> {
+    let mesh = match name {
+        "m1" => meshes::icosphere(6),
+        "m2" => meshes::icosphere(8),
+        "m3" => meshes::sphere_grid(10, 3),
+        "m4" => meshes::cube(),
+        _ => return None,
+    };
+    let eye = match name {
+        "m4" => DVec3::new(0.0, 0.0, 1.3),
+        "m3" => DVec3::new(1.9, 2.3, 2.9),
+        _ => DVec3::new(0.0, 0.0, 2.2),
+    };
+    let camera = Camera {
+        eye,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+        lens: Lens::Perspective {
+            fov_y: 60f64.to_radians(),
+        },
+        near: 0.1,
+        far: 100.0,
+    };
+    Some((mesh, camera.view(SIZE.0, SIZE.1).ok()?))
+}
+
+fn main() {
+    let mut names = Vec::new();
+    let mut level = Level::best();
+    let mut options = RenderOptions::default();
+    let (mut stats, mut folder) = (false, None);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--level" => {
+                let wanted = arguments.next();
+                let found = Level::all()
+                    .iter()
+                    .find(|level| Some(level.name()) == wanted.as_deref());
+                level = *found.expect("a level this machine has");
+            }
+            "--msaa" => {
+                options.anti_aliasing = match arguments.next().as_deref() {
+                    Some("4") => AntiAliasing::Msaa4,
+                    Some("8") => AntiAliasing::Msaa8,
+                    _ => AntiAliasing::None,
+                }
+            }
+            "--stats" => stats = true,
+            "--png" => folder = arguments.next(),
+            name => names.push(name.to_owned()),
+        }
+    }
+    if names.is_empty() {
+        names = ["m1", "m2", "m3", "m4"].map(str::to_owned).to_vec();
+    }
+    options.lights = vec![
+        Light::Ambient {
+            intensity: Vec3::splat(0.1),
+        },
+        Light::Directional {
+            towards: DVec3::new(1.0, 1.0, 1.0),
+            intensity: Vec3::splat(0.9),
+        },
+    ];
+    println!(
+        "{} threads, {}, {:?}",
+        rayon::current_num_threads(),
+        level.name(),
+        options.anti_aliasing
+    );
+    for name in names {
+        let Some((mesh, view)) = subject(&name) else {
+            eprintln!("no subject {name}");
+            continue;
+        };
+        let prepared = Instant::now();
+        let scene = Scene::new(&mesh);
+        let prepared = prepared.elapsed();
+        let mut renderer = Renderer::with_level(level);
+        let mut image = Image::default();
+        let mut times = Vec::new();
+        let begun = Instant::now();
+        let mut counts = None;
+        while times.len() < 5 || begun.elapsed() < Duration::from_secs(2) {
+            let start = Instant::now();
+            let drawn = renderer.draw(&scene, &view, SIZE.0, SIZE.1, &options, &mut image);
+            times.push(start.elapsed());
+            counts = Some(drawn.expect("a picture"));
+        }
+        times.sort();
+        let ms = |t: Duration| t.as_secs_f64() * 1e3;
+        println!(
+            "{name}: {} triangles, prepared in {:.1} ms; frame best {:.2} ms, median {:.2} ms of {}",
+            mesh.triangles.len(),
+            ms(prepared),
+            ms(times[0]),
+            ms(times[times.len() / 2]),
+            times.len(),
+        );
+        if let (true, Some(counts)) = (stats, counts) {
+            print!("{counts}");
+        }
+        if let Some(folder) = &folder {
+            let file = image.to_png().expect("an encoded picture");
+            std::fs::write(format!("{folder}/{name}.png"), file).expect("a written picture");
+        }
+    }
+}

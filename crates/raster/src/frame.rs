@@ -1,0 +1,66 @@
+//! The matrix of one frame, in the forms that the stages need.
+
+use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
+
+use crate::camera::View;
+use crate::fixed::SUBPIXELS;
+
+/// Half the guard band in sub-pixels: a vertex at most this far from the
+/// middle of the picture needs no clipping at the sides. With pictures of at
+/// most 2^14 pixels this keeps every fixed-point coordinate within 2^23 and
+/// every edge vector within 2^24.
+pub(crate) const GUARD: f32 = (16_384 * SUBPIXELS) as f32;
+
+/// World (relative to a scene's centre) to *raster space*: homogeneous
+/// (X, Y, Z, W) with X/W, Y/W in sub-pixels from the middle of the picture, y
+/// downwards, and Z/W the reversed depth, 1 at the near plane and 0 at the far
+/// plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameMatrix {
+    /// The four rows, in single precision.
+    pub rows: [Vec4; 4],
+    /// The middle of the picture, in sub-pixels from its top left corner.
+    pub middle: [i32; 2],
+    pub width: u32,
+    pub height: u32,
+    /// 1, or -1 if the view mirrors: the sign of a front face's area.
+    pub orientation: i32,
+    /// Centre of projection relative to the scene's centre, homogeneous.
+    pub viewer: Vec4,
+}
+
+impl FrameMatrix {
+    pub fn new(view: &View, centre: DVec3, width: u32, height: u32) -> Self {
+        let from_scene = view.world_to_clip() * DMat4::from_translation(centre);
+        let half = f64::from(SUBPIXELS) / 2.0;
+        let to_raster = DMat4::from_cols(
+            DVec4::new(f64::from(width) * half, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, -f64::from(height) * half, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, -0.5, 0.0),
+            DVec4::new(0.0, 0.0, 0.5, 1.0),
+        );
+        let rows = (to_raster * from_scene).transpose();
+        let viewer = view.centre_of_projection();
+        let relative = viewer.truncate() - centre * viewer.w;
+        Self {
+            rows: [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(DVec4::as_vec4),
+            middle: [width, height].map(|side| side.cast_signed() * SUBPIXELS / 2),
+            width,
+            height,
+            orientation: if view.world_to_clip().determinant() < 0.0 {
+                1
+            } else {
+                -1
+            },
+            viewer: relative.extend(viewer.w).as_vec4(),
+        }
+    }
+
+    /// One row applied to a point, in the order of operations that the vector
+    /// code uses, so that both give the same bits.
+    #[inline(always)]
+    pub fn row(&self, row: usize, p: Vec3) -> f32 {
+        let r = self.rows[row];
+        (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
+    }
+}

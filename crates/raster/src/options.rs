@@ -1,0 +1,91 @@
+//! What a picture looks like, apart from the mesh and the view.
+
+use csg::Color;
+
+use crate::shade::{Interpolation, Light, Material};
+
+/// How jagged edges are smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum AntiAliasing {
+    /// One sample in the centre of each pixel.
+    #[default]
+    None,
+    /// Coverage and depth at 4 samples a pixel, shading once a triangle and
+    /// pixel.
+    Msaa4,
+    /// Coverage and depth at 8 samples a pixel.
+    Msaa8,
+    /// Everything at n x n samples a pixel (n in 1..=8), averaged in linear
+    /// light.
+    Supersample(u32),
+}
+
+/// Sample positions in 1/256 pixel from a pixel's corner: the patterns of
+/// Direct3D 11 and Vulkan's standard sample locations.
+const MSAA4: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
+const MSAA8: [[i32; 2]; 8] = [
+    [144, 80],
+    [112, 176],
+    [208, 144],
+    [80, 48],
+    [48, 208],
+    [16, 112],
+    [176, 240],
+    [240, 16],
+];
+
+impl AntiAliasing {
+    /// The sample positions within a pixel, in 1/256 pixel.
+    #[must_use]
+    pub(crate) fn samples(self) -> &'static [[i32; 2]] {
+        match self {
+            Self::None | Self::Supersample(_) => &crate::fill::CENTRE_SAMPLE,
+            Self::Msaa4 => &MSAA4,
+            Self::Msaa8 => &MSAA8,
+        }
+    }
+
+    /// By how much each side of the picture is drawn larger.
+    #[must_use]
+    pub(crate) fn scale(self) -> u32 {
+        match self {
+            Self::Supersample(n) => n.clamp(1, 8),
+            _ => 1,
+        }
+    }
+}
+
+/// What a picture looks like, apart from the mesh and the view.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RenderOptions {
+    /// Colour behind the mesh; transparent by default.
+    pub background: Color,
+    /// Colour of surfaces that have none.
+    pub default_color: Color,
+    /// Lights of the scene.
+    pub lights: Vec<Light>,
+    /// Where the reflection model is evaluated.
+    pub interpolation: Interpolation,
+    /// Whether triangles that face away from the viewer are left out.
+    pub cull_back_faces: bool,
+    /// Whether the normals of faces seen from behind are turned round.
+    pub two_sided: bool,
+    /// How jagged edges are smoothed.
+    pub anti_aliasing: AntiAliasing,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            background: Color::from_linear([0.0; 3]).with_alpha(0.0),
+            default_color: Material::default_color(),
+            lights: Light::default_rig(),
+            interpolation: Interpolation::Phong,
+            cull_back_faces: true,
+            two_sided: false,
+            anti_aliasing: AntiAliasing::None,
+        }
+    }
+}

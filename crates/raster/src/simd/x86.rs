@@ -1,0 +1,436 @@
+//! Lanes in AVX-512 registers, and in pairs of AVX2 registers.
+
+use std::arch::x86_64::{__m256, __m256i, __m512, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+
+use pulp::x86::{V3, V4};
+use pulp::{NullaryFnOnce, cast};
+
+use super::{FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes};
+
+/// A kernel together with the level it runs at.
+pub struct At<S, K>(pub S, pub K);
+
+impl<S: Lanes, K: Kernel> NullaryFnOnce for At<S, K> {
+    type Output = K::Output;
+    #[inline(always)]
+    fn call(self) -> K::Output {
+        self.1.run(self.0)
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct F4(V4, __m512);
+#[derive(Clone, Copy)]
+pub struct I4(V4, __m512i);
+#[derive(Clone, Copy)]
+pub struct M4(V4, u16);
+
+impl Lanes for V4 {
+    type F = F4;
+    type I = I4;
+    type M = M4;
+
+    #[inline(always)]
+    fn f(self, value: f32) -> F4 {
+        F4(self, self.avx512f._mm512_set1_ps(value))
+    }
+    #[inline(always)]
+    fn i(self, value: i32) -> I4 {
+        I4(self, self.avx512f._mm512_set1_epi32(value))
+    }
+    #[inline(always)]
+    fn load_f(self, values: &[f32; LANES]) -> F4 {
+        F4(self, cast(*values))
+    }
+    #[inline(always)]
+    fn load_i(self, values: &[i32; LANES]) -> I4 {
+        I4(self, cast(*values))
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> M4 {
+        M4(self, bits as u16)
+    }
+}
+
+macro_rules! operator4 {
+    ($type:ident, $trait:ident, $method:ident, $instruction:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0, self.0.avx512f.$instruction(self.1, other.1))
+            }
+        }
+    };
+}
+
+operator4!(F4, Add, add, _mm512_add_ps);
+operator4!(F4, Sub, sub, _mm512_sub_ps);
+operator4!(F4, Mul, mul, _mm512_mul_ps);
+operator4!(F4, Div, div, _mm512_div_ps);
+operator4!(I4, Add, add, _mm512_add_epi32);
+operator4!(I4, Sub, sub, _mm512_sub_epi32);
+operator4!(I4, Mul, mul, _mm512_mullo_epi32);
+operator4!(I4, BitAnd, bitand, _mm512_and_si512);
+operator4!(I4, BitOr, bitor, _mm512_or_si512);
+
+impl BitAnd for M4 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0, self.1 & other.1)
+    }
+}
+impl BitOr for M4 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0, self.1 | other.1)
+    }
+}
+impl Not for M4 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(self.0, !self.1)
+    }
+}
+
+impl FloatLanes<V4> for F4 {
+    #[inline(always)]
+    fn store(self, values: &mut [f32; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0, self.0.avx512f._mm512_min_ps(self.1, other.1))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0, self.0.avx512f._mm512_max_ps(self.1, other.1))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0, self.0.avx512f._mm512_sqrt_ps(self.1))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> M4 {
+        let f = self.0.avx512f;
+        M4(self.0, f._mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.1, other.1))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> M4 {
+        let f = self.0.avx512f;
+        M4(self.0, f._mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.1, other.1))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> M4 {
+        let f = self.0.avx512f;
+        M4(self.0, f._mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.1, other.1))
+    }
+    #[inline(always)]
+    fn round(self) -> I4 {
+        I4(self.0, self.0.avx512f._mm512_cvtps_epi32(self.1))
+    }
+    #[inline(always)]
+    fn to_bits(self) -> I4 {
+        I4(self.0, cast(self.1))
+    }
+}
+
+impl IntLanes<V4> for I4 {
+    #[inline(always)]
+    fn store(self, values: &mut [i32; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0, self.0.avx512f._mm512_min_epi32(self.1, other.1))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0, self.0.avx512f._mm512_max_epi32(self.1, other.1))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> M4 {
+        let f = self.0.avx512f;
+        M4(self.0, f._mm512_cmplt_epi32_mask(self.1, other.1))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> M4 {
+        let f = self.0.avx512f;
+        M4(self.0, f._mm512_cmpeq_epi32_mask(self.1, other.1))
+    }
+    #[inline(always)]
+    fn shr<const N: i32>(self) -> Self {
+        let f = self.0.avx512f;
+        Self(self.0, f._mm512_srav_epi32(self.1, f._mm512_set1_epi32(N)))
+    }
+    #[inline(always)]
+    fn shl<const N: i32>(self) -> Self {
+        let f = self.0.avx512f;
+        Self(self.0, f._mm512_sllv_epi32(self.1, f._mm512_set1_epi32(N)))
+    }
+    #[inline(always)]
+    fn to_float(self) -> F4 {
+        F4(self.0, self.0.avx512f._mm512_cvtepi32_ps(self.1))
+    }
+    #[inline(always)]
+    fn bits_to_float(self) -> F4 {
+        F4(self.0, cast(self.1))
+    }
+}
+
+impl MaskLanes<V4> for M4 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.1)
+    }
+    #[inline(always)]
+    fn select_f(self, yes: F4, no: F4) -> F4 {
+        let f = self.0.avx512f;
+        F4(self.0, f._mm512_mask_blend_ps(self.1, no.1, yes.1))
+    }
+    #[inline(always)]
+    fn select_i(self, yes: I4, no: I4) -> I4 {
+        let f = self.0.avx512f;
+        I4(self.0, f._mm512_mask_blend_epi32(self.1, no.1, yes.1))
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct F3(V3, [__m256; 2]);
+#[derive(Clone, Copy)]
+pub struct I3(V3, [__m256i; 2]);
+/// All bits of a lane set, or none.
+#[derive(Clone, Copy)]
+pub struct M3(V3, [__m256i; 2]);
+
+/// Lane numbers as bits, to compare masks with.
+const LANE_BITS: [i32; LANES] = {
+    let mut bits = [0; LANES];
+    let mut k = 0;
+    while k < LANES {
+        bits[k] = 1 << k;
+        k += 1;
+    }
+    bits
+};
+
+impl Lanes for V3 {
+    type F = F3;
+    type I = I3;
+    type M = M3;
+
+    #[inline(always)]
+    fn f(self, value: f32) -> F3 {
+        F3(self, [self.avx._mm256_set1_ps(value); 2])
+    }
+    #[inline(always)]
+    fn i(self, value: i32) -> I3 {
+        I3(self, [self.avx._mm256_set1_epi32(value); 2])
+    }
+    #[inline(always)]
+    fn load_f(self, values: &[f32; LANES]) -> F3 {
+        F3(self, cast(*values))
+    }
+    #[inline(always)]
+    fn load_i(self, values: &[i32; LANES]) -> I3 {
+        I3(self, cast(*values))
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> M3 {
+        let lanes = self.load_i(&LANE_BITS);
+        (self.i(bits.cast_signed()) & lanes).eq(lanes)
+    }
+}
+
+macro_rules! operator3 {
+    ($type:ident, $trait:ident, $method:ident, $set:ident, $instruction:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let [a, b] = self.1;
+                let [c, d] = other.1;
+                let set = self.0.$set;
+                Self(self.0, [set.$instruction(a, c), set.$instruction(b, d)])
+            }
+        }
+    };
+}
+
+operator3!(F3, Add, add, avx, _mm256_add_ps);
+operator3!(F3, Sub, sub, avx, _mm256_sub_ps);
+operator3!(F3, Mul, mul, avx, _mm256_mul_ps);
+operator3!(F3, Div, div, avx, _mm256_div_ps);
+operator3!(I3, Add, add, avx2, _mm256_add_epi32);
+operator3!(I3, Sub, sub, avx2, _mm256_sub_epi32);
+operator3!(I3, Mul, mul, avx2, _mm256_mullo_epi32);
+operator3!(I3, BitAnd, bitand, avx2, _mm256_and_si256);
+operator3!(I3, BitOr, bitor, avx2, _mm256_or_si256);
+operator3!(M3, BitAnd, bitand, avx2, _mm256_and_si256);
+operator3!(M3, BitOr, bitor, avx2, _mm256_or_si256);
+
+impl Not for M3 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        let ones = self.0.avx._mm256_set1_epi32(-1);
+        let xor = self.0.avx2;
+        Self(
+            self.0,
+            [
+                xor._mm256_xor_si256(self.1[0], ones),
+                xor._mm256_xor_si256(self.1[1], ones),
+            ],
+        )
+    }
+}
+
+impl F3 {
+    #[inline(always)]
+    fn pair(self, other: Self, f: impl Fn(__m256, __m256) -> __m256) -> Self {
+        Self(self.0, [f(self.1[0], other.1[0]), f(self.1[1], other.1[1])])
+    }
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(__m256, __m256) -> __m256) -> M3 {
+        let [low, high] = self.pair(other, f).1;
+        M3(self.0, [cast(low), cast(high)])
+    }
+}
+
+impl I3 {
+    #[inline(always)]
+    fn pair(self, other: Self, f: impl Fn(__m256i, __m256i) -> __m256i) -> Self {
+        Self(self.0, [f(self.1[0], other.1[0]), f(self.1[1], other.1[1])])
+    }
+}
+
+impl FloatLanes<V3> for F3 {
+    #[inline(always)]
+    fn store(self, values: &mut [f32; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.pair(other, |a, b| self.0.avx._mm256_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.pair(other, |a, b| self.0.avx._mm256_max_ps(a, b))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let sqrt = self.0.avx;
+        Self(
+            self.0,
+            [
+                sqrt._mm256_sqrt_ps(self.1[0]),
+                sqrt._mm256_sqrt_ps(self.1[1]),
+            ],
+        )
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> M3 {
+        self.compare(other, |a, b| self.0.avx._mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> M3 {
+        self.compare(other, |a, b| self.0.avx._mm256_cmp_ps::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> M3 {
+        self.compare(other, |a, b| self.0.avx._mm256_cmp_ps::<_CMP_EQ_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn round(self) -> I3 {
+        let avx = self.0.avx;
+        I3(
+            self.0,
+            [
+                avx._mm256_cvtps_epi32(self.1[0]),
+                avx._mm256_cvtps_epi32(self.1[1]),
+            ],
+        )
+    }
+    #[inline(always)]
+    fn to_bits(self) -> I3 {
+        I3(self.0, [cast(self.1[0]), cast(self.1[1])])
+    }
+}
+
+impl IntLanes<V3> for I3 {
+    #[inline(always)]
+    fn store(self, values: &mut [i32; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.pair(other, |a, b| self.0.avx2._mm256_min_epi32(a, b))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.pair(other, |a, b| self.0.avx2._mm256_max_epi32(a, b))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> M3 {
+        let less = self.pair(other, |a, b| self.0.avx2._mm256_cmpgt_epi32(b, a));
+        M3(self.0, less.1)
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> M3 {
+        let equal = self.pair(other, |a, b| self.0.avx2._mm256_cmpeq_epi32(a, b));
+        M3(self.0, equal.1)
+    }
+    #[inline(always)]
+    fn shr<const N: i32>(self) -> Self {
+        let n = self.0.i(N);
+        self.pair(n, |a, n| self.0.avx2._mm256_srav_epi32(a, n))
+    }
+    #[inline(always)]
+    fn shl<const N: i32>(self) -> Self {
+        let n = self.0.i(N);
+        self.pair(n, |a, n| self.0.avx2._mm256_sllv_epi32(a, n))
+    }
+    #[inline(always)]
+    fn to_float(self) -> F3 {
+        let avx = self.0.avx;
+        F3(
+            self.0,
+            [
+                avx._mm256_cvtepi32_ps(self.1[0]),
+                avx._mm256_cvtepi32_ps(self.1[1]),
+            ],
+        )
+    }
+    #[inline(always)]
+    fn bits_to_float(self) -> F3 {
+        F3(self.0, [cast(self.1[0]), cast(self.1[1])])
+    }
+}
+
+impl MaskLanes<V3> for M3 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        let avx = self.0.avx;
+        let low = avx._mm256_movemask_ps(cast(self.1[0])).cast_unsigned();
+        let high = avx._mm256_movemask_ps(cast(self.1[1])).cast_unsigned();
+        low | high << 8
+    }
+    #[inline(always)]
+    fn select_f(self, yes: F3, no: F3) -> F3 {
+        let blend = |k: usize| {
+            self.0
+                .avx
+                ._mm256_blendv_ps(no.1[k], yes.1[k], cast(self.1[k]))
+        };
+        F3(self.0, [blend(0), blend(1)])
+    }
+    #[inline(always)]
+    fn select_i(self, yes: I3, no: I3) -> I3 {
+        let blend = |k: usize| self.0.avx2._mm256_blendv_epi8(no.1[k], yes.1[k], self.1[k]);
+        I3(self.0, [blend(0), blend(1)])
+    }
+}
