@@ -20,6 +20,7 @@
 mod buffers;
 mod camera;
 pub mod clip;
+pub mod cohen_sutherland;
 mod deferred;
 mod error;
 mod fill;
@@ -39,6 +40,8 @@ pub mod shade;
 mod simd;
 mod stats;
 mod tile;
+pub mod transform;
+pub mod view_reference;
 pub mod viewport;
 
 pub use buffers::{Buffer, Pick, depth_image, id_image, normal_image};

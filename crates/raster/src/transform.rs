@@ -1,0 +1,227 @@
+//! Elementary transforms, for column vectors and right-handed axes.
+//!
+//! glam has the common ones; here are those that textbooks add, with their
+//! cheap inverses. Points move under translation, directions do not: that is
+//! what [`point`] and [`direction`] say, w = 1 and w = 0.
+
+use glam::{DMat3, DMat4, DVec3, DVec4};
+
+/// A point in homogeneous coordinates: w = 1.
+#[must_use]
+pub fn point(p: DVec3) -> DVec4 {
+    p.extend(1.0)
+}
+
+/// A direction in homogeneous coordinates: w = 0.
+#[must_use]
+pub fn direction(d: DVec3) -> DVec4 {
+    d.extend(0.0)
+}
+
+/// Translation by `offset`; its inverse is the translation by `-offset`.
+#[must_use]
+pub fn translation(offset: DVec3) -> DMat4 {
+    DMat4::from_translation(offset)
+}
+
+/// Scaling about the origin; its inverse scales by the reciprocals.
+#[must_use]
+pub fn scaling(factors: DVec3) -> DMat4 {
+    DMat4::from_scale(factors)
+}
+
+/// Scaling about `centre`, which stays where it is.
+#[must_use]
+pub fn scaling_about(centre: DVec3, factors: DVec3) -> DMat4 {
+    translation(centre) * scaling(factors) * translation(-centre)
+}
+
+/// Scaling along the axes of an orthonormal frame, the columns of `frame`:
+/// F S Fᵀ. Symmetric; its inverse is F S⁻¹ Fᵀ.
+#[must_use]
+pub fn scaling_in_frame(frame: DMat3, factors: DVec3) -> DMat4 {
+    DMat4::from_mat3(frame * DMat3::from_diagonal(factors) * frame.transpose())
+}
+
+/// Which coordinate a shear changes, and by which other one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shear {
+    /// x' = x + k y
+    XByY,
+    /// x' = x + k z
+    XByZ,
+    /// y' = y + k x
+    YByX,
+    /// y' = y + k z
+    YByZ,
+    /// z' = z + k x
+    ZByX,
+    /// z' = z + k y
+    ZByY,
+}
+
+impl Shear {
+    /// All six.
+    pub const ALL: [Self; 6] = [
+        Self::XByY,
+        Self::XByZ,
+        Self::YByX,
+        Self::YByZ,
+        Self::ZByX,
+        Self::ZByY,
+    ];
+
+    /// The axis that changes, and the one it changes by.
+    #[must_use]
+    pub const fn axes(self) -> (usize, usize) {
+        match self {
+            Self::XByY => (0, 1),
+            Self::XByZ => (0, 2),
+            Self::YByX => (1, 0),
+            Self::YByZ => (1, 2),
+            Self::ZByX => (2, 0),
+            Self::ZByY => (2, 1),
+        }
+    }
+}
+
+/// Shear by the factor `k`; its inverse is the shear by `-k`.
+#[must_use]
+pub fn shear(shear: Shear, k: f64) -> DMat4 {
+    let (changed, by) = shear.axes();
+    let mut columns = DMat4::IDENTITY.to_cols_array_2d();
+    columns[by][changed] = k;
+    DMat4::from_cols_array_2d(&columns)
+}
+
+/// Rotation by `angle` radians about a unit `axis` through the origin,
+/// counter-clockwise as seen from its tip: Rodrigues' formula,
+/// R = I + sin a K + (1 - cos a) K², with K v = axis × v. Its inverse is its
+/// transpose.
+#[must_use]
+pub fn rotation(axis: DVec3, angle: f64) -> DMat4 {
+    let (sin, cos) = angle.sin_cos();
+    DMat4::from_mat3(rodrigues(axis, sin, cos))
+}
+
+fn rodrigues(axis: DVec3, sin: f64, cos: f64) -> DMat3 {
+    let column = |e: DVec3| {
+        let k = axis.cross(e);
+        e + k * sin + axis.cross(k) * (1.0 - cos)
+    };
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+}
+
+/// The smallest rotation that takes the direction `from` to `to` (any
+/// lengths). For opposite directions, half a turn about some axis at right
+/// angles; for a zero direction, the identity.
+#[must_use]
+pub fn rotation_between(from: DVec3, to: DVec3) -> DMat4 {
+    let (from, to) = (from.normalize_or_zero(), to.normalize_or_zero());
+    if from == DVec3::ZERO || to == DVec3::ZERO {
+        return DMat4::IDENTITY;
+    }
+    let cross = from.cross(to);
+    let cos = from.dot(to);
+    if cos > -0.999_999 {
+        // R = I + K + K² / (1 + cos): no angle is needed.
+        let column = |e: DVec3| {
+            let k = cross.cross(e);
+            e + k + cross.cross(k) / (1.0 + cos)
+        };
+        return DMat4::from_mat3(DMat3::from_cols(
+            column(DVec3::X),
+            column(DVec3::Y),
+            column(DVec3::Z),
+        ));
+    }
+    // Nearly opposite: mirror in the plane across `from`, then in the one
+    // across the bisector of -from and to, two well-conditioned reflections.
+    let axis = from.any_orthonormal_vector();
+    let half_turn = rodrigues(axis, 0.0, -1.0);
+    DMat4::from_mat3(half_turn).mul_mat4(&rotation_between(from, half_turn.transpose() * to))
+}
+
+/// Coordinates with respect to a frame to world coordinates: the frame's axes
+/// are the columns of `axes`, its origin is `origin`.
+#[must_use]
+pub fn from_frame(axes: DMat3, origin: DVec3) -> DMat4 {
+    let mut m = DMat4::from_mat3(axes);
+    m.w_axis = origin.extend(1.0);
+    m
+}
+
+/// World coordinates to coordinates with respect to an orthonormal frame:
+/// the inverse of [`from_frame`], by [`rigid_inverse`].
+#[must_use]
+pub fn to_frame(axes: DMat3, origin: DVec3) -> DMat4 {
+    rigid_inverse(from_frame(axes, origin))
+}
+
+/// The inverse of a rotation followed by a translation, without division:
+/// Rᵀ and -Rᵀ t.
+#[must_use]
+pub fn rigid_inverse(m: DMat4) -> DMat4 {
+    let transposed = DMat3::from_mat4(m).transpose();
+    from_frame(transposed, -(transposed * m.w_axis.truncate()))
+}
+
+/// Euler angles of a camera in its Y-up frame, in radians:
+/// E = Ry(heading) Rx(pitch) Rz(roll).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Euler {
+    /// About the vertical axis Y.
+    pub heading: f64,
+    /// About the camera's X, in -pi/2..=pi/2 as extracted.
+    pub pitch: f64,
+    /// About the camera's Z.
+    pub roll: f64,
+}
+
+impl Euler {
+    /// E = Ry(heading) Rx(pitch) Rz(roll).
+    #[must_use]
+    pub fn to_matrix(self) -> DMat3 {
+        DMat3::from_rotation_y(self.heading)
+            * DMat3::from_rotation_x(self.pitch)
+            * DMat3::from_rotation_z(self.roll)
+    }
+
+    /// The angles of a rotation. Looking straight up or down (gimbal lock)
+    /// heading and roll turn about the same axis; all of it is then given as
+    /// heading, and roll is 0.
+    #[must_use]
+    pub fn from_matrix(m: DMat3) -> Self {
+        // Row 2, column 3 of E is -sin(pitch); its row 2 and column 3 hold
+        // cos(pitch) times the sines and cosines of the other two.
+        let pitch = (-m.z_axis.y).clamp(-1.0, 1.0);
+        let cos_pitch = m.x_axis.y.hypot(m.y_axis.y);
+        if cos_pitch < 1e-9 {
+            return Self {
+                heading: (-m.x_axis.z).atan2(m.x_axis.x),
+                pitch: pitch.asin(),
+                roll: 0.0,
+            };
+        }
+        Self {
+            heading: m.z_axis.x.atan2(m.z_axis.z),
+            pitch: pitch.atan2(cos_pitch),
+            roll: m.x_axis.y.atan2(m.y_axis.y),
+        }
+    }
+}
+
+/// The matrix for normals of surfaces transformed by `m`: the transposed
+/// adjugate times the sign of the determinant. It needs no division, exists
+/// for singular `m`, and keeps outward normals outward under mirroring. Its
+/// results are not of unit length.
+#[must_use]
+pub fn normal_matrix(m: DMat3) -> DMat3 {
+    let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
+    let cofactors = DMat3::from_cols(b.cross(c), c.cross(a), a.cross(b));
+    if a.dot(b.cross(c)) < 0.0 {
+        -cofactors
+    } else {
+        cofactors
+    }
+}
