@@ -20,6 +20,8 @@ mod part;
 mod place;
 mod solve;
 mod stitch;
+#[cfg(test)]
+mod topology_tests;
 
 use std::sync::Arc;
 use std::time::Instant;
