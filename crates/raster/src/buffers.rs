@@ -9,7 +9,8 @@ use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::pipeline::Renderer;
 use crate::scene::Scene;
-use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE};
+use crate::section::Section;
+use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE, decode};
 use crate::viewport::Viewport;
 
 /// One value for each pixel, row by row from the top.
@@ -48,13 +49,23 @@ pub struct Pick {
 }
 
 impl Renderer {
-    /// Triangle (-1: none) and reversed depth of a pixel's first sample.
+    /// Triangle and reversed depth of a pixel's first sample.
     pub(crate) fn sample(&self, x: u32, y: u32) -> Option<(u32, f32)> {
+        let (number, depth) = self.number(x, y)?;
+        Some((decode(number).0 as u32, depth))
+    }
+
+    /// What [`decode`] reads, and reversed depth, of a pixel's first sample.
+    fn number(&self, x: u32, y: u32) -> Option<(i32, f32)> {
         if x >= self.width || y >= self.height {
             return None;
         }
-        let (x, y) = (x as usize, y as usize);
-        let columns = (self.width as usize).div_ceil(TILE);
+        let scale = self.scale.max(1) as usize;
+        let (x, y) = (
+            x as usize * scale + scale / 2,
+            y as usize * scale + scale / 2,
+        );
+        let columns = (self.width as usize * scale).div_ceil(TILE);
         let tile = self.tiles.get(y / TILE * columns + x / TILE)?;
         if !tile.drawn {
             return None;
@@ -63,8 +74,8 @@ impl Renderer {
         let block = y / BLOCK * BLOCKS + x / BLOCK;
         let lane = y % BLOCK * BLOCK + x % BLOCK;
         let plane = tile.planes.first()?;
-        let triangle = plane.triangle.get(block)?[lane];
-        (triangle != NO_TRIANGLE).then(|| (triangle.cast_unsigned(), plane.depth[block][lane]))
+        let number = plane.triangle.get(block)?[lane];
+        (number != NO_TRIANGLE).then(|| (number, plane.depth[block][lane]))
     }
 
     fn buffer<T: Copy>(&self, value: impl Fn(Option<(u32, f32)>, u32, u32) -> T) -> Buffer<T> {
@@ -118,15 +129,19 @@ impl Renderer {
     #[must_use]
     pub fn normal_buffer(&self, scene: &Scene, view: &View) -> Buffer<Vec3> {
         let matrix = FrameMatrix::new(view, scene.centre, self.width, self.height);
-        self.buffer(|sample, x, y| {
-            let normal = |(triangle, _): (u32, f32)| {
-                let triangle = triangle as usize;
+        self.buffer(|_, x, y| {
+            let normal = |(number, _): (i32, f32)| {
+                let (triangle, section) = decode(number);
+                let section: Option<&Section> = section.and_then(|k| scene.sections.get(k));
+                if let Some(section) = section {
+                    return Some(section.normal);
+                }
                 let corners = scene.corners(triangle)?;
                 let [a, b, c] = *scene.normals.get(triangle)?;
                 let w = weights_at(&matrix, corners, x, y);
                 Some((a * w[0] + b * w[1] + c * w[2]).normalize_or_zero())
             };
-            sample.and_then(normal).unwrap_or_default()
+            self.number(x, y).and_then(normal).unwrap_or_default()
         })
     }
 

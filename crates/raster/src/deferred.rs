@@ -16,10 +16,11 @@ use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
 use crate::scene::Scene;
+use crate::section::Caps;
 use crate::shade::{Incident, Interpolation, Light, Material, phong};
 use crate::simd::math::pow;
 use crate::simd::{FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
-use crate::tile::NO_TRIANGLE;
+use crate::tile::{NO_TRIANGLE, decode};
 
 /// A light in the coordinates of one frame's scene.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +42,7 @@ pub(crate) struct ShadeContext<'a> {
     two_sided: bool,
     /// Whether shading depends on where on the surface a pixel lies.
     positional: bool,
+    caps: Caps,
 }
 
 impl<'a> ShadeContext<'a> {
@@ -80,7 +82,8 @@ impl<'a> ShadeContext<'a> {
         let positional = matrix.viewer.w != 0.0
             || sources
                 .iter()
-                .any(|(s, _)| matches!(s, Source::Position(_)));
+                .any(|(s, _)| matches!(s, Source::Position(_)))
+            || !scene.sections.is_empty();
         Self {
             scene,
             matrix,
@@ -90,6 +93,7 @@ impl<'a> ShadeContext<'a> {
             interpolation,
             two_sided,
             positional,
+            caps: Caps::new(&scene.sections, matrix),
         }
     }
 
@@ -100,6 +104,16 @@ impl<'a> ShadeContext<'a> {
             .triangle_surfaces
             .get(triangle)
             .map_or(last, |&surface| (surface as usize).min(last))
+    }
+
+    /// The point of a cap at one pixel of a job.
+    fn cap_point(&self, job: &Job, section: usize, lane: usize) -> Vec3 {
+        let sample = |axis: usize, within: i32| {
+            let pixel = job.at[axis] as i32 + within;
+            f64::from(pixel * SUBPIXELS + SUBPIXELS / 2 - self.matrix.middle[axis])
+        };
+        let (x, y) = (sample(0, LANE_X[lane]), sample(1, LANE_Y[lane]));
+        self.caps.point(section, x, y)
     }
 
     /// The colour at one point, for the modes that shade per corner or per
@@ -307,7 +321,11 @@ fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<
         let index = triangles[wanted.trailing_zeros() as usize % LANES];
         let here = all.eq(s.i(index));
         wanted &= !here.bits();
-        let triangle = index as usize;
+        let (triangle, section) = decode(index);
+        if let Some(section) = section {
+            interpolate_cap(s, context, job, (triangle, section), here, &mut result);
+            continue;
+        }
         let (Some(vertices), Some(normals)) =
             (scene.triangles.get(triangle), scene.normals.get(triangle))
         else {
@@ -341,6 +359,77 @@ fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<
     result
 }
 
+/// [`interpolate`] for the cap of a section, which shows the colour of the
+/// solid it cuts.
+#[inline(always)]
+fn interpolate_cap<S: Lanes>(
+    s: S,
+    context: &ShadeContext,
+    job: &Job,
+    (triangle, section): (usize, usize),
+    here: S::M,
+    result: &mut Attributes<S>,
+) {
+    let Some(plane) = context.scene.sections.get(section) else {
+        return;
+    };
+    let mut points = [[0f32; LANES]; 3];
+    let mut lanes = here.bits();
+    let mut some = Vec3::ZERO;
+    while lanes != 0 {
+        let k = lanes.trailing_zeros() as usize % LANES;
+        lanes &= lanes - 1;
+        some = context.cap_point(job, section, k);
+        for (lane, value) in points.iter_mut().zip(some.to_array()) {
+            lane[k] = value;
+        }
+    }
+    let normal = splat(s, plane.normal);
+    let colour = if context.interpolation == Interpolation::Phong {
+        Vec3::ZERO
+    } else {
+        context.colour(context.material(triangle), some, plane.normal)
+    };
+    let (point, colour) = (load(s, &points), splat(s, colour));
+    let old = (result.normal, result.point, result.colour);
+    result.normal = triple!(|K| here.select_f(normal[K], old.0[K]));
+    result.point = triple!(|K| here.select_f(point[K], old.1[K]));
+    result.colour = triple!(|K| here.select_f(colour[K], old.2[K]));
+}
+
+/// Strokes of hatching across the diameter of a scene.
+const HATCH_STROKES: f32 = 60.0;
+/// The part of a cap that strokes cover, and how much they darken it.
+const HATCH_WIDTH: f32 = 0.22;
+const HATCH_DARKENING: f32 = 0.6;
+
+/// Darkens the pixels of caps where they are hatched.
+fn hatch(context: &ShadeContext, batch: &mut Batch) {
+    let scene = context.scene;
+    let spacing = (scene.high - scene.low).length() as f32 / HATCH_STROKES;
+    let x_row = context.matrix.rows[0].truncate().length();
+    for (job, colour) in batch.jobs.iter().zip(&mut batch.colours) {
+        for (k, &number) in job.triangles.iter().enumerate() {
+            let (_, Some(section)) = decode(number) else {
+                continue;
+            };
+            let Some(plane) = scene.sections.get(section) else {
+                continue;
+            };
+            let point = context.cap_point(job, section, k);
+            // The size of a pixel there, in strokes.
+            let pixel = context.matrix.row(3, point) * SUBPIXELS as f32 / x_row / spacing;
+            let across = plane.hatch.dot(point) / spacing;
+            let from_middle = (across - across.floor() - 0.5).abs();
+            let covered =
+                ((HATCH_WIDTH / 2.0 - from_middle) / pixel.max(1e-6) + 0.5).clamp(0.0, 1.0);
+            for channel in colour.iter_mut() {
+                channel[k] *= 1.0 - HATCH_DARKENING * covered;
+            }
+        }
+    }
+}
+
 /// The materials of 16 pixels.
 struct Materials<S: Lanes> {
     ambient: Triple<S>,
@@ -351,7 +440,7 @@ struct Materials<S: Lanes> {
 
 #[inline(always)]
 fn materials<S: Lanes>(s: S, context: &ShadeContext, triangles: &[i32; LANES]) -> Materials<S> {
-    let of = |index: i32| &context.materials[context.material(index as usize)];
+    let of = |index: i32| &context.materials[context.material(decode(index).0)];
     if context.materials.len() == 1 {
         let m = &context.materials[0];
         return Materials {
@@ -414,13 +503,15 @@ pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
             store::<S>(found.colour, &mut batch.colours[k]);
         }
     }
-    if !phong {
-        return;
+    if phong {
+        prepare(s, context, batch);
+        ambient(s, context, batch);
+        for &(source, intensity) in &context.lights {
+            light(s, context, batch, source, intensity);
+        }
     }
-    prepare(s, context, batch);
-    ambient(s, context, batch);
-    for &(source, intensity) in &context.lights {
-        light(s, context, batch, source, intensity);
+    if !context.scene.sections.is_empty() {
+        hatch(context, batch);
     }
 }
 

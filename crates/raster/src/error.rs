@@ -27,6 +27,13 @@ pub enum RasterError {
          vector is not along the view direction, and that 0 < near < far"
     )]
     SingularView,
+    /// Too many section planes, or one without a normal.
+    #[error(
+        "a section plane needs a normal that is finite and not zero, and there can be at most \
+         {} of them",
+        crate::section::MAX_SECTIONS
+    )]
+    BadSection,
     /// There is nothing to frame: the mesh has no vertex, or none that is finite.
     #[error(
         "cannot frame a mesh without finite vertices: give a camera, or a mesh that is not empty"

@@ -64,3 +64,27 @@ impl FrameMatrix {
         (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
     }
 }
+
+impl FrameMatrix {
+    /// OpenGL clip coordinates of a point relative to the scene's centre.
+    pub fn clip(&self, p: Vec3) -> DVec4 {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|row| f64::from(self.row(row, p)));
+        let half = f64::from(SUBPIXELS) / 2.0;
+        DVec4::new(
+            x / (f64::from(self.width.max(1)) * half),
+            -y / (f64::from(self.height.max(1)) * half),
+            w - 2.0 * z,
+            w,
+        )
+    }
+
+    /// Clip coordinates to pixels (y downwards) and reversed depth.
+    pub fn window(&self, clip: DVec4) -> DVec3 {
+        let ndc = clip.truncate() / clip.w;
+        DVec3::new(
+            (ndc.x + 1.0) / 2.0 * f64::from(self.width),
+            (1.0 - ndc.y) / 2.0 * f64::from(self.height),
+            (1.0 - ndc.z) / 2.0,
+        )
+    }
+}

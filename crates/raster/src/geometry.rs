@@ -7,11 +7,12 @@
 //! dropped 16 at a time. The few that reach behind the near plane, beyond the
 //! far plane or out of the guard band go through homogeneous clipping.
 
-use glam::{DVec4, Vec3, Vec4};
+use glam::{DMat3, DVec3, DVec4, Vec3, Vec4};
 
 use crate::clip::{ClipVertex, clip_polygon};
+use crate::cull::hidden;
 use crate::fill::Record;
-use crate::fixed::SUBPIXEL_BITS;
+use crate::fixed::{SUBPIXEL_BITS, doubled_area};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::scene::{CLUSTER_VERTICES, Cluster, Scene};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
@@ -65,124 +66,6 @@ pub(crate) struct GeometryContext<'a> {
     pub sample_range: [i32; 2],
 }
 
-/// Why a cluster is left out, or how near it comes.
-pub(crate) enum Visibility {
-    Outside,
-    FacingAway,
-    /// May be seen; greatest reversed depth of its bounding sphere.
-    Possible(f32),
-}
-
-/// A plane's distance from the centre of a sphere, and its greatest change
-/// within it.
-fn reach(row: Vec4, centre: Vec3, radius: f32) -> (f32, f32) {
-    let normal = row.truncate();
-    (normal.dot(centre) + row.w, normal.length() * radius)
-}
-
-/// Culls a cluster by the view volume and by its normal cone.
-pub(crate) fn cluster_visibility(
-    cluster: &Cluster,
-    matrix: &FrameMatrix,
-    facing: Facing,
-) -> Visibility {
-    let [x, y, z, w] = matrix.rows;
-    let [half_x, half_y] = matrix.middle.map(|m| m as f32);
-    let planes = [
-        w * half_x + x,
-        w * half_x - x,
-        w * half_y + y,
-        w * half_y - y,
-        w - z,
-        z,
-    ];
-    for plane in planes {
-        let (distance, change) = reach(plane, cluster.centre, cluster.radius);
-        if distance < -(change * 1.0001) {
-            return Visibility::Outside;
-        }
-    }
-    if !(facing.front && facing.back) {
-        let away = matrix.viewer.truncate() - cluster.centre * matrix.viewer.w;
-        let slack = cluster.sine * away.length() + cluster.radius * matrix.viewer.w;
-        let towards = cluster.axis.dot(away);
-        if (facing.front && towards < -slack) || (facing.back && towards > slack) {
-            return Visibility::FacingAway;
-        }
-    }
-    // Depth is b + (a + r·p) / w, where b is the part of the z row along the
-    // w row: exact for a perspective, whose depth depends on w alone.
-    let w_normal = w.truncate();
-    let length = w_normal.length_squared();
-    let b = if length > 0.0 {
-        z.truncate().dot(w_normal) / length
-    } else {
-        0.0
-    };
-    let (w_centre, w_change) = reach(w, cluster.centre, cluster.radius);
-    let nearest_w = w_centre - w_change;
-    if nearest_w <= 0.0 {
-        return Visibility::Possible(1.0);
-    }
-    let (rest, rest_change) = reach(z - w * b, cluster.centre, cluster.radius);
-    let most = rest + rest_change;
-    let nearest = b + most
-        / if most > 0.0 {
-            nearest_w
-        } else {
-            w_centre + w_change
-        };
-    Visibility::Possible((nearest * 1.00001 + 1e-6).min(1.0))
-}
-
-/// Whether hierarchical depth hides a cluster whose nearest depth is `depth`.
-fn hidden(cluster: &Cluster, depth: f32, context: &GeometryContext) -> bool {
-    let matrix = context.matrix;
-    let [x, y, _, w] = matrix.rows;
-    let (w_centre, w_change) = reach(w, cluster.centre, cluster.radius);
-    let nearest_w = w_centre - w_change;
-    if nearest_w <= 0.0 || depth >= 1.0 {
-        return false;
-    }
-    let range = |row: Vec4, axis: usize| {
-        let at = (row.truncate().dot(cluster.centre) + row.w) / w_centre;
-        let (_, change) = reach(row - w * at, cluster.centre, cluster.radius);
-        let spread = change / nearest_w + 2.0 * 256.0;
-        let tile = |v: f32| (v as i32).saturating_add(matrix.middle[axis]) >> (SUBPIXEL_BITS + 3);
-        (tile(at - spread), tile(at + spread))
-    };
-    let (x0, x1) = range(x, 0);
-    let (y0, y1) = range(y, 1);
-    let last = [matrix.width, matrix.height].map(|side| (side.cast_signed() - 1) >> 3);
-    let (x0, x1) = (x0.max(0), x1.min(last[0]));
-    let (y0, y1) = (y0.max(0), y1.min(last[1]));
-    let whole = |tile: &Tile| tile.drawn && depth < tile.farthest_of_all;
-    for tile_y in y0 >> 3..=y1 >> 3 {
-        for tile_x in x0 >> 3..=x1 >> 3 {
-            let Some(tile) = context
-                .tiles
-                .get(tile_y as usize * context.columns + tile_x as usize)
-            else {
-                return false;
-            };
-            if !tile.drawn {
-                return false;
-            }
-            if whole(tile) {
-                continue;
-            }
-            for sy in (y0 - tile_y * 8).max(0)..=(y1 - tile_y * 8).min(7) {
-                for sx in (x0 - tile_x * 8).max(0)..=(x1 - tile_x * 8).min(7) {
-                    if depth >= tile.farthest[(sy * 8 + sx) as usize] {
-                        return false;
-                    }
-                }
-            }
-        }
-    }
-    true
-}
-
 /// Sets up the triangles of clusters, given with their nearest depths, into
 /// `bins`.
 pub(crate) struct SetUpClusters<'a> {
@@ -209,8 +92,9 @@ impl Kernel for SetUpClusters<'_> {
 
 /// The transformed vertices of one cluster.
 struct ClusterWork {
-    x: [i32; CLUSTER_VERTICES],
-    y: [i32; CLUSTER_VERTICES],
+    /// In sub-pixels from the middle of the picture, not snapped.
+    x: [f32; CLUSTER_VERTICES],
+    y: [f32; CLUSTER_VERTICES],
     z: [f32; CLUSTER_VERTICES],
     /// One where a vertex needs clipping.
     outside: [i32; CLUSTER_VERTICES],
@@ -221,8 +105,8 @@ struct ClusterWork {
 impl Default for ClusterWork {
     fn default() -> Self {
         Self {
-            x: [0; CLUSTER_VERTICES],
-            y: [0; CLUSTER_VERTICES],
+            x: [0.0; CLUSTER_VERTICES],
+            y: [0.0; CLUSTER_VERTICES],
             z: [0.0; CLUSTER_VERTICES],
             outside: [1; CLUSTER_VERTICES],
             polygon: Vec::new(),
@@ -285,7 +169,6 @@ fn transform<S: Lanes>(
         splat_row(s, matrix.rows[3]),
     ];
     let (zero, guard) = (s.f(0.0), s.f(GUARD));
-    let middle = [s.i(matrix.middle[0]), s.i(matrix.middle[1])];
     let mut any = false;
     for start in (0..cluster.vertices as usize).step_by(LANES) {
         let from = cluster.first_vertex as usize + start;
@@ -310,8 +193,6 @@ fn transform<S: Lanes>(
         let keep = |v: S::F| inside.select_f(v, zero);
         let divisor = inside.select_f(w, s.f(1.0));
         let outside = inside.select_i(s.i(0), s.i(1));
-        let fx = (keep(x) / divisor).round() + middle[0];
-        let fy = (keep(y) / divisor).round() + middle[1];
         any |= inside.bits() != 0xffff;
         let (Some(to_x), Some(to_y), Some(to_z), Some(to_outside)) = (
             lanes_at_mut(&mut work.x, start),
@@ -321,8 +202,8 @@ fn transform<S: Lanes>(
         ) else {
             return true;
         };
-        fx.store(to_x);
-        fy.store(to_y);
+        (keep(x) / divisor).store(to_x);
+        (keep(y) / divisor).store(to_y);
         (keep(z) / divisor).store(to_z);
         outside.store(to_outside);
     }
@@ -345,8 +226,8 @@ fn set_up_cluster<S: Lanes>(
     // Corners are taken in the order 0, 2, 1, which is clockwise as seen for
     // a front face.
     let mut corners = Corners {
-        x: [[0; LANES]; 3],
-        y: [[0; LANES]; 3],
+        x: [[0.0; LANES]; 3],
+        y: [[0.0; LANES]; 3],
         z: [[0.0; LANES]; 3],
     };
     for start in (first..end).step_by(LANES) {
@@ -377,8 +258,8 @@ fn set_up_cluster<S: Lanes>(
 
 /// The corners of 16 triangles: by corner, then by triangle.
 struct Corners {
-    x: [[i32; LANES]; 3],
-    y: [[i32; LANES]; 3],
+    x: [[f32; LANES]; 3],
+    y: [[f32; LANES]; 3],
     z: [[f32; LANES]; 3],
 }
 
@@ -393,8 +274,11 @@ fn set_up_triangles<S: Lanes>(
     bins: &mut Bins,
 ) {
     let matrix = context.matrix;
-    let vx = [s.load_i(&x[0]), s.load_i(&x[1]), s.load_i(&x[2])];
-    let vy = [s.load_i(&y[0]), s.load_i(&y[1]), s.load_i(&y[2])];
+    let fx = triple!(|K| s.load_f(&x[K]));
+    let fy = triple!(|K| s.load_f(&y[K]));
+    let [middle_x, middle_y] = [s.i(matrix.middle[0]), s.i(matrix.middle[1])];
+    let vx = triple!(|K| fx[K].round() + middle_x);
+    let vy = triple!(|K| fy[K].round() + middle_y);
     let (low_x, high_x) = (vx[0].min(vx[1]).min(vx[2]), vx[0].max(vx[1]).max(vx[2]));
     let (low_y, high_y) = (vy[0].min(vy[1]).min(vy[2]), vy[0].max(vy[1]).max(vy[2]));
     // Pixels with a sample between the extremes, inside the picture.
@@ -421,16 +305,38 @@ fn set_up_triangles<S: Lanes>(
     let survivors = small & wanted;
     let mut big = present & !empty & large;
     if survivors != 0 {
-        let vz = [s.load_f(&z[0]), s.load_f(&z[1]), s.load_f(&z[2])];
-        let inverse = s.f(1.0) / area.to_float();
+        // Depth is a plane through the corners where they are, not where they
+        // were snapped to; unless a sliver has no area there.
+        let vz = triple!(|K| s.load_f(&z[K]));
         let (dz1, dz2) = (vz[1] - vz[0], vz[2] - vz[0]);
-        let (dx1, dy1) = (dx1.to_float(), dy1.to_float());
-        let (dx2, dy2) = (dx2.to_float(), dy2.to_float());
-        let mut slopes = [[0f32; LANES]; 4];
-        ((dz1 * dy2 - dz2 * dy1) * inverse).store(&mut slopes[0]);
-        ((dz2 * dx1 - dz1 * dx2) * inverse).store(&mut slopes[1]);
-        vz[0].min(vz[1]).min(vz[2]).store(&mut slopes[2]);
-        vz[0].max(vz[1]).max(vz[2]).store(&mut slopes[3]);
+        let (dx1f, dy1f) = (fx[1] - fx[0], fy[1] - fy[0]);
+        let (dx2f, dy2f) = (fx[2] - fx[0], fy[2] - fy[0]);
+        let area_f = dx1f * dy2f - dx2f * dy1f;
+        let snapped_area = area.to_float();
+        let (zero_f, half) = (s.f(0.0), s.f(0.5));
+        let sound = zero_f.lt((area_f - half * snapped_area) * snapped_area);
+        let inverse = s.f(1.0) / sound.select_f(area_f, snapped_area);
+        let right = (dz1 * dy2f - dz2 * dy1f) * inverse;
+        let down = (dz2 * dx1f - dz1 * dx2f) * inverse;
+        let right = sound.select_f(right, zero_f);
+        let down = sound.select_f(down, zero_f);
+        // Snapping moves a corner by at most half a sub-pixel each way.
+        let slack = right.max(zero_f - right) + down.max(zero_f - down);
+        let moved_x = (vx[0] - middle_x).to_float() - fx[0];
+        let moved_y = (vy[0] - middle_y).to_float() - fy[0];
+        let mut depth = [[0f32; LANES]; 5];
+        (vz[0] + (right * moved_x + down * moved_y)).store(&mut depth[0]);
+        right.store(&mut depth[1]);
+        down.store(&mut depth[2]);
+        (vz[0].min(vz[1]).min(vz[2]) - slack)
+            .max(zero_f)
+            .store(&mut depth[3]);
+        (vz[0].max(vz[1]).max(vz[2]) + slack).store(&mut depth[4]);
+        let (mut snapped_x, mut snapped_y) = ([[0i32; LANES]; 3], [[0i32; LANES]; 3]);
+        for k in 0..3 {
+            vx[k].store(&mut snapped_x[k]);
+            vy[k].store(&mut snapped_y[k]);
+        }
         let clockwise = zero.lt(area).bits();
         let mut tiles = [[0i32; LANES]; 4];
         px0.shr::<6>().store(&mut tiles[0]);
@@ -447,12 +353,12 @@ fn set_up_triangles<S: Lanes>(
                 (2, 1)
             };
             let record = Record {
-                x: [x[0][k], x[b][k], x[c][k]],
-                y: [y[0][k], y[b][k], y[c][k]],
-                z: z[0][k],
-                dz: [slopes[0][k], slopes[1][k]],
-                z_low: slopes[2][k],
-                z_high: slopes[3][k],
+                x: [snapped_x[0][k], snapped_x[b][k], snapped_x[c][k]],
+                y: [snapped_y[0][k], snapped_y[b][k], snapped_y[c][k]],
+                z: depth[0][k],
+                dz: [depth[1][k], depth[2][k]],
+                z_low: depth[3][k],
+                z_high: depth[4][k],
                 triangle: (first + k) as i32,
             };
             let range = [tiles[0][k], tiles[1][k], tiles[2][k], tiles[3][k]];
@@ -462,8 +368,10 @@ fn set_up_triangles<S: Lanes>(
     while big != 0 {
         let k = (big.trailing_zeros() as usize) % LANES;
         big &= big - 1;
-        let corner = |c: usize| (x[c][k], y[c][k], z[c][k]);
-        set_up_one([corner(0), corner(1), corner(2)], first + k, context, bins);
+        let corner = |c: usize| Vec3::new(x[c][k], y[c][k], z[c][k]);
+        let corners = [corner(0), corner(1), corner(2)];
+        let plane = depth_plane(corners.map(|p| p.extend(1.0).as_dvec4()));
+        set_up_one(corners, plane, first + k, context, bins);
     }
 }
 
@@ -487,20 +395,33 @@ fn push(
     }
 }
 
-/// Sets up one triangle of any size, corners in the order 0, 2, 1.
+/// The depth of a triangle's plane as (a, b, c) with Z/W = a X/W + b Y/W + c,
+/// from its corners in raster space, clipped or not; `None` if it is seen
+/// edge-on.
+fn depth_plane([p, q, r]: [DVec4; 3]) -> Option<DVec3> {
+    let window = |v: DVec4| DVec3::new(v.x, v.y, v.w);
+    let matrix = DMat3::from_cols(window(p), window(q), window(r)).transpose();
+    let plane = matrix.inverse() * DVec3::new(p.z, q.z, r.z);
+    (matrix.determinant() != 0.0 && plane.is_finite()).then_some(plane)
+}
+
+/// Sets up one triangle of any size. Corners are in the order 0, 2, 1, in
+/// sub-pixels from the middle of the picture, with their depths.
 fn set_up_one(
-    corners: [(i32, i32, f32); 3],
+    corners: [Vec3; 3],
+    plane: Option<DVec3>,
     triangle: usize,
     context: &GeometryContext,
     bins: &mut Bins,
 ) {
     let matrix = context.matrix;
-    let [a, mut b, mut c] = corners;
-    let difference = |p: (i32, i32, f32)| (i64::from(p.0 - a.0), i64::from(p.1 - a.1));
-    let area = {
-        let ((dx1, dy1), (dx2, dy2)) = (difference(b), difference(c));
-        dx1 * dy2 - dx2 * dy1
-    };
+    let mut points = corners.map(|p| {
+        [
+            p.x.round_ties_even() as i32 + matrix.middle[0],
+            p.y.round_ties_even() as i32 + matrix.middle[1],
+        ]
+    });
+    let area = doubled_area(points);
     let front = area * i64::from(matrix.orientation) > 0;
     let wanted = if front {
         context.facing.front
@@ -511,40 +432,36 @@ fn set_up_one(
         bins.counts.facing_away += 1;
         return;
     }
-    let area = if area < 0 {
-        std::mem::swap(&mut b, &mut c);
-        -area
-    } else {
-        area
-    };
-    let ((dx1, dy1), (dx2, dy2)) = (difference(b), difference(c));
+    if area < 0 {
+        points.swap(1, 2);
+    }
     let [first_sample, last_sample] = context.sample_range;
-    let range = |v: [i32; 3], size: u32| {
+    let range = |axis: usize, size: u32| {
+        let v = points.map(|p| p[axis]);
         let (low, high) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
         (
             ((low + 255 - last_sample) >> SUBPIXEL_BITS).max(0),
             ((high - first_sample) >> SUBPIXEL_BITS).min(size.cast_signed() - 1),
         )
     };
-    let (px0, px1) = range([a.0, b.0, c.0], matrix.width);
-    let (py0, py1) = range([a.1, b.1, c.1], matrix.height);
+    let (px0, px1) = range(0, matrix.width);
+    let (py0, py1) = range(1, matrix.height);
     if px0 > px1 || py0 > py1 {
         bins.counts.no_sample += 1;
         return;
     }
-    let (dz1, dz2) = (
-        f64::from(b.2) - f64::from(a.2),
-        f64::from(c.2) - f64::from(a.2),
-    );
-    let slope =
-        |u: i64, v: i64, sign: f64| (sign * (dz1 * u as f64 - dz2 * v as f64) / area as f64) as f32;
+    let depths = corners.map(|p| p.z);
+    let plane = plane.unwrap_or(DVec3::new(0.0, 0.0, f64::from(depths[0])));
+    let [x, y] = [0, 1].map(|axis| f64::from(points[0][axis] - matrix.middle[axis]));
+    let (right, down) = (plane.x as f32, plane.y as f32);
+    let slack = right.abs() + down.abs();
     let record = Record {
-        x: [a.0, b.0, c.0],
-        y: [a.1, b.1, c.1],
-        z: a.2,
-        dz: [slope(dy2, dy1, 1.0), slope(dx2, dx1, -1.0)],
-        z_low: a.2.min(b.2).min(c.2),
-        z_high: a.2.max(b.2).max(c.2),
+        x: points.map(|p| p[0]),
+        y: points.map(|p| p[1]),
+        z: (plane.x * x + plane.y * y + plane.z) as f32,
+        dz: [right, down],
+        z_low: (depths[0].min(depths[1]).min(depths[2]) - slack).max(0.0),
+        z_high: depths[0].max(depths[1]).max(depths[2]) + slack,
         triangle: triangle as i32,
     };
     push(
@@ -606,20 +523,17 @@ fn clip_and_set_up(
     }
     // Divided in single precision like vertices that were not clipped, so
     // that a vertex shared with an unclipped triangle lands on the same spot.
-    let snapped = |v: &ClipVertex| {
+    let divided = |v: &ClipVertex| {
         let [x, y, z, w] = v.position.to_array().map(|c| c as f32);
-        (
-            (x / w).round_ties_even() as i32 + matrix.middle[0],
-            (y / w).round_ties_even() as i32 + matrix.middle[1],
-            (z / w).clamp(0.0, 1.0),
-        )
+        Vec3::new(x / w, y / w, (z / w).clamp(0.0, 1.0))
     };
+    let plane = depth_plane(corners);
     for k in 2..polygon.len() {
         let fan = [
-            snapped(&polygon[0]),
-            snapped(&polygon[k - 1]),
-            snapped(&polygon[k]),
+            divided(&polygon[0]),
+            divided(&polygon[k - 1]),
+            divided(&polygon[k]),
         ];
-        set_up_one(fan, triangle, context, bins);
+        set_up_one(fan, plane, triangle, context, bins);
     }
 }

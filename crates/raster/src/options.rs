@@ -2,6 +2,7 @@
 
 use csg::Color;
 
+use crate::edges::EdgeOptions;
 use crate::shade::{Interpolation, Light, Material};
 
 /// How jagged edges are smoothed.
@@ -74,6 +75,14 @@ pub struct RenderOptions {
     pub two_sided: bool,
     /// How jagged edges are smoothed.
     pub anti_aliasing: AntiAliasing,
+    /// Edges drawn over the picture.
+    pub edges: Option<EdgeOptions>,
+    /// Whether pixels are darkened where surroundings hide light.
+    pub ambient_occlusion: bool,
+    /// Whether a soft shadow is cast on the plane z = least z of the scene.
+    pub ground_shadow: bool,
+    /// Whether the directions of the axes are drawn in the lower left corner.
+    pub triad: bool,
 }
 
 impl Default for RenderOptions {
@@ -86,6 +95,10 @@ impl Default for RenderOptions {
             cull_back_faces: true,
             two_sided: false,
             anti_aliasing: AntiAliasing::None,
+            edges: None,
+            ambient_occlusion: false,
+            ground_shadow: false,
+            triad: false,
         }
     }
 }

@@ -11,21 +11,25 @@ use csg::{Color, Mesh};
 use rayon::prelude::*;
 
 use crate::camera::View;
+use crate::cull::{Visibility, cluster_visibility};
 use crate::deferred::ShadeContext;
+use crate::edges::draw_edges;
 use crate::error::{MAX_SIZE, RasterError};
 use crate::fill::{FillCounts, fill};
 use crate::frame::FrameMatrix;
-use crate::geometry::{
-    Bins, Facing, GeometryContext, SetUpClusters, Visibility, cluster_visibility,
-};
+use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
+use crate::ground::draw_ground_shadow;
 use crate::image::Image;
+use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
 use crate::resolve::{ResolveTile, tile_rows};
 use crate::scene::Scene;
+use crate::section::{Caps, cap_tile};
 use crate::shade::Material;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
 use crate::tile::{TILE, Tile};
+use crate::triad::draw_triad;
 
 /// Draws frames; keeps its working memory from one to the next.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +38,8 @@ pub struct Renderer {
     /// Size of the last frame.
     pub(crate) width: u32,
     pub(crate) height: u32,
+    /// Samples drawn along a pixel's side.
+    pub(crate) scale: u32,
     pub(crate) tiles: Vec<Tile>,
     bins: Vec<Bins>,
     order: Vec<(f32, u32)>,
@@ -84,14 +90,29 @@ impl Renderer {
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
         let scale = options.anti_aliasing.scale();
-        if scale == 1 {
-            return self.draw_plain(scene, view, width, height, options, image);
+        let stats = if scale == 1 {
+            self.draw_plain(scene, view, width, height, options, image)?
+        } else {
+            let mut large = Image::default();
+            let (w, h) = (width.saturating_mul(scale), height.saturating_mul(scale));
+            let stats = self.draw_plain(scene, view, w, h, options, &mut large)?;
+            *image = large.shrink(scale);
+            stats
+        };
+        (self.width, self.height, self.scale) = (width, height, scale);
+        let matrix = FrameMatrix::new(view, scene.centre, width, height);
+        if options.ambient_occlusion {
+            darken(image, &self.ambient_occlusion(scene, view));
         }
-        let mut large = Image::default();
-        let (large_width, large_height) =
-            (width.saturating_mul(scale), height.saturating_mul(scale));
-        let stats = self.draw_plain(scene, view, large_width, large_height, options, &mut large)?;
-        *image = large.shrink(scale);
+        if options.ground_shadow {
+            draw_ground_shadow(scene, view, image)?;
+        }
+        if let Some(edges) = &options.edges {
+            draw_edges(self, scene, &matrix, edges, image);
+        }
+        if options.triad {
+            draw_triad(view, image);
+        }
         Ok(stats)
     }
 
@@ -141,12 +162,11 @@ impl Renderer {
     ) -> Stats {
         let columns = (matrix.width as usize).div_ceil(TILE);
         let rows = (matrix.height as usize).div_ceil(TILE);
-        (self.width, self.height) = (matrix.width, matrix.height);
         self.tiles.resize_with(columns * rows, Tile::default);
         self.tiles.iter_mut().for_each(|tile| tile.drawn = false);
         let facing = Facing {
             front: true,
-            back: !options.cull_back_faces,
+            back: !options.cull_back_faces || !scene.sections.is_empty(),
         };
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
@@ -216,6 +236,13 @@ impl Renderer {
             }
         }
         self.order = order;
+        if !scene.sections.is_empty() {
+            let caps = Caps::new(&scene.sections, matrix);
+            self.tiles.par_iter_mut().enumerate().for_each(|(k, tile)| {
+                let origin = [k % columns, k / columns].map(|t| (t * TILE) as i32);
+                cap_tile(tile, origin, samples, scene, matrix, &caps);
+            });
+        }
         for bins in &mut self.bins {
             let counts = std::mem::take(&mut bins.counts);
             stats.clusters_hidden += counts.clusters_hidden;

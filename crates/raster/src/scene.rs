@@ -1,10 +1,13 @@
 //! A mesh made ready for drawing: single precision around its centre, cut
 //! into clusters.
 
+use std::sync::OnceLock;
+
 use csg::{Color, Mesh};
 use glam::{DVec3, Vec3};
 
 use crate::normals::{CREASE_ANGLE, corner_normals};
+use crate::section::Section;
 
 /// Most triangles in a cluster.
 const CLUSTER_TRIANGLES: usize = 128;
@@ -49,6 +52,10 @@ pub struct Scene {
     pub(crate) cluster_vertices: [Vec<f32>; 3],
     /// For each triangle the numbers of its vertices within the cluster.
     pub(crate) local: Vec<[u8; 4]>,
+    /// Planes that cut the mesh before it was made ready.
+    pub(crate) sections: Vec<Section>,
+    /// The mesh's feature edges, or those found when first asked for.
+    feature_edges: OnceLock<Vec<Vec<u32>>>,
 }
 
 impl Scene {
@@ -92,6 +99,9 @@ impl Scene {
             colors,
             ..Self::default()
         };
+        if !mesh.feature_edges.is_empty() {
+            let _ = scene.feature_edges.set(mesh.feature_edges.clone());
+        }
         scene.build_clusters();
         scene
     }
@@ -108,6 +118,14 @@ impl Scene {
         let [a, b, c] = *self.triangles.get(triangle)?;
         let at = |v: u32| self.positions.get(v as usize).copied();
         Some([at(a)?, at(b)?, at(c)?])
+    }
+
+    /// Feature edges as polylines of vertex indices: the mesh's own, or those
+    /// found where it brings none.
+    #[must_use]
+    pub fn feature_edges(&self) -> &[Vec<u32>] {
+        self.feature_edges
+            .get_or_init(|| crate::edges::find_feature_edges(self))
     }
 
     /// Number of triangles.

@@ -14,6 +14,25 @@ pub(crate) const BLOCK_PIXELS: usize = BLOCK * BLOCK;
 /// The triangle number of pixels that show none.
 pub(crate) const NO_TRIANGLE: i32 = i32::MAX;
 
+/// The number of a sample that shows the cap of section plane `section` (in
+/// 0..4) in front of the back of a triangle: negative, so that it cannot be a
+/// triangle's.
+pub(crate) fn capped(triangle: i32, section: usize) -> i32 {
+    -1 - (triangle * 4 + section as i32 % 4)
+}
+
+/// The triangle and the section plane, if it is a cap, behind a sample's
+/// number.
+#[inline(always)]
+pub(crate) fn decode(number: i32) -> (usize, Option<usize>) {
+    if number >= 0 {
+        (number as usize, None)
+    } else {
+        let code = (-1 - number) as usize;
+        (code / 4, Some(code % 4))
+    }
+}
+
 /// Depth (reversed: 1 near, 0 far) and triangle of one sample in each pixel.
 #[derive(Clone, Debug)]
 pub(crate) struct Plane {

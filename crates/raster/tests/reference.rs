@@ -3,7 +3,7 @@
 mod common;
 
 use csg::Mesh;
-use glam::{DMat3, DVec2, DVec3, DVec4, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 use raster::clip::{ClipVertex, PLANES, clip_polygon};
 use raster::hidden_surface::{DepthBuffer, Painter};
 use raster::{
@@ -167,23 +167,6 @@ fn distance_to_an_edge(mesh: &Mesh, view: &View, at: DVec2) -> f64 {
     least
 }
 
-/// The steepest change of window depth over one pixel on a triangle's plane:
-/// depth is a x + b y + c in the window, so z = a x + b y + c w in homogeneous
-/// window coordinates of its corners.
-fn depth_slope(mesh: &Mesh, view: &View, triangle: u32) -> f64 {
-    let (half_x, half_y) = (f64::from(WIDTH) / 2.0, f64::from(HEIGHT) / 2.0);
-    let corners = mesh
-        .corners(triangle as usize)
-        .map(|p| view.world_to_clip() * p.extend(1.0));
-    let rows = corners.map(|p| DVec3::new((p.x + p.w) * half_x, (p.w - p.y) * half_y, p.w));
-    let depths = DVec3::from_array(corners.map(|p| p.z.midpoint(p.w)));
-    let plane = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array()))
-        .transpose()
-        .inverse()
-        * depths;
-    plane.truncate().length()
-}
-
 #[test]
 fn coverage_depth_and_colour_agree() {
     let mesh = scene();
@@ -219,7 +202,9 @@ fn coverage_depth_and_colour_agree() {
                 };
                 // Single precision may snap a corner one sub-pixel off, which
                 // moves depth by its slope over 1/256 pixel.
-                let slope = ids.values[k].map_or(0.0, |id| depth_slope(&mesh, &view, id));
+                let slope = ids.values[k].map_or(0.0, |id| {
+                    common::depth_slope(&mesh, &view, [WIDTH, HEIGHT], id)
+                });
                 let depth_limit = 2.0 + slope * f64::from(1 << 24) / 128.0;
                 let colour = (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
                 if same_coverage && depth_units <= depth_limit && colour <= 1 {

@@ -4,7 +4,8 @@
 use std::collections::HashMap;
 
 use csg::{Color, Mesh, MeshSurface};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
+use raster::View;
 
 /// An axis-aligned cuboid, each side a surface of its own.
 pub fn cuboid(low: DVec3, high: DVec3) -> Mesh {
@@ -129,4 +130,21 @@ pub fn colored(mut mesh: Mesh, srgb: [f32; 3]) -> Mesh {
         ..MeshSurface::default()
     }];
     mesh
+}
+
+/// The steepest change of window depth over one pixel on a triangle's plane:
+/// depth is a x + b y + c in the window, so z = a x + b y + c w in homogeneous
+/// window coordinates of its corners.
+pub fn depth_slope(mesh: &Mesh, view: &View, size: [u32; 2], triangle: u32) -> f64 {
+    let [half_x, half_y] = size.map(|side| f64::from(side) / 2.0);
+    let corners = mesh
+        .corners(triangle as usize)
+        .map(|p| view.world_to_clip() * p.extend(1.0));
+    let rows = corners.map(|p| DVec3::new((p.x + p.w) * half_x, (p.w - p.y) * half_y, p.w));
+    let depths = DVec3::from_array(corners.map(|p| p.z.midpoint(p.w)));
+    let plane = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array()))
+        .transpose()
+        .inverse()
+        * depths;
+    plane.truncate().length()
 }

@@ -1,0 +1,183 @@
+//! Feature edges, silhouettes and wireframe, drawn over shading.
+
+use std::collections::HashMap;
+
+use csg::Color;
+use glam::Vec3;
+
+use crate::frame::FrameMatrix;
+use crate::image::Image;
+use crate::line::{LineLayers, project_polyline};
+use crate::normals::CREASE_ANGLE;
+use crate::pipeline::Renderer;
+use crate::scene::Scene;
+
+/// What happens to the hidden parts of edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HiddenEdges {
+    /// They are left out.
+    #[default]
+    Omit,
+    /// They are drawn dashed and lighter.
+    Dash,
+}
+
+/// Which edges are drawn over the picture, and how.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct EdgeOptions {
+    /// Feature edges: the mesh's own, or else where two faces meet at more
+    /// than 30 degrees or lie on different surfaces.
+    pub features: bool,
+    /// Where a smooth surface turns away from the viewer.
+    pub silhouettes: bool,
+    /// Every edge of every triangle.
+    pub wireframe: bool,
+    /// Every vertex, as a dot of three times the line width.
+    pub points: bool,
+    /// What happens to hidden parts.
+    pub hidden: HiddenEdges,
+    /// Line width in pixels.
+    pub width: f64,
+    /// Colour of the lines.
+    pub color: Color,
+}
+
+impl Default for EdgeOptions {
+    fn default() -> Self {
+        Self {
+            features: true,
+            silhouettes: true,
+            wireframe: false,
+            points: false,
+            hidden: HiddenEdges::Omit,
+            width: 1.2,
+            color: Color::from_linear([0.01; 3]),
+        }
+    }
+}
+
+/// Opacity of hidden edges relative to visible ones.
+const HIDDEN_OPACITY: f32 = 0.45;
+
+/// Draws the edges of a scene over its picture.
+pub(crate) fn draw_edges(
+    renderer: &Renderer,
+    scene: &Scene,
+    matrix: &FrameMatrix,
+    options: &EdgeOptions,
+    image: &mut Image,
+) {
+    let mut layers = LineLayers::new(image.width, image.height);
+    let width = options.width;
+    let mut draw = |points: &[Vec3], width: f64| {
+        project_polyline(matrix, points.iter().copied(), |segment| {
+            layers.draw(renderer, &segment, width);
+        });
+    };
+    let corner = |v: u32| scene.positions.get(v as usize).copied();
+    if options.features {
+        for line in scene.feature_edges() {
+            let points: Vec<Vec3> = line.iter().filter_map(|&v| corner(v)).collect();
+            draw(&points, width);
+        }
+    }
+    if options.silhouettes {
+        silhouettes(scene, matrix, |a, b| draw(&[a, b], width));
+    }
+    if options.wireframe {
+        for index in 0..scene.triangles.len() {
+            if let Some([a, b, c]) = scene.corners(index) {
+                draw(&[a, b, c, a], width);
+            }
+        }
+    }
+    if options.points {
+        for &p in &scene.positions {
+            draw(&[p, p], width * 3.0);
+        }
+    }
+    if options.hidden == HiddenEdges::Dash {
+        let faint = options
+            .color
+            .with_alpha(options.color.alpha * HIDDEN_OPACITY);
+        layers.hidden.composite(image, faint);
+    }
+    layers.visible.composite(image, options.color);
+}
+
+/// Calls `segment` for each piece of the silhouette of smooth surfaces: where
+/// the interpolated normal is at right angles to the view (Hertzmann, Zorin,
+/// *Illustrating smooth surfaces*, SIGGRAPH 2000). Sharp silhouettes are
+/// feature edges.
+fn silhouettes(scene: &Scene, matrix: &FrameMatrix, mut segment: impl FnMut(Vec3, Vec3)) {
+    for (index, normals) in scene.normals.iter().enumerate() {
+        let Some(corners) = scene.corners(index) else {
+            continue;
+        };
+        let facing = |k: usize| {
+            let viewer = matrix.viewer.truncate() - corners[k] * matrix.viewer.w;
+            normals[k].dot(viewer.normalize_or_zero())
+        };
+        let g = [facing(0), facing(1), facing(2)];
+        let mut ends = [Vec3::ZERO; 2];
+        let mut count = 0;
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            if (g[i] > 0.0) != (g[j] > 0.0) && count < 2 {
+                ends[count] = corners[i].lerp(corners[j], g[i] / (g[i] - g[j]));
+                count += 1;
+            }
+        }
+        if count == 2 {
+            segment(ends[0], ends[1]);
+        }
+    }
+}
+
+/// The feature edges of a mesh that brings none, each as a polyline of two
+/// vertices: edges that do not join exactly two triangles, that join two
+/// surfaces (unless flat), or two normals more than [`CREASE_ANGLE`] apart.
+/// Vertices at the same position count as one. O(n log n).
+pub(crate) fn find_feature_edges(scene: &Scene) -> Vec<Vec<u32>> {
+    let mut first_at: HashMap<[u32; 3], u32> = HashMap::new();
+    let welded: Vec<u32> = scene
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(index, p)| {
+            // Adding zero makes -0 and 0 the same.
+            let key = (*p + Vec3::ZERO).to_array().map(f32::to_bits);
+            *first_at.entry(key).or_insert(index as u32)
+        })
+        .collect();
+    let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
+    for (index, triangle) in scene.triangles.iter().enumerate() {
+        if scene.corners(index).is_none() {
+            continue;
+        }
+        let [a, b, c] = triangle.map(|v| welded[v as usize]);
+        for (i, j) in [(a, b), (b, c), (c, a)] {
+            if i != j {
+                edges.push([i.min(j), i.max(j), index as u32]);
+            }
+        }
+    }
+    edges.sort_unstable();
+    let normal = |triangle: u32| {
+        let [a, b, c] = scene.corners(triangle as usize).unwrap_or_default();
+        (b - a).cross(c - a).normalize_or_zero()
+    };
+    let surface = |triangle: u32| scene.triangle_surfaces.get(triangle as usize);
+    let crease = (CREASE_ANGLE as f32).cos();
+    edges
+        .chunk_by(|a, b| a[..2] == b[..2])
+        .filter(|group| match group {
+            [[_, _, s], [_, _, t]] => {
+                let cosine = normal(*s).dot(normal(*t));
+                cosine < crease || (surface(*s) != surface(*t) && cosine < 1.0 - 1e-6)
+            }
+            _ => true,
+        })
+        .filter_map(|group| group.first().map(|&[i, j, _]| vec![i, j]))
+        .collect()
+}

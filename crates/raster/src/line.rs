@@ -1,0 +1,226 @@
+//! Anti-aliased, depth-tested lines and points.
+//!
+//! A line is the set of points within half its width of a segment; a pixel's
+//! coverage falls from 1 to 0 over the pixel around that border (Gupta,
+//! Sproull, 1981, with a box of one pixel). Coverage is collected in a layer
+//! by maximum, so that joints of polylines are not darker than their parts
+//! and order does not matter, and the layer is put over the picture once.
+
+use csg::Color;
+use csg::color::{linear_to_srgb, srgb_to_linear};
+use glam::{DVec2, DVec3};
+
+use crate::clip::clip_segment;
+use crate::frame::FrameMatrix;
+use crate::image::Image;
+use crate::pipeline::Renderer;
+
+/// The coverage of some lines or points, in 0..=1 for each pixel.
+#[derive(Clone, Debug)]
+pub(crate) struct Layer {
+    width: u32,
+    height: u32,
+    coverage: Vec<f32>,
+}
+
+/// Length of a dash and of the gap after it, in pixels.
+const DASH: [f64; 2] = [5.0, 4.0];
+
+/// A segment in the window: x and y in pixels, z the reversed depth.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    pub a: DVec3,
+    pub b: DVec3,
+    /// Distance in pixels along the polyline to `a`, for dashes.
+    pub start: f64,
+}
+
+impl Layer {
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            coverage: vec![0.0; width as usize * height as usize],
+        }
+    }
+
+    fn raise(&mut self, x: u32, y: u32, coverage: f64) {
+        let at = y as usize * self.width as usize + x as usize;
+        if let Some(value) = self.coverage.get_mut(at) {
+            *value = value.max(coverage as f32);
+        }
+    }
+
+    /// Calls `pixel` with column, row, coverage and the nearest parameter of
+    /// the segment for all pixels it touches.
+    fn trace(&self, segment: &Segment, width: f64, mut pixel: impl FnMut(u32, u32, f64, f64)) {
+        let (a, b) = (segment.a.truncate(), segment.b.truncate());
+        if !(a.is_finite() && b.is_finite()) {
+            return;
+        }
+        let half = width / 2.0;
+        let reach = half + 1.0;
+        let along = b - a;
+        let length_squared = along.length_squared();
+        // Walks along the longer axis, and across it by the reach.
+        let major = usize::from(along.y.abs() > along.x.abs());
+        let minor = 1 - major;
+        let size = [f64::from(self.width), f64::from(self.height)];
+        let slope = if along[major] == 0.0 {
+            0.0
+        } else {
+            along[minor] / along[major]
+        };
+        let spread = reach * (1.0 + slope * slope).sqrt() + slope.abs();
+        let first = (a[major].min(b[major]) - reach).floor().max(0.0);
+        let last = (a[major].max(b[major]) + reach)
+            .floor()
+            .min(size[major] - 1.0);
+        let mut step = first;
+        while step <= last {
+            let centre = step + 0.5;
+            let inside = centre.clamp(a[major].min(b[major]), a[major].max(b[major]));
+            let middle = a[minor] + slope * (inside - a[major]);
+            let mut across = (middle - spread).floor().max(0.0);
+            let end = (middle + spread).floor().min(size[minor] - 1.0);
+            while across <= end {
+                let mut p = DVec2::ZERO;
+                p[major] = centre;
+                p[minor] = across + 0.5;
+                let t = if length_squared > 0.0 {
+                    ((p - a).dot(along) / length_squared).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let coverage = (half + 0.5 - p.distance(a + along * t)).clamp(0.0, width.min(1.0));
+                if coverage > 0.0 {
+                    pixel(p.x as u32, p.y as u32, coverage, t);
+                }
+                across += 1.0;
+            }
+            step += 1.0;
+        }
+    }
+
+    /// Adds a segment without looking at depth.
+    pub fn draw(&mut self, segment: &Segment, width: f64) {
+        let mut found = Vec::new();
+        self.trace(segment, width, |x, y, coverage, _| {
+            found.push((x, y, coverage));
+        });
+        for (x, y, coverage) in found {
+            self.raise(x, y, coverage);
+        }
+    }
+
+    /// Puts the layer in one colour over a picture.
+    pub fn composite(&self, image: &mut Image, color: Color) {
+        for (pixel, &coverage) in image.pixels.iter_mut().zip(&self.coverage) {
+            if coverage > 0.0 {
+                *pixel = over(*pixel, color, coverage * color.alpha);
+            }
+        }
+    }
+}
+
+/// A colour of the given opacity over a pixel, blended in linear light.
+pub(crate) fn over(pixel: [u8; 4], color: Color, alpha: f32) -> [u8; 4] {
+    let below = f32::from(pixel[3]) / 255.0 * (1.0 - alpha);
+    let opacity = alpha + below;
+    let mut result = [0; 4];
+    for k in 0..3 {
+        let under = srgb_to_linear(f32::from(pixel[k]) / 255.0);
+        let mixed = (color.rgb[k] * alpha + under * below) / opacity.max(f32::MIN_POSITIVE);
+        result[k] = (linear_to_srgb(mixed.clamp(0.0, 1.0)) * 255.0).round() as u8;
+    }
+    result[3] = (opacity * 255.0).round() as u8;
+    result
+}
+
+/// A pixel over a colour of the given opacity.
+pub(crate) fn under(pixel: [u8; 4], color: Color, alpha: f32) -> [u8; 4] {
+    let above = f32::from(pixel[3]) / 255.0;
+    let below = alpha * (1.0 - above);
+    let opacity = above + below;
+    let mut result = [0; 4];
+    for k in 0..3 {
+        let top = srgb_to_linear(f32::from(pixel[k]) / 255.0);
+        let mixed = (top * above + color.rgb[k] * below) / opacity.max(f32::MIN_POSITIVE);
+        result[k] = (linear_to_srgb(mixed.clamp(0.0, 1.0)) * 255.0).round() as u8;
+    }
+    result[3] = (opacity * 255.0).round() as u8;
+    result
+}
+
+/// What is visible of a line, and what is hidden.
+pub(crate) struct LineLayers {
+    pub visible: Layer,
+    pub hidden: Layer,
+}
+
+impl LineLayers {
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            visible: Layer::new(width, height),
+            hidden: Layer::new(width, height),
+        }
+    }
+
+    /// Adds a segment; what the renderer's last frame hides of it goes,
+    /// dashed, to the hidden layer.
+    pub fn draw(&mut self, renderer: &Renderer, segment: &Segment, width: f64) {
+        let length = segment.a.truncate().distance(segment.b.truncate());
+        let (mut seen, mut dashes) = (Vec::new(), Vec::new());
+        self.visible.trace(segment, width, |x, y, coverage, t| {
+            let depth = segment.a.z + (segment.b.z - segment.a.z) * t;
+            if renderer.shows_at(x, y, depth) {
+                seen.push((x, y, coverage));
+            } else if (segment.start + length * t).rem_euclid(DASH[0] + DASH[1]) < DASH[0] {
+                dashes.push((x, y, coverage));
+            }
+        });
+        for (x, y, coverage) in seen {
+            self.visible.raise(x, y, coverage);
+        }
+        for (x, y, coverage) in dashes {
+            self.hidden.raise(x, y, coverage);
+        }
+    }
+}
+
+impl Renderer {
+    /// Whether something at this reversed depth, on the surface of what is
+    /// drawn, is seen at a pixel. Surfaces slope within a pixel, so it is
+    /// compared with the farthest depth of the pixels around.
+    fn shows_at(&self, x: u32, y: u32, depth: f64) -> bool {
+        let nearer = |x: u32, y: u32| {
+            let kept = self.sample(x, y).map_or(0.0, |(_, z)| f64::from(z));
+            depth * (1.0 + 1e-4) >= kept
+        };
+        nearer(x, y)
+            || (x.saturating_sub(1)..=x + 1)
+                .any(|x| (y.saturating_sub(1)..=y + 1).any(|y| nearer(x, y)))
+    }
+}
+
+/// Puts a polyline given in scene coordinates into the window, cut to the
+/// view volume.
+pub(crate) fn project_polyline(
+    matrix: &FrameMatrix,
+    points: impl Iterator<Item = glam::Vec3>,
+    mut segment: impl FnMut(Segment),
+) {
+    let mut previous = None;
+    let mut start = 0.0;
+    for p in points {
+        let clip = matrix.clip(p);
+        if let Some(from) = previous.replace(clip)
+            && let Some((enter, leave)) = clip_segment(from, clip)
+        {
+            let a = matrix.window(from.lerp(clip, enter));
+            let b = matrix.window(from.lerp(clip, leave));
+            segment(Segment { a, b, start });
+            start += a.truncate().distance(b.truncate());
+        }
+    }
+}
