@@ -323,7 +323,7 @@ fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<
         wanted &= !here.bits();
         let (triangle, section) = decode(index);
         if let Some(section) = section {
-            interpolate_cap(s, context, job, (triangle, section), here, &mut result);
+            interpolate_cap(s, context, job, section, here, &mut result);
             continue;
         }
         let (Some(vertices), Some(normals)) =
@@ -359,14 +359,14 @@ fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<
     result
 }
 
-/// [`interpolate`] for the cap of a section, which shows the colour of the
-/// solid it cuts.
+/// [`interpolate`] for the cap of a section, which has the default colour: it
+/// lies inside the solid, on none of its surfaces.
 #[inline(always)]
 fn interpolate_cap<S: Lanes>(
     s: S,
     context: &ShadeContext,
     job: &Job,
-    (triangle, section): (usize, usize),
+    section: usize,
     here: S::M,
     result: &mut Attributes<S>,
 ) {
@@ -388,7 +388,7 @@ fn interpolate_cap<S: Lanes>(
     let colour = if context.interpolation == Interpolation::Phong {
         Vec3::ZERO
     } else {
-        context.colour(context.material(triangle), some, plane.normal)
+        context.colour(context.materials.len() - 1, some, plane.normal)
     };
     let (point, colour) = (load(s, &points), splat(s, colour));
     let old = (result.normal, result.point, result.colour);
@@ -440,7 +440,10 @@ struct Materials<S: Lanes> {
 
 #[inline(always)]
 fn materials<S: Lanes>(s: S, context: &ShadeContext, triangles: &[i32; LANES]) -> Materials<S> {
-    let of = |index: i32| &context.materials[context.material(decode(index).0)];
+    let of = |number: i32| match decode(number) {
+        (triangle, None) => &context.materials[context.material(triangle)],
+        (_, Some(_)) => &context.materials[context.materials.len() - 1],
+    };
     if context.materials.len() == 1 {
         let m = &context.materials[0];
         return Materials {

@@ -19,11 +19,11 @@ use crate::viewport::Viewport;
 /// Samples around each pixel.
 const SAMPLES: usize = 16;
 /// Radius of the neighbourhood in parts of the scene's diagonal.
-const RADIUS: f64 = 0.06;
+const RADIUS: f64 = 0.12;
 /// Turns of the spiral; coprime to the samples.
 const TURNS: f64 = 7.0;
 /// Strength of the darkening.
-const STRENGTH: f64 = 1.6;
+const STRENGTH: f64 = 3.0;
 
 /// Surface points of a frame, for all pixels.
 struct Points {
