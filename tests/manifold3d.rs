@@ -14,6 +14,7 @@ use manifold3d::python::Script;
 use manifold3d::solids::{Random, question};
 use serde_json::json;
 use stereotomy::csg::{Meshed, Mesher, Program, Solid};
+use stereotomy::scenes;
 
 /// Segments of manifold3d's circles.
 const SEGMENTS: u32 = 96;
@@ -91,4 +92,25 @@ fn random_trees_agree() {
         not_empty >= 200 && manifold >= 150,
         "{not_empty} solids, {manifold} manifold"
     );
+}
+
+#[test]
+fn reference_scenes_agree() {
+    let mut script = Script::start("crosscheck.py");
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, solid) in [
+        ("sphere", scenes::sphere()),
+        ("drilled", scenes::drilled()),
+        ("tricylinder", scenes::tricylinder()),
+        ("menger 2", scenes::menger(2)),
+        ("cheese 100", scenes::cheese(100)),
+        ("rotated box", scenes::rotated_box()),
+        ("shell", scenes::shell(0.1)),
+        ("flange", scenes::flange()),
+    ] {
+        assert!(
+            compare(&mut script, folder.path(), name, &solid),
+            "{name} is not manifold"
+        );
+    }
 }

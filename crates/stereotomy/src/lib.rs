@@ -7,3 +7,8 @@
 pub use {csg, io, raster};
 
 pub mod scenes;
+
+/// The code of the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

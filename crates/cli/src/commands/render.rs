@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use csg::Color;
 use glam::DVec3;
-use raster::{Camera, Lens, RenderOptions, StandardView};
+use raster::{AntiAliasing, Camera, Lens, RenderOptions, StandardView};
 
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
@@ -40,8 +40,22 @@ pub(crate) struct Options {
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
     #[arg(long, value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
+    /// How edges are smoothed
+    #[arg(long, value_enum, default_value_t = Smoothing::Msaa4)]
+    anti_aliasing: Smoothing,
     #[command(flatten)]
     mesher: MesherOptions,
+}
+
+/// How edges are smoothed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Smoothing {
+    /// One sample a pixel
+    None,
+    /// Four samples a pixel
+    Msaa4,
+    /// Eight samples a pixel
+    Msaa8,
 }
 
 /// Width and height in pixels.
@@ -199,6 +213,11 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, raster::RasterEr
         }
     };
     let mut render = RenderOptions::default();
+    render.anti_aliasing = match options.anti_aliasing {
+        Smoothing::None => AntiAliasing::None,
+        Smoothing::Msaa4 => AntiAliasing::Msaa4,
+        Smoothing::Msaa8 => AntiAliasing::Msaa8,
+    };
     if let Some(background) = options.background {
         render.background = background;
     }
