@@ -1,0 +1,39 @@
+//! Measurements of the mesher, side by side with its peers: one subcommand
+//! for each question asked.
+
+mod cells;
+mod field;
+mod measure;
+mod memory;
+mod peers;
+mod random_tree;
+mod robust;
+mod scenes;
+mod timing;
+mod truth;
+mod uniform;
+
+use clap::Parser;
+
+/// Measures the mesher beside its peers, in one process.
+#[derive(Parser)]
+#[command(name = "bench")]
+enum Question {
+    /// How fast and how right at a fixed number of cells a side?
+    Uniform(uniform::Options),
+    /// What does a surface cell cost, and where does the time go?
+    Cells(cells::Options),
+    /// Is every mesh manifold?
+    Robust(robust::Options),
+    /// How much memory does one mesh take?
+    Memory(memory::Options),
+}
+
+fn main() {
+    match Question::parse() {
+        Question::Uniform(options) => uniform::run(&options),
+        Question::Cells(options) => cells::run(&options),
+        Question::Robust(options) => robust::run(&options),
+        Question::Memory(options) => memory::run(&options),
+    }
+}
