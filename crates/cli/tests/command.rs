@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -91,7 +92,9 @@ fn mesh_writes_every_format_and_json() {
         "mesh in.csg {} --cells 48 --json out.json",
         outputs.join(" ")
     );
+    let start = Instant::now();
     succeeded(&folder.run(&command));
+    let elapsed = start.elapsed().as_secs_f64();
     let expected = [
         "out.3mf", "out.bin", "out.glb", "out.gltf", "out.json", "out.obj", "out.ply", "out.stl",
     ];
@@ -126,6 +129,8 @@ fn mesh_writes_every_format_and_json() {
         .filter_map(|s| s.1.as_f64())
         .sum();
     assert!((total - seconds["total"].as_f64().expect("a number")).abs() < 1e-9);
+    // Stages follow each other: none is counted twice.
+    assert!(total < elapsed, "{total} of {elapsed}");
     assert!(json["report"]["cells_visited"].as_u64() > json["report"]["surface_cells"].as_u64());
     // A mesh that was read says in which unit it is: glTF is in metres.
     for extension in ["glb", "gltf", "obj", "stl", "ply"] {

@@ -182,7 +182,7 @@ impl Mesher {
             }
             None => program.bounds()?,
         };
-        let start = report.end_stage("bounds", start);
+        report.end_stage("bounds", start);
         report.bounds = bounds;
         let mut mesh = Mesh::default();
         // A box without extent holds no solid: at most a point was left of it.
@@ -204,8 +204,8 @@ impl Mesher {
         }
         mesh.unit = self.unit;
         self.control.check()?;
-        let start = report.end_stage("mesh", start);
         if self.check {
+            let start = Instant::now();
             report.check = mesh.check();
             report.end_stage("check", start);
         }

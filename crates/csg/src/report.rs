@@ -34,7 +34,8 @@ pub struct Report {
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.
     pub check: MeshCheck,
-    /// Seconds of each stage, in the order in which they ran.
+    /// Seconds of each stage, in the order in which they ran, one after
+    /// another.
     pub stages: Vec<(&'static str, f64)>,
 }
 
