@@ -11,6 +11,7 @@
 use glam::DVec3;
 
 use super::lattice::SAMPLES;
+use super::loops::next_axes;
 use crate::program::{Cell, Formula, Operand, Operation, Surface};
 
 /// One bit per sample.
@@ -42,26 +43,41 @@ impl Samples {
     }
 }
 
-/// The samples with f <= 0. Bit for bit [`Surface::value`].
+/// The samples with f <= 0. Bit for bit [`Surface::value`]: the coefficients
+/// of a layer's rows first, all at once, then every row by Horner's rule.
 #[inline(always)]
 pub(super) fn surface_signs(surface: &Surface, samples: &Samples, signs: &mut Mask) {
-    let dx = samples.x.map(|x| x - surface.anchor().x);
-    for (word, bits) in signs.iter_mut().enumerate() {
-        let z = samples.z[word / LAYER];
-        let mut lanes = [0u64; 8];
-        for row in 0..4 {
-            let y = samples.y[word % LAYER * 4 + row];
-            let [a, b, c] = surface.row(y, z);
-            for half in 0..2 {
-                for (lane, bits) in lanes.iter_mut().enumerate() {
-                    let x = half * 8 + lane;
-                    let f = (a * dx[x] + b) * dx[x] + c;
-                    let bit = 1u64 << (row * 16 + x);
-                    *bits |= if f <= 0.0 { bit } else { 0 };
+    let anchor = surface.anchor();
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let (mut dx, mut dy) = (samples.x, samples.y);
+    for i in 0..SAMPLES {
+        dx[i] -= anchor.x;
+        dy[i] -= anchor.y;
+    }
+    for (layer, words) in signs.chunks_exact_mut(LAYER).enumerate() {
+        let dz = samples.z[layer] - anchor.z;
+        let (mut b, mut c) = ([0.0; SAMPLES], [0.0; SAMPLES]);
+        for i in 0..SAMPLES {
+            let dy = dy[i];
+            b[i] = surface.linear.x + (xy * dy + zx * dz);
+            c[i] = surface.constant
+                + ((yy * dy + yz * dz + surface.linear.y) * dy + (zz * dz + surface.linear.z) * dz);
+        }
+        for (group, word) in words.iter_mut().enumerate() {
+            let mut lanes = [0u64; 8];
+            for row in 0..4 {
+                let (b, c) = (b[4 * group + row], c[4 * group + row]);
+                for half in 0..2 {
+                    for (lane, bits) in lanes.iter_mut().enumerate() {
+                        let x = half * 8 + lane;
+                        let f = (xx * dx[x] + b) * dx[x] + c;
+                        let bit = 1u64 << (row * 16 + x);
+                        *bits |= if f <= 0.0 { bit } else { 0 };
+                    }
                 }
             }
+            *word = lanes.into_iter().fold(0, |all, lane| all | lane);
         }
-        *bits = lanes.into_iter().fold(0, |all, lane| all | lane);
     }
 }
 
@@ -177,6 +193,32 @@ pub(super) fn mixed_cells(mask: &Mask, out: &mut Mask) {
         out[word] = any & !all & valid;
     }
     out[WORDS - LAYER..].fill(0);
+}
+
+/// The faces normal to `axis` (by their lowest sample) that the brick owns and
+/// all of whose edges are crossed. `crossed` is by axis of the edges.
+#[inline(always)]
+pub(super) fn ambiguous_faces(axis: usize, crossed: &[Mask; 4]) -> Mask {
+    let (b, c) = next_axes(axis);
+    let mut faces = [0; WORDS];
+    for (word, faces) in faces.iter_mut().enumerate() {
+        let opposite_b = stepped(&crossed[b], word, c);
+        let opposite_c = stepped(&crossed[c], word, b);
+        *faces = crossed[b][word] & crossed[c][word] & opposite_b & opposite_c & owned(word);
+    }
+    faces
+}
+
+/// Word `word` of the mask moved one sample down along `axis`.
+#[inline(always)]
+fn stepped(mask: &Mask, word: usize, axis: usize) -> u64 {
+    match axis {
+        0 => mask[word] >> 1 & HAS_NEXT_X,
+        1 if word % LAYER == LAYER - 1 => mask[word] >> 16,
+        1 => mask[word] >> 16 | mask[word + 1] << 48,
+        _ if word + LAYER < WORDS => mask[word + LAYER],
+        _ => 0,
+    }
 }
 
 /// The edges along `axis` that a brick owns: those that start in the first 15

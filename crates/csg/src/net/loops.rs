@@ -177,10 +177,8 @@ pub(super) struct Pattern {
     pub ambiguous: u8,
     /// Whether the one loop and no ambiguous face make it a simple cell.
     pub simple: bool,
-    /// The sum over the crossing edges of the corner bits they start at, per
-    /// axis, and one over the number of crossings.
-    pub start_sum: [f32; 3],
-    pub weight: f32,
+    /// The mean of the crossed edges' middles, in cells from the lowest corner.
+    pub middle: [f64; 3],
 }
 
 /// All 256 patterns.
@@ -189,8 +187,7 @@ pub(super) static PATTERNS: [Pattern; 256] = {
         loops: trace(0, 0),
         ambiguous: 0,
         simple: false,
-        start_sum: [0.0; 3],
-        weight: 0.0,
+        middle: [0.0; 3],
     };
     let mut patterns = [empty; 256];
     let mut mask = 0;
@@ -206,24 +203,22 @@ pub(super) static PATTERNS: [Pattern; 256] = {
         let mut e = 0;
         while e < 12 {
             if loops.edges >> e & 1 == 1 {
-                let start = edge_start(e);
-                sum[0] += (start & 1) as f32;
-                sum[1] += (start >> 1 & 1) as f32;
-                sum[2] += (start >> 2 & 1) as f32;
+                let mut axis = 0;
+                while axis < 3 {
+                    let along = axis == e / 4;
+                    let start = (edge_start(e) >> axis & 1) as f64;
+                    sum[axis] += if along { 0.5 } else { start };
+                    axis += 1;
+                }
             }
             e += 1;
         }
+        let count = loops.edges.count_ones() as f64;
         patterns[mask] = Pattern {
             loops,
             ambiguous,
             simple: ambiguous == 0 && loops.count == 1,
-            start_sum: sum,
-            weight: 1.0
-                / (if loops.edges == 0 {
-                    1
-                } else {
-                    loops.edges.count_ones()
-                }) as f32,
+            middle: [sum[0] / count, sum[1] / count, sum[2] / count],
         };
         mask += 1;
     }

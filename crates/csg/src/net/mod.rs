@@ -22,6 +22,7 @@ mod solve;
 mod stitch;
 #[cfg(test)]
 mod topology_tests;
+mod validity;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -57,6 +58,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     };
     let scene = Scene {
         surfaces: &task.surfaces,
+        origins: task.program.origins(),
         lattice: Lattice::around(&local_bounds, task.cell)?,
         tolerance: ON_SURFACE * task.size.max_element(),
     };
@@ -71,7 +73,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         .map_init(Walker::default, |walker, block| {
             let mut part = Part::default();
             if task.control.check().is_ok() {
-                arch.dispatch(|| walker.block(&scene, block, &mut part));
+                arch.dispatch(WalkBlock(walker, &scene, block, &mut part));
             }
             stage.add(1);
             part
@@ -94,7 +96,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     let stitched: Vec<Stitched> = (0..parts.len())
         .into_par_iter()
         .map_init(Table::default, |table, part| {
-            let stitched = arch.dispatch(|| stitcher.part(part, table));
+            let stitched = arch.dispatch(StitchPart(&stitcher, part, table));
             stage.add(1);
             stitched
         })
@@ -127,6 +129,31 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         surfaces,
         ..Mesh::default()
     })
+}
+
+/// The work on one block, compiled for every SIMD level: what is inlined here
+/// runs on vectors as wide as the machine's.
+struct WalkBlock<'a, 's>(&'a mut Walker, &'a Scene<'s>, &'a Block, &'a mut Part);
+
+impl pulp::WithSimd for WalkBlock<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.0.block(self.1, self.2, self.3);
+    }
+}
+
+/// The same for stitching one part.
+struct StitchPart<'a, 's>(&'a Stitcher<'s>, usize, &'a mut Table);
+
+impl pulp::WithSimd for StitchPart<'_, '_> {
+    type Output = Stitched;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Stitched {
+        self.0.part(self.1, self.2)
+    }
 }
 
 /// A point nearer to a surface than this share of the scene lies on it.
@@ -236,10 +263,11 @@ impl Walker {
 fn concatenate<T, U>(lists: &[T], list: impl Fn(&T) -> &Vec<U> + Sync) -> Vec<U>
 where
     T: Sync,
-    U: Copy + Default + Send + Sync,
+    U: bytemuck::Zeroable + Copy + Send + Sync,
 {
     let total = lists.iter().map(|l| list(l).len()).sum();
-    let mut all = vec![U::default(); total];
+    // Zeroed pages come from the system untouched until they are copied to.
+    let mut all: Vec<U> = bytemuck::zeroed_vec(total);
     let mut pieces = Vec::with_capacity(lists.len());
     let mut rest = all.as_mut_slice();
     for source in lists {

@@ -5,12 +5,17 @@ use std::ops::Range;
 
 use glam::{DVec3, UVec3};
 
+use super::lattice::CELLS;
+
 /// The output of one task: consecutive bricks, their lists concatenated.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     pub bricks: Vec<BrickRecord>,
     /// Simple cells, by lowest sample; the i-th of a brick has its i-th vertex.
     pub cells: Vec<u16>,
+    /// Of the simple cells those in the last layer along x, along y and along
+    /// z, which the next bricks need: lowest sample, place among the brick's.
+    pub borders: Vec<(u16, u16)>,
     /// Cells with several loops or an ambiguous face.
     pub complex: Vec<ComplexCell>,
     /// Vertices on ambiguous faces.
@@ -26,11 +31,51 @@ pub(super) struct Part {
     pub cells_pruned: u64,
 }
 
+impl Part {
+    /// A record of a brick whose lists start where the part's end now.
+    pub fn open_brick(&self, position: UVec3) -> BrickRecord {
+        let empty_at_end = |length: usize| length as u32..length as u32;
+        BrickRecord {
+            position,
+            cells: empty_at_end(self.cells.len()),
+            borders: [0..0, 0..0, 0..0],
+            complex: empty_at_end(self.complex.len()),
+            arcs: empty_at_end(self.arcs.len()),
+            groups: empty_at_end(self.groups.len()),
+            polygons: empty_at_end(self.polygons.len()),
+            vertices: self.vertices.len() as u32,
+        }
+    }
+
+    /// Adds the record of a brick all of whose lists are written.
+    #[inline(always)]
+    pub fn close_brick(&mut self, mut record: BrickRecord) {
+        record.cells.end = self.cells.len() as u32;
+        record.complex.end = self.complex.len() as u32;
+        record.arcs.end = self.arcs.len() as u32;
+        record.groups.end = self.groups.len() as u32;
+        record.polygons.end = self.polygons.len() as u32;
+        let cells = &self.cells[record.cells.start as usize..];
+        for (axis, range) in record.borders.iter_mut().enumerate() {
+            range.start = self.borders.len() as u32;
+            for (i, &sample) in cells.iter().enumerate() {
+                if sample >> (4 * axis) & 15 == CELLS as u16 - 1 {
+                    self.borders.push((sample, i as u16));
+                }
+            }
+            range.end = self.borders.len() as u32;
+        }
+        self.surface_cells += record.cells.len() as u64 + record.complex.len() as u64;
+        self.bricks.push(record);
+    }
+}
+
 /// One brick's share of a [`Part`].
 #[derive(Clone, Debug)]
 pub(super) struct BrickRecord {
     pub position: UVec3,
     pub cells: Range<u32>,
+    pub borders: [Range<u32>; 3],
     pub complex: Range<u32>,
     pub arcs: Range<u32>,
     pub groups: Range<u32>,

@@ -9,8 +9,8 @@ use super::loops::{self, PATTERNS};
 use super::part::{
     BrickRecord, ComplexCell, FaceArcs, Fallback, FallbackKind, Part, PolygonCode, PolygonGroup,
 };
-use super::solve;
-use crate::program::{Cell, Surface};
+use super::{solve, validity};
+use crate::program::{Cell, Origin, Side, Surface};
 
 const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
 
@@ -47,13 +47,34 @@ impl Constraints {
     }
 }
 
+/// A vertex in place, and what is to be known should it not be valid.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// Index into the part's vertices.
+    vertex: usize,
+    constraints: Constraints,
+    /// The mean of its crossed edges' middles.
+    start: DVec3,
+    /// The middle of the cell or face.
+    middle: DVec3,
+}
+
 /// What the whole mesh has in common.
 pub(super) struct Scene<'a> {
     /// The program's surfaces, in the local frame.
     pub surfaces: &'a [Surface],
     pub lattice: Lattice,
+    /// The primitives that literals come from.
+    pub origins: &'a [Origin],
     /// Distance to a surface below which a point lies on it.
     pub tolerance: f64,
+}
+
+impl Scene<'_> {
+    /// Whether two primitives have the same kind, name and colour.
+    fn look_alike(&self, a: u32, b: u32) -> bool {
+        a == b || self.origins[a as usize] == self.origins[b as usize]
+    }
 }
 
 /// Scratch memory of one worker, reused from brick to brick.
@@ -64,11 +85,9 @@ pub(super) struct Placer {
     /// crosses as far as their corners tell.
     changes: Vec<[Mask; 4]>,
     /// Per axis and lower sample: the surface that causes the crossing.
-    cause: [Vec<u16>; 3],
-    /// Per axis and lower sample: where along the edge, 0 to 1.
-    root: [Vec<f32>; 3],
+    cause: [Box<[u16; EDGES]>; 3],
     polygons: Vec<Vec<PolygonCode>>,
-    /// Mass points, then vertices, of the simple cells of one surface.
+    /// Starting points, then vertices, of the simple cells of one surface.
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
@@ -76,6 +95,9 @@ pub(super) struct Placer {
     gates: Vec<u64>,
     signs: Vec<u64>,
     slow: Vec<u16>,
+    complex: Vec<(u16, u8)>,
+    candidates: Vec<Candidate>,
+    table: validity::Table,
 }
 
 impl Default for Placer {
@@ -88,8 +110,7 @@ impl Default for Placer {
                 z: [0.0; SAMPLES],
             },
             changes: Vec::new(),
-            cause: [(); 3].map(|()| vec![0; EDGES]),
-            root: [(); 3].map(|()| vec![0.0; EDGES]),
+            cause: [(); 3].map(|()| Box::new([0; EDGES])),
             polygons: Vec::new(),
             x: Vec::new(),
             y: Vec::new(),
@@ -98,6 +119,9 @@ impl Default for Placer {
             gates: Vec::new(),
             signs: Vec::new(),
             slow: Vec::new(),
+            complex: Vec::new(),
+            candidates: Vec::new(),
+            table: validity::Table::default(),
         }
     }
 }
@@ -129,31 +153,14 @@ impl Placer {
             return;
         }
         let crossings = self.find_crossings(cell.surfaces.len());
-        let record = BrickRecord {
-            position,
-            cells: part.cells.len() as u32..0,
-            complex: part.complex.len() as u32..0,
-            arcs: part.arcs.len() as u32..0,
-            groups: part.groups.len() as u32..0,
-            polygons: part.polygons.len() as u32..0,
-            vertices: part.vertices.len() as u32,
-        };
+        let record = part.open_brick(position);
         self.find_causes(scene, cell, &crossings, part);
         self.place_simple(scene, cell, &crossings, part);
         self.place_slow(scene, cell, &record, part);
         self.place_arcs(scene, cell, &crossings, &record, part);
-        self.collect_polygons(cell, part);
-        let surface_cells = part.cells.len() - record.cells.start as usize
-            + (part.complex.len() - record.complex.start as usize);
-        part.surface_cells += surface_cells as u64;
-        part.bricks.push(BrickRecord {
-            cells: record.cells.start..part.cells.len() as u32,
-            complex: record.complex.start..part.complex.len() as u32,
-            arcs: record.arcs.start..part.arcs.len() as u32,
-            groups: record.groups.start..part.groups.len() as u32,
-            polygons: record.polygons.start..part.polygons.len() as u32,
-            ..record
-        });
+        self.settle(scene, cell, part);
+        self.collect_polygons(scene, cell, part);
+        part.close_brick(record);
     }
 
     #[inline(always)]
@@ -191,8 +198,8 @@ impl Placer {
         crossings
     }
 
-    /// Finds for every crossing its surface and its place on the edge, and
-    /// collects the polygons of those that the brick owns.
+    /// Finds the surface of every crossing, and collects the polygons of those
+    /// that the brick owns.
     #[inline(always)]
     fn find_causes(
         &mut self,
@@ -206,7 +213,6 @@ impl Placer {
             self.polygons.resize_with(cell.surfaces.len(), Vec::new);
         }
         for s in 0..cell.surfaces.len() {
-            let surface = &scene.surfaces[cell.surfaces[s] as usize];
             for axis in 0..3 {
                 self.batch.clear();
                 let batch = &mut self.batch;
@@ -230,16 +236,8 @@ impl Placer {
                         }
                     }
                 }
-                linear_roots(
-                    surface,
-                    &self.samples,
-                    axis,
-                    scene.lattice.step,
-                    &self.batch,
-                    &mut self.root[axis],
-                );
                 for &sample in &self.batch {
-                    self.cause[axis][usize::from(sample)] = s as u16;
+                    self.cause[axis][usize::from(sample) % EDGES] = s as u16;
                 }
             }
         }
@@ -250,9 +248,8 @@ impl Placer {
                     let bit = bits.trailing_zeros() as usize;
                     bits &= bits - 1;
                     let sample = word * 64 + bit;
-                    let (s, t, several) = self.edge_cause(scene, cell, axis, sample);
+                    let (s, several) = self.edge_cause(scene, cell, axis, sample);
                     self.cause[axis][sample] = s;
-                    self.root[axis][sample] = t as f32;
                     let is_owned = brick::owned(word) >> bit & 1 == 1;
                     if several && is_owned {
                         part.fallbacks.push(Fallback {
@@ -282,7 +279,7 @@ impl Placer {
         cell: &Cell,
         axis: usize,
         sample: usize,
-    ) -> (u16, f64, bool) {
+    ) -> (u16, bool) {
         let start = self.samples.point(sample);
         let mut roots: Vec<(f64, u16)> = Vec::with_capacity(4);
         for (s, changes) in self.changes.iter().enumerate() {
@@ -311,8 +308,7 @@ impl Placer {
             .get((transitions.len() / 2) & !1)
             .copied()
             .unwrap_or(roots.len() / 2);
-        let (t, s) = roots[chosen];
-        (s, t, transitions.len() > 1)
+        (roots[chosen].1, transitions.len() > 1)
     }
 
     /// Places the vertices of cells that one surface crosses in one loop.
@@ -355,34 +351,31 @@ impl Placer {
                         self.slow.push(sample as u16);
                         continue;
                     }
-                    let mut sum = pattern.start_sum;
-                    let mut edges = pattern.loops.edges;
-                    while edges != 0 {
-                        let edge = edges.trailing_zeros() as usize;
-                        edges &= edges - 1;
-                        let (axis, offset) = EDGE_OFFSETS[edge];
-                        sum[axis] += self.root[axis][sample + offset];
-                    }
-                    let scale = f64::from(pattern.weight) * step;
-                    self.x
-                        .push(self.samples.x[sample & 15] + f64::from(sum[0]) * scale);
-                    self.y
-                        .push(self.samples.y[sample >> 4 & 15] + f64::from(sum[1]) * scale);
-                    self.z
-                        .push(self.samples.z[sample >> 8] + f64::from(sum[2]) * scale);
                     self.batch.push(sample as u16);
+                    let low = self.samples.point(sample);
+                    self.x.push(low.x + pattern.middle[0] * step);
+                    self.y.push(low.y + pattern.middle[1] * step);
+                    self.z.push(low.z + pattern.middle[2] * step);
                 }
             }
-            solve::project_all(surface, &mut self.x, &mut self.y, &mut self.z);
-            for i in 0..self.batch.len() {
-                let sample = usize::from(self.batch[i]);
+            // The square of the last step, relative to the radius of curvature
+            // (hardly below a cell), is what remains.
+            let (x, y, z) = (&mut self.x, &mut self.y, &mut self.z);
+            let converged = solve::project_all(surface, 1e-8 * step, x, y, z);
+            for (i, &sample) in self.batch.iter().enumerate() {
+                let at = usize::from(sample);
                 let point = DVec3::new(self.x[i], self.y[i], self.z[i]);
-                let middle = self.samples.point(sample) + 0.5 * step;
-                if (point - middle).abs().max_element() <= step {
-                    part.cells.push(sample as u16);
+                let offset = (point - self.samples.point(at) - 0.5 * step).abs();
+                let near = offset.max_element() <= step;
+                let on_it = converged || {
+                    let miss = solve::residual(std::iter::once(surface), point);
+                    miss <= scene.tolerance
+                };
+                if near && on_it {
+                    part.cells.push(sample);
                     part.vertices.push(point);
                 } else {
-                    self.slow.push(sample as u16);
+                    self.slow.push(sample);
                 }
             }
         }
@@ -409,7 +402,7 @@ impl Placer {
 
     /// Places the vertices of all other cells: several surfaces, several loops
     /// or ambiguous faces.
-    #[inline(never)]
+    #[inline(always)]
     fn place_slow(
         &mut self,
         scene: &Scene<'_>,
@@ -420,20 +413,20 @@ impl Placer {
         let mut slow = std::mem::take(&mut self.slow);
         slow.sort_unstable();
         // Simple cells first: the i-th of them has the brick's i-th vertex.
-        let mut complex = Vec::new();
+        self.complex.clear();
         for &sample in &slow {
             let corners = brick::corners(&self.classified.solid, usize::from(sample));
             let pattern = &PATTERNS[usize::from(corners)];
             if pattern.simple {
                 let edges = pattern.loops.edges;
-                let vertex = self.place_loop(scene, cell, usize::from(sample), edges, part);
                 part.cells.push(sample);
-                part.vertices.push(vertex);
+                self.place_loop(scene, cell, usize::from(sample), edges, part);
             } else {
-                complex.push((sample, corners));
+                self.complex.push((sample, corners));
             }
         }
-        for (sample, corners) in complex {
+        self.slow = slow;
+        for (sample, corners) in std::mem::take(&mut self.complex) {
             let at = usize::from(sample);
             let mut joined = 0;
             for face in 0..6 {
@@ -452,11 +445,9 @@ impl Placer {
             });
             let traced = loops::trace(corners, joined);
             for index in 0..usize::from(traced.count) {
-                let vertex = self.place_loop(scene, cell, at, traced.edges_of(index), part);
-                part.vertices.push(vertex);
+                self.place_loop(scene, cell, at, traced.edges_of(index), part);
             }
         }
-        self.slow = slow;
     }
 
     /// Whether the inside corners of an ambiguous face are joined across it:
@@ -513,6 +504,7 @@ impl Placer {
     }
 
     /// The vertex of one loop: on all surfaces that cause its crossings.
+    #[inline(always)]
     fn place_loop(
         &mut self,
         scene: &Scene<'_>,
@@ -520,7 +512,7 @@ impl Placer {
         sample: usize,
         edges: u16,
         part: &mut Part,
-    ) -> DVec3 {
+    ) {
         let mut constraints = Constraints::default();
         let mut start = DVec3::ZERO;
         let mut remaining = edges;
@@ -528,41 +520,98 @@ impl Placer {
             let edge = remaining.trailing_zeros() as usize;
             remaining &= remaining - 1;
             let (axis, offset) = EDGE_OFFSETS[edge];
-            constraints.insert(self.cause[axis][sample + offset]);
-            start += self.crossing_point(scene, axis, sample + offset);
+            constraints.insert(self.cause[axis][(sample + offset) % EDGES]);
+            start += self.edge_middle(scene, axis, sample + offset);
         }
         start /= f64::from(edges.count_ones());
         let middle = self.samples.point(sample) + 0.5 * scene.lattice.step;
-        self.place_vertex(scene, cell, &constraints, start, middle, part)
+        self.place_vertex(scene, cell, constraints, start, middle, part);
     }
 
-    fn crossing_point(&self, scene: &Scene<'_>, axis: usize, sample: usize) -> DVec3 {
+    /// The middle of a lattice edge.
+    fn edge_middle(&self, scene: &Scene<'_>, axis: usize, sample: usize) -> DVec3 {
         let mut point = self.samples.point(sample);
-        point[axis] += f64::from(self.root[axis][sample]) * scene.lattice.step;
+        point[axis] += 0.5 * scene.lattice.step;
         point
     }
 
-    /// Puts a vertex, expected near `start`, on all `constraints`; `middle` is
+    /// Adds a vertex on all `constraints`, expected near `start`; `middle` is
     /// the middle of its cell or face, which it may leave by a cell at most.
+    /// Whether the solid really changes there is left to [`Self::settle`].
     fn place_vertex(
         &mut self,
         scene: &Scene<'_>,
         cell: &Cell,
-        constraints: &Constraints,
+        constraints: Constraints,
         start: DVec3,
         middle: DVec3,
         part: &mut Part,
-    ) -> DVec3 {
-        if let Some(apex) = self.apex_vertex(scene, cell, constraints, middle) {
-            return apex;
+    ) {
+        let vertex = part.vertices.len();
+        if let Some(apex) = self.apex_vertex(scene, cell, &constraints, middle) {
+            part.vertices.push(apex);
+            return;
         }
-        let plain = self.try_constraints(scene, cell, constraints, start, middle);
-        if let Some(point) = plain
-            && self.is_valid(scene, cell, constraints, point)
-        {
-            return point;
+        let found = self.try_constraints(scene, cell, &constraints, start, middle);
+        part.vertices.push(found.unwrap_or(start));
+        let candidate = Candidate {
+            vertex,
+            constraints,
+            start,
+            middle,
+        };
+        if found.is_some() {
+            self.candidates.push(candidate);
+        } else {
+            self.repair(scene, cell, &candidate, None, part);
         }
-        // A feature that no sample saw: one more surface passes through.
+    }
+
+    /// Tests all vertices placed since the last call, and repairs those across
+    /// which the solid does not change as their crossings say.
+    #[inline(always)]
+    fn settle(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
+        let candidates = std::mem::take(&mut self.candidates);
+        for batch in candidates.chunks(validity::LANES) {
+            let points = batch.iter().map(|c| part.vertices[c.vertex]);
+            let mut tests = validity::Tests::new(points, scene, cell);
+            for (lane, candidate) in batch.iter().enumerate() {
+                tests.free(lane, candidate.constraints.as_slice());
+            }
+            let valid = tests.evaluate(&cell.formula, &mut self.table);
+            for (lane, candidate) in batch.iter().enumerate() {
+                let point = part.vertices[candidate.vertex];
+                let is_valid = match valid.get(lane, candidate.constraints.len) {
+                    Some(valid) => valid,
+                    None => self.is_valid(scene, cell, &candidate.constraints, point),
+                };
+                if !is_valid {
+                    self.repair(scene, cell, candidate, Some(point), part);
+                }
+            }
+        }
+        self.candidates = candidates;
+        self.candidates.clear();
+    }
+
+    /// Finds another place for a vertex: with one more surface, for a feature
+    /// that no sample saw, or on fewer, and reports what it had to settle for.
+    /// `plain` is the common point of its constraints, if there is one.
+    #[inline(never)]
+    fn repair(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        candidate: &Candidate,
+        plain: Option<DVec3>,
+        part: &mut Part,
+    ) {
+        let Candidate {
+            vertex,
+            constraints,
+            start,
+            middle,
+        } = candidate;
         if constraints.len < 3 {
             for extra in 0..cell.surfaces.len() as u16 {
                 if constraints.as_slice().contains(&extra) {
@@ -570,40 +619,40 @@ impl Placer {
                 }
                 let surface = &scene.surfaces[cell.surfaces[usize::from(extra)] as usize];
                 let half = DVec3::splat(scene.lattice.step);
-                if surface.side_of_box(middle, half) != crate::program::Side::Crossing {
+                if surface.side_of_box(*middle, half) != Side::Crossing {
                     continue;
                 }
                 let mut more = *constraints;
                 more.insert(extra);
-                if let Some(point) = self.try_constraints(scene, cell, &more, start, middle)
+                if let Some(point) = self.try_constraints(scene, cell, &more, *start, *middle)
                     && self.is_valid(scene, cell, &more, point)
                 {
-                    return point;
+                    part.vertices[*vertex] = point;
+                    return;
                 }
             }
         }
-        if let Some(point) = plain {
-            part.fallbacks.push(Fallback {
-                kind: FallbackKind::HiddenFeature,
-                place: point,
-            });
-            return point;
+        let kind = if plain.is_some() {
+            FallbackKind::HiddenFeature
+        } else {
+            FallbackKind::NoCommonPoint
+        };
+        let place = plain.unwrap_or(*start);
+        part.fallbacks.push(Fallback { kind, place });
+        if plain.is_some() {
+            return;
         }
-        part.fallbacks.push(Fallback {
-            kind: FallbackKind::NoCommonPoint,
-            place: start,
-        });
         // As many of the surfaces as have a common point.
         let mut fewer = vec![*constraints];
         while let Some(candidates) = shrink(&fewer) {
             for candidate in &candidates {
-                if let Some(point) = self.try_constraints(scene, cell, candidate, start, middle) {
-                    return point;
+                if let Some(point) = self.try_constraints(scene, cell, candidate, *start, *middle) {
+                    part.vertices[*vertex] = point;
+                    return;
                 }
             }
             fewer = candidates;
         }
-        start
     }
 
     /// The apex of one of the surfaces, if it is near and on all of them.
@@ -715,19 +764,9 @@ impl Placer {
     ) {
         for axis in 0..3 {
             let (b, c) = loops::next_axes(axis);
-            let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
             let mut faces = Vec::new();
-            brick::for_each_set(&crossings.solid[b], |sample| {
-                let along = |axis: usize| sample >> (4 * axis) & 15;
-                let owned = along(axis) < CELLS && along(b) < CELLS && along(c) < CELLS;
-                if owned
-                    && brick::is_set(&crossings.solid[c], sample)
-                    && brick::is_set(&crossings.solid[b], sample + step_c)
-                    && brick::is_set(&crossings.solid[c], sample + step_b)
-                {
-                    faces.push(sample);
-                }
-            });
+            let ambiguous = brick::ambiguous_faces(axis, &crossings.solid);
+            brick::for_each_set(&ambiguous, |sample| faces.push(sample));
             for lowest in faces {
                 let joined = self.face_is_joined(scene, cell, axis, lowest);
                 part.arcs.push(FaceArcs {
@@ -749,28 +788,31 @@ impl Placer {
                     for i in pair {
                         let (axis, sample) = edges[i];
                         constraints.insert(self.cause[axis][sample]);
-                        start += 0.5 * self.crossing_point(scene, axis, sample);
+                        start += 0.5 * self.edge_middle(scene, axis, sample);
                     }
-                    let vertex = self.place_vertex(scene, cell, &constraints, start, middle, part);
-                    part.vertices.push(vertex);
+                    self.place_vertex(scene, cell, constraints, start, middle, part);
                 }
             }
         }
     }
 
     /// Moves the collected polygons to the part, grouped by surface and by
-    /// the primitive that the surface belongs to there.
-    fn collect_polygons(&mut self, cell: &Cell, part: &mut Part) {
+    /// the primitive that the surface belongs to there; the first of several
+    /// if they differ in nothing that can be seen.
+    fn collect_polygons(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
         for s in 0..cell.surfaces.len() {
             let polygons = std::mem::take(&mut self.polygons[s]);
             if polygons.is_empty() {
                 self.polygons[s] = polygons;
                 continue;
             }
-            let literals = cell.formula.literals().iter().enumerate();
-            let mut own = literals.filter(|(_, literal)| literal.surface as usize == s);
-            let first = own.next().map_or(0, |(_, literal)| literal.origin);
-            let several = own.any(|(_, literal)| literal.origin != first);
+            let mut own = cell
+                .formula
+                .literals()
+                .iter()
+                .filter(|l| l.surface as usize == s);
+            let first = own.next().map_or(0, |literal| literal.origin);
+            let several = own.any(|literal| !scene.look_alike(literal.origin, first));
             if several {
                 let mut by_origin: Vec<(u32, PolygonCode)> = polygons
                     .iter()
@@ -855,37 +897,6 @@ const EDGE_OFFSETS: [(usize, usize); 12] = {
     }
     offsets
 };
-
-/// Where a surface crosses the given edges, by linear interpolation: a start
-/// for Newton's method, not a result.
-#[inline(always)]
-fn linear_roots(
-    surface: &Surface,
-    samples: &Samples,
-    axis: usize,
-    step: f64,
-    edges: &[u16],
-    roots: &mut [f32],
-) {
-    let anchor = surface.anchor();
-    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-    let g = surface.linear;
-    let square = surface.quadratic[axis];
-    for &sample in edges {
-        let sample = usize::from(sample);
-        let d = samples.point(sample) - anchor;
-        let h = DVec3::new(
-            xx * d.x + 0.5 * (xy * d.y + zx * d.z),
-            yy * d.y + 0.5 * (yz * d.z + xy * d.x),
-            zz * d.z + 0.5 * (zx * d.x + yz * d.y),
-        );
-        let f = (h.x + g.x) * d.x + (h.y + g.y) * d.y + (h.z + g.z) * d.z + surface.constant;
-        let slope = 2.0 * h[axis] + g[axis];
-        let change = (slope + square * step) * step;
-        let t = -f / change;
-        roots[sample] = if t >= 0.0 { t.min(1.0) as f32 } else { 0.0 };
-    }
-}
 
 /// The root of f along an edge on which it changes sign, in units of the
 /// edge, in closed form.

@@ -46,6 +46,8 @@ pub(super) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: D
 /// linear where they touch.
 pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
     const MOST_STEPS: usize = 60;
+    /// A step whose square is nothing beside `reach` is the last.
+    const LAST: f64 = 1e-8;
     let mut point = start;
     let mut best = Solution {
         point,
@@ -54,6 +56,7 @@ pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> S
     let mut stalled = 0;
     for _ in 0..MOST_STEPS {
         let (step, residual) = step(surfaces, point);
+        let square = step.length_squared();
         if residual < best.residual {
             // Less than a halving in a step: near the end, or not converging.
             stalled = if residual > 0.5 * best.residual {
@@ -65,12 +68,25 @@ pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> S
         } else {
             stalled += 1;
         }
-        let length = step.length();
-        if residual == 0.0 || stalled > 3 || !length.is_finite() {
+        if !square.is_finite() {
             break;
         }
-        let limited = if length > reach {
-            step * (reach / length)
+        if square <= (LAST * reach) * (LAST * reach) {
+            let point = point + step;
+            let after = || self::residual(surfaces.iter().copied(), point);
+            let small = residual <= LAST * LAST * reach;
+            let residual = if small { residual } else { after() };
+            return if residual <= best.residual {
+                Solution { point, residual }
+            } else {
+                best
+            };
+        }
+        if stalled > 3 {
+            break;
+        }
+        let limited = if square > reach * reach {
+            step * (reach / square.sqrt())
         } else {
             step
         };
@@ -162,10 +178,18 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
 }
 
 /// Moves many points onto one surface, along its gradient: Newton's method in
-/// lanes. The same operations in the same order for every point, whatever the
-/// machine's vector width.
+/// lanes, until no point moves by more than `reach`, a length whose square is
+/// nothing. False if that does not come about in a few steps. The same
+/// operations in the same order for every point, whatever the machine's
+/// vector width.
 #[inline(always)]
-pub(super) fn project_all(surface: &Surface, x: &mut [f64], y: &mut [f64], z: &mut [f64]) {
+pub(super) fn project_all(
+    surface: &Surface,
+    reach: f64,
+    x: &mut [f64],
+    y: &mut [f64],
+    z: &mut [f64],
+) -> bool {
     let anchor = surface.anchor();
     let g = surface.linear;
     if surface.is_plane() {
@@ -178,26 +202,37 @@ pub(super) fn project_all(surface: &Surface, x: &mut [f64], y: &mut [f64], z: &m
                 *z -= f * g.z;
             }
         }
-        return;
+        return true;
     }
     let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
     let c = surface.constant;
-    for ((x, y), z) in x.iter_mut().zip(&mut *y).zip(&mut *z) {
-        // A distance of a tenth of the radius of curvature falls to 1e-17 of
-        // it in four steps.
-        for _ in 0..4 {
-            let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
-            // Half the gradient of the quadratic part, so that f needs no more.
-            let hx = xx * dx + 0.5 * (xy * dy + zx * dz);
-            let hy = yy * dy + 0.5 * (yz * dz + xy * dx);
-            let hz = zz * dz + 0.5 * (zx * dx + yz * dy);
-            let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
-            let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
-            let square = gx * gx + gy * gy + gz * gz;
-            let t = f / (square + f64::MIN_POSITIVE);
-            *x -= t * gx;
-            *y -= t * gy;
-            *z -= t * gz;
+    for _ in 0..5 {
+        let mut farthest = [0.0f64; 8];
+        let xs = x.chunks_mut(8);
+        for ((x, y), z) in xs.zip(y.chunks_mut(8)).zip(z.chunks_mut(8)) {
+            for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
+                let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
+                // Half the gradient of the quadratic part, so that f needs no
+                // more terms.
+                let hx = xx * dx + (xy * dy + zx * dz);
+                let hy = yy * dy + (yz * dz + xy * dx);
+                let hz = zz * dz + (zx * dx + yz * dy);
+                let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
+                let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
+                let square = gx * gx + gy * gy + gz * gz;
+                let t = f / (square + f64::MIN_POSITIVE);
+                *x -= t * gx;
+                *y -= t * gy;
+                *z -= t * gz;
+                let moved = t * t * square;
+                *farthest = if moved > *farthest { moved } else { *farthest };
+            }
+        }
+        let farthest = farthest.into_iter().fold(0.0, f64::max);
+        if farthest <= reach * reach {
+            return true;
         }
     }
+    false
 }

@@ -41,6 +41,9 @@ pub(super) struct Stitched {
 /// Marks a table entry as an index into the complex cells.
 const COMPLEX: u32 = 1 << 31;
 
+/// Entries of a [`Table`].
+const TABLE: usize = 4096;
+
 /// Vertex lookup around one brick: cells from -1 to 14 along each axis.
 pub(super) struct Table {
     cells: Vec<u32>,
@@ -51,7 +54,7 @@ pub(super) struct Table {
 impl Default for Table {
     fn default() -> Self {
         Self {
-            cells: vec![0; 4096],
+            cells: vec![0; TABLE],
             complex: Vec::new(),
             arcs: Vec::new(),
         }
@@ -124,6 +127,7 @@ impl<'a> Stitcher<'a> {
     }
 
     /// The triangles of all polygons that the bricks of `part` own.
+    #[inline(always)]
     pub fn part(&self, part: usize, table: &mut Table) -> Stitched {
         let part = &self.parts[part];
         let mut out = Stitched {
@@ -137,9 +141,7 @@ impl<'a> Stitcher<'a> {
                 let surface = &self.surfaces[group.surface as usize];
                 let before = out.triangles.len();
                 let end = polygons + group.count as usize;
-                for &code in &part.polygons[polygons..end] {
-                    self.polygon(code, surface, table, &mut out);
-                }
+                self.polygons(&part.polygons[polygons..end], surface, table, &mut out);
                 polygons = end;
                 let count = (out.triangles.len() - before) as u32;
                 out.group_triangles.push(count);
@@ -148,23 +150,65 @@ impl<'a> Stitcher<'a> {
         out
     }
 
-    #[inline]
-    fn polygon(&self, code: PolygonCode, surface: &Surface, table: &Table, out: &mut Stitched) {
-        let axis = code.axis();
-        let (b, c) = loops::next_axes(axis);
-        let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
-        // Indices into the table are shifted by one cell along each axis.
-        let here = code.sample() + 0x111;
-        let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
-        let mut corners = cells.map(|cell| table.cells[cell]);
-        if (corners[0] | corners[1] | corners[2] | corners[3]) & COMPLEX != 0 {
-            self.complex_polygon(code, surface, table, out);
-            return;
+    /// Triangulates polygons of one surface, eight at a time.
+    #[inline(always)]
+    fn polygons(
+        &self,
+        codes: &[PolygonCode],
+        surface: &Surface,
+        table: &Table,
+        out: &mut Stitched,
+    ) {
+        let mut quads = Quads::default();
+        for codes in codes.chunks(LANES) {
+            let mut corners = [[0u32; 4]; LANES];
+            let mut complex = 0u32;
+            for (lane, &code) in codes.iter().enumerate() {
+                let (b, c) = loops::next_axes(code.axis());
+                let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
+                // Indices into the table are shifted by one cell along each
+                // axis.
+                let here = code.sample() + 0x111;
+                let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
+                let mut quad = [0; 4];
+                for (vertex, cell) in quad.iter_mut().zip(cells) {
+                    *vertex = table.cells[cell % TABLE];
+                }
+                if (quad[0] | quad[1] | quad[2] | quad[3]) & COMPLEX != 0 {
+                    complex |= 1 << lane;
+                    continue;
+                }
+                if !code.starts_inside() {
+                    quad.swap(1, 3);
+                }
+                corners[lane] = quad;
+                let p = quad.map(|v| self.positions[v as usize]);
+                quads.set(lane, p, code.is_reversed());
+            }
+            let (even, folded) = quads.choose_diagonals(surface);
+            if complex == 0 && folded == 0 && codes.len() == LANES {
+                let mut triangles = [[0; 3]; 2 * LANES];
+                for (lane, corners) in corners.into_iter().enumerate() {
+                    let [first, second] = split(corners, even >> lane & 1 == 1);
+                    triangles[2 * lane] = first;
+                    triangles[2 * lane + 1] = second;
+                }
+                out.triangles.extend_from_slice(&triangles);
+                continue;
+            }
+            for (lane, &code) in codes.iter().enumerate() {
+                if complex >> lane & 1 == 1 {
+                    self.complex_polygon(code, surface, table, out);
+                    continue;
+                }
+                let quad = corners[lane];
+                out.triangles.extend(split(quad, even >> lane & 1 == 1));
+                if folded >> lane & 1 == 1 {
+                    let p = quad.map(|v| self.positions[v as usize]);
+                    self.report_fold(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), out);
+                }
+            }
         }
-        if !code.starts_inside() {
-            corners.swap(1, 3);
-        }
-        self.quad(corners, surface, code.is_reversed(), out);
     }
 
     /// A polygon with a complex cell: looks up which loop each corner is, and
@@ -239,43 +283,16 @@ impl<'a> Stitcher<'a> {
         }
     }
 
-    /// Splits a quad along the diagonal whose midpoint is nearer to the
-    /// surface, unless only the other one leaves no triangle folded over.
-    #[inline]
+    /// One quad on its own.
     fn quad(&self, corners: [u32; 4], surface: &Surface, reversed: bool, out: &mut Stitched) {
         let p = corners.map(|v| self.positions[v as usize]);
-        let outward = outward(surface, reversed, 0.25 * ((p[0] + p[1]) + (p[2] + p[3])));
-        // Twice the signed areas, seen from outside, of the two triangles on
-        // either side of the diagonal from corner i.
-        let smaller_area = |i: usize| {
-            let across = (p[i + 2] - p[i]).cross(outward);
-            let before = (p[i + 1] - p[i]).dot(across);
-            let after = (p[i] - p[(i + 3) % 4]).dot(across);
-            before.min(after)
-        };
-        let (even, odd);
-        let take_even = if surface.is_plane() {
-            (even, odd) = (smaller_area(0), smaller_area(1));
-            even >= odd
-        } else {
-            let miss = |a: DVec3, b: DVec3| surface.value(0.5 * (a + b)).abs();
-            let nearer_even = miss(p[0], p[2]) <= miss(p[1], p[3]);
-            (even, odd) = (smaller_area(0), smaller_area(1));
-            if nearer_even {
-                even > 0.0 || odd <= 0.0
-            } else {
-                odd <= 0.0 && even > 0.0
-            }
-        };
-        if even.max(odd) < 0.0 {
+        let mut quads = Quads::default();
+        quads.set(0, p, reversed);
+        let (even, folded) = quads.choose_diagonals(surface);
+        out.triangles.extend(split(corners, even & 1 == 1));
+        if folded & 1 == 1 {
             self.report_fold(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), out);
         }
-        let [a, b, c, d] = corners;
-        out.triangles.extend(if take_even {
-            [[a, b, c], [a, c, d]]
-        } else {
-            [[b, c, d], [b, d, a]]
-        });
     }
 
     fn report_fold(&self, place: DVec3, out: &mut Stitched) {
@@ -283,6 +300,135 @@ impl<'a> Stitcher<'a> {
             kind: FallbackKind::Folded,
             place,
         });
+    }
+}
+
+/// The two triangles of a quad, cut along its even diagonal (0, 2) or its odd
+/// one (1, 3).
+#[inline(always)]
+fn split([a, b, c, d]: [u32; 4], even: bool) -> [[u32; 3]; 2] {
+    if even {
+        [[a, b, c], [a, c, d]]
+    } else {
+        [[b, c, d], [b, d, a]]
+    }
+}
+
+const LANES: usize = 8;
+
+/// The corners of eight quads, coordinate by coordinate.
+#[derive(Default)]
+struct Quads {
+    /// Corner, coordinate, lane.
+    corners: [[[f64; LANES]; 3]; 4],
+    /// 1 where the surface's gradient points out of the solid, else -1.
+    outward: [f64; LANES],
+}
+
+impl Quads {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, points: [DVec3; 4], reversed: bool) {
+        for (corner, point) in self.corners.iter_mut().zip(points) {
+            corner[0][lane] = point.x;
+            corner[1][lane] = point.y;
+            corner[2][lane] = point.z;
+        }
+        self.outward[lane] = if reversed { -1.0 } else { 1.0 };
+    }
+
+    /// For every quad a bit whether to cut it along its even diagonal, and one
+    /// whether a triangle is folded over all the same.
+    ///
+    /// The diagonal whose midpoint is nearer to the surface wins, unless only
+    /// the other leaves no fold; on a plane the one whose smaller triangle is
+    /// larger.
+    #[inline(always)]
+    fn choose_diagonals(&self, surface: &Surface) -> (u32, u32) {
+        let [p, q, r, s] = &self.corners;
+        let anchor = surface.anchor();
+        let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+        let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
+        let g = surface.linear;
+        let is_plane = surface.is_plane();
+        let (mut even_bits, mut folded_bits) = ([0u32; LANES], [0u32; LANES]);
+        for lane in 0..LANES {
+            let at =
+                |corner: &[[f64; LANES]; 3]| (corner[0][lane], corner[1][lane], corner[2][lane]);
+            let (px, py, pz) = at(p);
+            let (qx, qy, qz) = at(q);
+            let (rx, ry, rz) = at(r);
+            let (sx, sy, sz) = at(s);
+            // f and half its gradient's quadratic part, about the anchor.
+            let half_gradient = |x: f64, y: f64, z: f64| {
+                (
+                    xx * x + (xy * y + zx * z),
+                    yy * y + (yz * z + xy * x),
+                    zz * z + (zx * x + yz * y),
+                )
+            };
+            let value = |x: f64, y: f64, z: f64| {
+                let (hx, hy, hz) = half_gradient(x, y, z);
+                (hx + g.x) * x + (hy + g.y) * y + (hz + g.z) * z + surface.constant
+            };
+            let middle = |a: f64, b: f64, anchor: f64| 0.5 * (a + b) - anchor;
+            let (ex, ey, ez) = (
+                middle(px, rx, anchor.x),
+                middle(py, ry, anchor.y),
+                middle(pz, rz, anchor.z),
+            );
+            let (ox, oy, oz) = (
+                middle(qx, sx, anchor.x),
+                middle(qy, sy, anchor.y),
+                middle(qz, sz, anchor.z),
+            );
+            let even_miss = value(ex, ey, ez).abs();
+            let odd_miss = value(ox, oy, oz).abs();
+            let (hx, hy, hz) = half_gradient(0.5 * (ex + ox), 0.5 * (ey + oy), 0.5 * (ez + oz));
+            let sign = self.outward[lane];
+            let (nx, ny, nz) = (
+                sign * (2.0 * hx + g.x),
+                sign * (2.0 * hy + g.y),
+                sign * (2.0 * hz + g.z),
+            );
+            // Twice the signed areas, seen from outside, on both sides of the
+            // diagonal a-c of a, b, c, d: (b - a)·((c - a) × n) and
+            // (a - d)·((c - a) × n).
+            let smaller = |ax: f64,
+                           ay: f64,
+                           az: f64,
+                           bx: f64,
+                           by: f64,
+                           bz: f64,
+                           cx: f64,
+                           cy: f64,
+                           cz: f64,
+                           dx: f64,
+                           dy: f64,
+                           dz: f64| {
+                let (ux, uy, uz) = (cx - ax, cy - ay, cz - az);
+                let (vx, vy, vz) = (uy * nz - uz * ny, uz * nx - ux * nz, ux * ny - uy * nx);
+                let before = (bx - ax) * vx + (by - ay) * vy + (bz - az) * vz;
+                let after = (ax - dx) * vx + (ay - dy) * vy + (az - dz) * vz;
+                if before < after { before } else { after }
+            };
+            let even = smaller(px, py, pz, qx, qy, qz, rx, ry, rz, sx, sy, sz);
+            let odd = smaller(qx, qy, qz, rx, ry, rz, sx, sy, sz, px, py, pz);
+            let prefer_even = if is_plane {
+                even >= odd
+            } else {
+                even_miss <= odd_miss
+            };
+            let take_even = if prefer_even {
+                even > 0.0 || odd <= 0.0
+            } else {
+                odd <= 0.0 && even > 0.0
+            };
+            let taken = if take_even { even } else { odd };
+            even_bits[lane] = u32::from(take_even) << lane;
+            folded_bits[lane] = u32::from(taken < 0.0) << lane;
+        }
+        let all = |bits: [u32; LANES]| bits.into_iter().fold(0, |all, bit| all | bit);
+        (all(even_bits), all(folded_bits))
     }
 }
 
@@ -299,10 +445,13 @@ fn add_brick(part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3], tab
         for (i, &sample) in cells.iter().enumerate() {
             table.cells[usize::from(sample) + 0x111] = base + i as u32;
         }
-    } else {
-        for (i, &sample) in cells.iter().enumerate() {
+    } else if let Some(axis) = before.iter().position(|&before| before) {
+        // Whatever touches this brick lies in the last layer along each axis
+        // on which the neighbour comes before it; one of them is at hand.
+        let border = &brick.borders[axis];
+        for &(sample, i) in &part.borders[border.start as usize..border.end as usize] {
             if let Some(place) = shifted(sample, before) {
-                table.cells[usize::from(place)] = base + i as u32;
+                table.cells[usize::from(place)] = base + u32::from(i);
             }
         }
     }

@@ -5,7 +5,7 @@ use glam::{DVec3, UVec3};
 
 use super::lattice::{CELLS, SAMPLES};
 use super::loops::{self, PATTERNS};
-use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode, PolygonGroup};
+use super::part::{ComplexCell, FaceArcs, Part, PolygonCode, PolygonGroup};
 use super::stitch::{Stitcher, Table};
 use crate::mesh::Mesh;
 use crate::program::{Program, Surface};
@@ -148,15 +148,7 @@ impl Signs {
         brick: [usize; 3],
         part: &mut Part,
     ) {
-        let record = BrickRecord {
-            position: UVec3::from_array(brick.map(|b| b as u32)),
-            cells: part.cells.len() as u32..0,
-            complex: part.complex.len() as u32..0,
-            arcs: part.arcs.len() as u32..0,
-            groups: part.groups.len() as u32..0,
-            polygons: part.polygons.len() as u32..0,
-            vertices: part.vertices.len() as u32,
-        };
+        let record = part.open_brick(UVec3::from_array(brick.map(|b| b as u32)));
         let samples: Vec<[usize; 3]> = self
             .range(brick, 2)
             .flat_map(|z| self.range(brick, 1).map(move |y| [y, z]))
@@ -226,14 +218,7 @@ impl Signs {
                 count: group.len() as u32,
             });
         }
-        part.bricks.push(BrickRecord {
-            cells: record.cells.start..part.cells.len() as u32,
-            complex: record.complex.start..part.complex.len() as u32,
-            arcs: record.arcs.start..part.arcs.len() as u32,
-            groups: record.groups.start..part.groups.len() as u32,
-            polygons: record.polygons.start..part.polygons.len() as u32,
-            ..record
-        });
+        part.close_brick(record);
     }
 
     fn mesh(&self, random: &mut Random, placement: Placement, surfaces: &[Surface]) -> Mesh {
