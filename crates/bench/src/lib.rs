@@ -1,3 +1,5 @@
 //! Measurements: one binary for each question asked, and what they share.
 
+#[path = "peers/llvmpipe.rs"]
+pub mod llvmpipe;
 pub mod meshes;

@@ -1,12 +1,15 @@
 //! How long does a steady frame of 1920x1080 pixels take?
 //!
 //! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--stats]
-//! [--png FOLDER] [m1 m2 m3 m4 ...]`; threads by `RAYON_NUM_THREADS`. Prints
-//! the best and the median of the frames drawn within two seconds.
+//! [--png FOLDER] [--llvmpipe PYTHON] [m1 m2 m3 m4 ...]`; threads by
+//! `RAYON_NUM_THREADS`, and by `LP_NUM_THREADS` for llvmpipe. Prints the best
+//! and the median of the frames drawn within two seconds; with the path of a
+//! Python that has moderngl and numpy, llvmpipe's beside it.
 
 use std::time::{Duration, Instant};
 
-use bench::meshes;
+use bench::{llvmpipe, meshes};
+use cpu_time::ProcessTime;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
@@ -46,7 +49,8 @@ fn main() {
     let mut names = Vec::new();
     let mut level = Level::best();
     let mut options = RenderOptions::default();
-    let (mut stats, mut folder) = (false, None);
+    let (mut stats, mut folder, mut python) = (false, None, None);
+    let mut samples = 0;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
@@ -58,13 +62,14 @@ fn main() {
                 level = *found.expect("a level this machine has");
             }
             "--msaa" => {
-                options.anti_aliasing = match arguments.next().as_deref() {
-                    Some("4") => AntiAliasing::Msaa4,
-                    Some("8") => AntiAliasing::Msaa8,
-                    _ => AntiAliasing::None,
+                (options.anti_aliasing, samples) = match arguments.next().as_deref() {
+                    Some("4") => (AntiAliasing::Msaa4, 4),
+                    Some("8") => (AntiAliasing::Msaa8, 8),
+                    _ => (AntiAliasing::None, 0),
                 }
             }
             "--stats" => stats = true,
+            "--llvmpipe" => python = arguments.next(),
             "--png" => folder = arguments.next(),
             name => names.push(name.to_owned()),
         }
@@ -98,7 +103,7 @@ fn main() {
         let mut renderer = Renderer::with_level(level);
         let mut image = Image::default();
         let mut times = Vec::new();
-        let begun = Instant::now();
+        let (begun, cpu) = (Instant::now(), ProcessTime::now());
         let mut counts = None;
         while times.len() < 5 || begun.elapsed() < Duration::from_secs(2) {
             let start = Instant::now();
@@ -106,18 +111,37 @@ fn main() {
             times.push(start.elapsed());
             counts = Some(drawn.expect("a picture"));
         }
+        let cpu = cpu.elapsed() / times.len() as u32;
         times.sort();
         let ms = |t: Duration| t.as_secs_f64() * 1e3;
         println!(
-            "{name}: {} triangles, prepared in {:.1} ms; frame best {:.2} ms, median {:.2} ms of {}",
+            "{name}: {} triangles, prepared in {:.1} ms; frame best {:.2} ms, median {:.2} ms of {}, \
+             processor time {:.2} ms",
             mesh.triangles.len(),
             ms(prepared),
             ms(times[0]),
             ms(times[times.len() / 2]),
             times.len(),
+            ms(cpu),
         );
         if let (true, Some(counts)) = (stats, counts) {
             print!("{counts}");
+        }
+        if let Some(python) = &python {
+            let frames = 10;
+            match llvmpipe::draw(python, &mesh, &view, SIZE, DVec3::ONE, samples, frames) {
+                Ok(mut theirs) => {
+                    theirs.times.sort();
+                    println!(
+                        "    llvmpipe: frame best {:.2} ms, median {:.2} ms of {frames}, \
+                         processor time {:.2} ms",
+                        ms(theirs.times[0]),
+                        ms(theirs.times[theirs.times.len() / 2]),
+                        ms(theirs.processor),
+                    );
+                }
+                Err(error) => eprintln!("    llvmpipe: {error}"),
+            }
         }
         if let Some(folder) = &folder {
             let file = image.to_png().expect("an encoded picture");

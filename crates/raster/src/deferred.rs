@@ -187,6 +187,7 @@ pub(crate) struct Batch {
     viewers: Vec<Triple16>,
     /// Colours, linear and not clamped.
     pub colours: Vec<Triple16>,
+    cache: Cache,
 }
 
 #[inline(always)]
@@ -216,20 +217,61 @@ struct Attributes<S: Lanes> {
     colour: Triple<S>,
 }
 
+/// Triangles met lately, with their corners in raster space: neighbouring
+/// blocks mostly show the same ones.
+const CACHE: usize = 64;
+
+/// One of them.
+#[derive(Clone, Copy, Debug)]
+struct Projected {
+    triangle: i32,
+    /// X, Y and W of each corner.
+    x: [f32; 3],
+    y: [f32; 3],
+    w: [f32; 3],
+}
+
+/// A small direct-mapped cache.
+#[derive(Clone, Debug)]
+struct Cache([Projected; CACHE]);
+
+impl Default for Cache {
+    fn default() -> Self {
+        let none = Projected {
+            triangle: NO_TRIANGLE,
+            x: [0.0; 3],
+            y: [0.0; 3],
+            w: [0.0; 3],
+        };
+        Self([none; CACHE])
+    }
+}
+
+impl Cache {
+    #[inline(always)]
+    fn get(&mut self, context: &ShadeContext, index: i32, corners: &[Vec3; 3]) -> &Projected {
+        let entry = &mut self.0[index as usize % CACHE];
+        if entry.triangle != index {
+            let matrix = context.matrix;
+            *entry = Projected {
+                triangle: index,
+                x: triple!(|K| matrix.row(0, corners[K])),
+                y: triple!(|K| matrix.row(1, corners[K])),
+                w: triple!(|K| matrix.row(3, corners[K])),
+            };
+        }
+        entry
+    }
+}
+
 /// The perspective-correct weights of a triangle's corners at the given
 /// samples (sub-pixels from the middle of the picture), at least 0 and of
 /// sum 1.
 #[inline(always)]
-fn weights<S: Lanes>(
-    s: S,
-    matrix: &FrameMatrix,
-    corners: [Vec3; 3],
-    x: S::F,
-    y: S::F,
-) -> [S::F; 3] {
-    let w = triple!(|K| s.f(matrix.row(3, corners[K])));
-    let qx = triple!(|K| s.f(matrix.row(0, corners[K])) - x * w[K]);
-    let qy = triple!(|K| s.f(matrix.row(1, corners[K])) - y * w[K]);
+fn weights<S: Lanes>(s: S, corners: &Projected, x: S::F, y: S::F) -> [S::F; 3] {
+    let w = triple!(|K| s.f(corners.w[K]));
+    let qx = triple!(|K| s.f(corners.x[K]) - x * w[K]);
+    let qy = triple!(|K| s.f(corners.y[K]) - y * w[K]);
     let b = [
         qx[1] * qy[2] - qy[1] * qx[2],
         qx[2] * qy[0] - qy[2] * qx[0],
@@ -303,7 +345,12 @@ impl<S: Lanes> Mix<S> {
 
 /// Interpolates what the pixels of a job show.
 #[inline(always)]
-fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<S> {
+fn interpolate<S: Lanes>(
+    s: S,
+    context: &ShadeContext,
+    cache: &mut Cache,
+    job: &Job,
+) -> Attributes<S> {
     let triangles = &job.triangles;
     let mut wanted = job.wanted;
     let [px, py] = job.at;
@@ -332,7 +379,7 @@ fn interpolate<S: Lanes>(s: S, context: &ShadeContext, job: &Job) -> Attributes<
             continue;
         };
         let corners = triple!(|K| scene.positions[vertices[K] as usize]);
-        let weight = weights(s, context.matrix, corners, x, y);
+        let weight = weights(s, cache.get(context, index, &corners), x, y);
         let mix = Mix { s, weight, here };
         match context.interpolation {
             Interpolation::Phong => {
@@ -498,7 +545,7 @@ pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
     }
     let phong = context.interpolation == Interpolation::Phong;
     for (k, job) in batch.jobs.iter().enumerate() {
-        let found = interpolate(s, context, job);
+        let found = interpolate(s, context, &mut batch.cache, job);
         if phong {
             store::<S>(found.normal, &mut batch.normals[k]);
             store::<S>(found.point, &mut batch.points[k]);
@@ -508,7 +555,6 @@ pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
     }
     if phong {
         prepare(s, context, batch);
-        ambient(s, context, batch);
         for &(source, intensity) in &context.lights {
             light(s, context, batch, source, intensity);
         }
@@ -518,18 +564,23 @@ pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
     }
 }
 
-/// Normalises normals and finds the directions to the viewer.
+/// Normalises normals, finds the directions to the viewer, and starts the
+/// colours with ambient light.
 #[inline(always)]
 fn prepare<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
     let eye = splat(s, context.matrix.viewer.truncate());
     let w = s.f(context.matrix.viewer.w);
     let (zero, one) = (s.f(0.0), s.f(1.0));
-    let count = batch.jobs.len();
-    for ((normal16, point16), viewer16) in batch.normals[..count]
-        .iter_mut()
-        .zip(&batch.points)
-        .zip(&mut batch.viewers)
+    let ambient = splat(s, context.ambient);
+    for (((job, normal16), (point16, viewer16)), colour16) in batch
+        .jobs
+        .iter()
+        .zip(&mut batch.normals)
+        .zip(batch.points.iter().zip(&mut batch.viewers))
+        .zip(&mut batch.colours)
     {
+        let material = materials(s, context, &job.triangles);
+        store::<S>(triple!(|K| material.ambient[K] * ambient[K]), colour16);
         let point = load(s, point16);
         let viewer = normalise(s, triple!(|K| eye[K] - point[K] * w));
         let mut normal = normalise(s, load(s, normal16));
@@ -542,16 +593,8 @@ fn prepare<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
     }
 }
 
-/// Starts the colours with ambient light.
-#[inline(always)]
-fn ambient<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
-    let ambient = splat(s, context.ambient);
-    for (job, colour16) in batch.jobs.iter().zip(&mut batch.colours) {
-        let material = materials(s, context, &job.triangles);
-        let colour = triple!(|K| material.ambient[K] * ambient[K]);
-        store::<S>(colour, colour16);
-    }
-}
+/// x^n < 2^-14 where x <= 1 - 14 ln 2 / n, because ln x <= x - 1.
+const HIGHLIGHT_REACH: f32 = 14.0 * std::f32::consts::LN_2;
 
 /// Adds the diffuse and specular reflection of one light.
 #[inline(always)]
@@ -585,7 +628,13 @@ fn light<S: Lanes>(
         let double = n_l + n_l;
         let reflected = triple!(|K| normal[K] * double - towards[K]);
         let r_v = dot::<S>(reflected, viewer).max(zero);
-        let highlight = lit.select_f(pow(s, r_v, material.shininess), zero);
+        // Below 2^-14 a highlight is not seen.
+        let seen = lit & (s.f(1.0) - s.f(HIGHLIGHT_REACH) / material.shininess).lt(r_v);
+        let highlight = if seen.bits() & job.wanted == 0 {
+            zero
+        } else {
+            seen.select_f(pow(s, r_v, material.shininess), zero)
+        };
         let diffuse = n_l.max(zero);
         let old = load(s, &batch.colours[k]);
         let colour = triple!(|K| old[K]

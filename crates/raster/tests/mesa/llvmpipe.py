@@ -6,11 +6,12 @@ FOLDER holds job.json and the little-endian arrays vertices.bin (position and
 normal, six 32-bit floats a vertex) and indices.bin (32-bit). Writes color.bin
 (RGBA, 8 bits, the top row first) and depth.bin (32-bit floats), and prints as
 JSON the renderer's name and, with FRAMES, the time of each frame in seconds,
-from clearing to having finished.
+from clearing to having finished, and the processor time of all of them.
 """
 
 import json
 import os
+import resource
 import sys
 import time
 
@@ -106,16 +107,19 @@ def main():
 
     draw()
     times = []
+    before = resource.getrusage(resource.RUSAGE_SELF)
     for _ in range(frames):
         start = time.perf_counter()
         draw()
         times.append(time.perf_counter() - start)
+    after = resource.getrusage(resource.RUSAGE_SELF)
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     color = numpy.frombuffer(plain.color_attachments[0].read(), dtype="u1")
     color.reshape(size[1], size[0], 4)[::-1].tofile(os.path.join(folder, "color.bin"))
     if target is plain:
         depth = numpy.frombuffer(plain.depth_attachment.read(), dtype="f4")
         depth.reshape(size[1], size[0])[::-1].tofile(os.path.join(folder, "depth.bin"))
-    print(json.dumps({"renderer": context.info["GL_RENDERER"], "times": times}))
+    print(json.dumps({"renderer": context.info["GL_RENDERER"], "times": times, "cpu": cpu}))
 
 
 main()

@@ -1,0 +1,442 @@
+//! Edges, sections, shadows and series: what must be true of them.
+
+mod common;
+
+use csg::Mesh;
+use glam::{DVec3, Vec3};
+use raster::{
+    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, RasterError, RenderOptions,
+    Renderer, Scene, SectionPlane, StandardView, View, Viewport, contact_sheet, turntable,
+    turntable_camera, write_apng,
+};
+
+const SIZE: u32 = 160;
+
+fn view_of(mesh: &Mesh, view: StandardView, lens: Lens) -> View {
+    let camera = Camera::standard(mesh, view, lens, 1.0).unwrap();
+    camera.view(SIZE, SIZE).unwrap()
+}
+
+fn draw(scene: &Scene, view: &View, options: &RenderOptions) -> (Renderer, Image) {
+    let mut renderer = Renderer::default();
+    let mut image = Image::default();
+    renderer
+        .draw(scene, view, SIZE, SIZE, options, &mut image)
+        .unwrap();
+    (renderer, image)
+}
+
+fn dark(pixel: [u8; 4]) -> bool {
+    pixel[3] > 128 && pixel[0] < 90 && pixel[1] < 90 && pixel[2] < 90
+}
+
+fn features() -> EdgeOptions {
+    let mut edges = EdgeOptions::default();
+    edges.width = 2.0;
+    edges
+}
+
+const UNIT: DVec3 = DVec3::ONE;
+
+#[test]
+fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
+    let cube = Scene::new(&common::cuboid(DVec3::ZERO, UNIT));
+    assert_eq!(cube.feature_edges().len(), 12);
+    let ball = Scene::new(&common::icosphere(DVec3::ZERO, 1.0, 3));
+    assert_eq!(ball.feature_edges().len(), 0);
+    // Vertices that are not shared do not hide the neighbours.
+    let mut soup = common::cuboid(DVec3::ZERO, UNIT);
+    let corners: Vec<DVec3> = (0..soup.triangles.len())
+        .flat_map(|t| soup.corners(t))
+        .collect();
+    soup.triangles = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    soup.positions = corners;
+    assert_eq!(Scene::new(&soup).feature_edges().len(), 12);
+    // The mesh's own come first.
+    let mut own = common::cuboid(DVec3::ZERO, UNIT);
+    own.feature_edges = vec![vec![0, 1, 3]];
+    assert_eq!(Scene::new(&own).feature_edges(), [vec![0, 1, 3]]);
+}
+
+/// The nine visible edges of a cube are dark all along, the three hidden ones
+/// not at all, or in dashes.
+#[test]
+fn visible_edges_are_drawn_and_hidden_ones_are_not() {
+    let mesh = common::cuboid(DVec3::ZERO, UNIT);
+    let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
+    let viewport = Viewport::of_image(SIZE, SIZE);
+    let scene = Scene::new(&mesh);
+    let mut options = RenderOptions::default();
+    options.edges = Some(features());
+    let (_, omitted) = draw(&scene, &view, &options);
+    if let Some(edges) = &mut options.edges {
+        edges.hidden = HiddenEdges::Dash;
+    }
+    let (_, dashed) = draw(&scene, &view, &options);
+    options.edges = None;
+    let (_, without) = draw(&scene, &view, &options);
+    // The corner that the viewer, at (1, -1, 1), does not see.
+    let hidden_corner = DVec3::new(0.0, 1.0, 0.0);
+    for line in scene.feature_edges() {
+        let ends = [line[0], line[1]].map(|v| mesh.positions[v as usize]);
+        let hidden = ends.contains(&hidden_corner);
+        let (mut changed, mut dashes) = (0, 0);
+        for step in 2..=18 {
+            let at = viewport
+                .project(&view, ends[0].lerp(ends[1], f64::from(step) / 20.0))
+                .unwrap();
+            let (x, y) = (at.x as u32, at.y as u32);
+            assert!(
+                hidden || dark(omitted.get(x, y).unwrap()),
+                "{ends:?} at {x} {y}"
+            );
+            changed += u32::from(omitted.get(x, y) != without.get(x, y));
+            dashes += u32::from(dashed.get(x, y) != without.get(x, y));
+        }
+        if hidden {
+            assert_eq!(changed, 0, "{ends:?}");
+            assert!((4..=15).contains(&dashes), "{ends:?}: {dashes}");
+        }
+    }
+}
+
+/// A ball's silhouette is the circle that its tangent cone touches.
+#[test]
+fn silhouettes_are_where_the_surface_turns_away() {
+    let mesh = common::icosphere(DVec3::ZERO, 1.0, 4);
+    let view = view_of(&mesh, StandardView::Iso, Lens::Orthographic { height: 1.0 });
+    let mut options = RenderOptions::default();
+    options.edges = Some(features());
+    let (_, image) = draw(&Scene::new(&mesh), &view, &options);
+    let middle = f64::from(SIZE) / 2.0;
+    let radius = middle * 0.9;
+    for step in 0..360 {
+        let (sin, cos) = f64::from(step).to_radians().sin_cos();
+        let at = |r: f64| {
+            image
+                .get((middle + cos * r) as u32, (middle + sin * r) as u32)
+                .unwrap()
+        };
+        let line = (-2..=2).any(|d| dark(at(radius + 0.5 * f64::from(d))));
+        assert!(line, "{step} degrees");
+        assert!(
+            !dark(at(radius - 6.0)) && at(radius + 4.0)[3] == 0,
+            "{step} degrees"
+        );
+    }
+}
+
+/// A box cut in the middle: the cap is flat, hatched, where the plane is.
+#[test]
+fn a_section_is_capped_at_its_plane() {
+    let mesh = common::merge(
+        common::cuboid(DVec3::ZERO, UNIT),
+        &inside_out(common::cuboid(DVec3::splat(0.3), DVec3::splat(0.7))),
+    );
+    let plane = SectionPlane {
+        normal: DVec3::NEG_Y,
+        point: DVec3::new(0.0, 0.5, 0.0),
+    };
+    let scene = Scene::with_sections(&mesh, &[plane]).unwrap();
+    let view = view_of(
+        &mesh,
+        StandardView::Front,
+        Lens::Orthographic { height: 1.0 },
+    );
+    for anti_aliasing in [AntiAliasing::None, AntiAliasing::Msaa4] {
+        let mut options = RenderOptions::default();
+        options.anti_aliasing = anti_aliasing;
+        let (renderer, image) = draw(&scene, &view, &options);
+        let normals = renderer.normal_buffer(&scene, &view);
+        let (mut on_plane, mut in_hole) = (0, 0);
+        let mut shades = std::collections::BTreeSet::new();
+        for y in 0..SIZE {
+            for x in 0..SIZE {
+                let Some(pick) = renderer.pick(&scene, &view, x, y) else {
+                    continue;
+                };
+                let p = pick.point;
+                let hole = (0.31..0.69).contains(&p.x) && (0.31..0.69).contains(&p.z);
+                let solid = !(0.29..0.71).contains(&p.x) || !(0.29..0.71).contains(&p.z);
+                if solid {
+                    assert!((p.y - 0.5).abs() < 1e-5, "{p}");
+                    assert_eq!(normals.get(x, y), Some(Vec3::NEG_Y));
+                    shades.insert(image.get(x, y).unwrap()[0] / 16);
+                    on_plane += 1;
+                } else if hole {
+                    assert!((p.y - 0.7).abs() < 1e-5, "{p}");
+                    in_hole += 1;
+                }
+            }
+        }
+        let side = f64::from(SIZE) * 0.9;
+        assert!(
+            (f64::from(on_plane) / (side * side * 0.84) - 1.0).abs() < 0.03,
+            "{on_plane}"
+        );
+        assert!(
+            (f64::from(in_hole) / (side * side * 0.38 * 0.38) - 1.0).abs() < 0.05,
+            "{in_hole}"
+        );
+        assert!(shades.len() >= 2, "no hatching");
+    }
+    // From behind nothing is cut open.
+    let behind = view_of(
+        &mesh,
+        StandardView::Back,
+        Lens::Orthographic { height: 1.0 },
+    );
+    let (renderer, _) = draw(&scene, &behind, &RenderOptions::default());
+    let pick = renderer.pick(&scene, &behind, SIZE / 2, SIZE / 2).unwrap();
+    assert!((pick.point.y - 1.0).abs() < 1e-5);
+}
+
+fn inside_out(mut mesh: Mesh) -> Mesh {
+    for triangle in &mut mesh.triangles {
+        triangle.swap(1, 2);
+    }
+    mesh
+}
+
+/// Two planes cut a wedge out of nothing but what both keep.
+#[test]
+fn several_sections_keep_what_lies_behind_all() {
+    let mesh = common::cuboid(DVec3::ZERO, UNIT);
+    let planes = [
+        SectionPlane {
+            normal: DVec3::NEG_Y,
+            point: DVec3::splat(0.25),
+        },
+        SectionPlane {
+            normal: DVec3::Z,
+            point: DVec3::splat(0.75),
+        },
+    ];
+    let scene = Scene::with_sections(&mesh, &planes).unwrap();
+    let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
+    let (renderer, _) = draw(&scene, &view, &RenderOptions::default());
+    let (mut front, mut top) = (0, 0);
+    for k in 0..SIZE * SIZE {
+        let Some(pick) = renderer.pick(&scene, &view, k % SIZE, k / SIZE) else {
+            continue;
+        };
+        let p = pick.point;
+        assert!(p.y > 0.25 - 1e-4 && p.z < 0.75 + 1e-4, "{p}");
+        front += u32::from((p.y - 0.25).abs() < 1e-4);
+        top += u32::from((p.z - 0.75).abs() < 1e-4);
+    }
+    assert!(front > 1_000 && top > 1_000, "{front} {top}");
+    let bad = SectionPlane {
+        normal: DVec3::ZERO,
+        point: DVec3::ZERO,
+    };
+    assert!(matches!(
+        Scene::with_sections(&mesh, &[bad]),
+        Err(RasterError::BadSection)
+    ));
+    assert!(Scene::with_sections(&mesh, &[planes[0]; 5]).is_err());
+}
+
+/// Open where nothing is near, darker in a corner.
+#[test]
+fn occlusion_darkens_corners() {
+    let floor = common::cuboid(DVec3::new(-2.0, -2.0, -0.1), DVec3::new(2.0, 2.0, 0.0));
+    let mesh = common::merge(floor, &common::cuboid(DVec3::ZERO, UNIT));
+    let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
+    let scene = Scene::new(&mesh);
+    let (renderer, _) = draw(&scene, &view, &RenderOptions::default());
+    let open = renderer.ambient_occlusion(&scene, &view);
+    let at = |p: DVec3| {
+        let window = Viewport::of_image(SIZE, SIZE).project(&view, p).unwrap();
+        open.get(window.x as u32, window.y as u32).unwrap()
+    };
+    let far = at(DVec3::new(1.0, -1.5, 0.0));
+    let corner = at(DVec3::new(0.5, -0.05, 0.0));
+    assert!(far > 0.97, "{far}");
+    assert!(corner < far - 0.2, "{corner}");
+}
+
+/// The shadow lies under the model, fades outwards, and is not seen from
+/// below.
+#[test]
+fn the_ground_shadow_is_under_the_model() {
+    let mesh = common::icosphere(DVec3::ZERO, 1.0, 3);
+    let scene = Scene::new(&mesh);
+    let mut options = RenderOptions::default();
+    options.ground_shadow = true;
+    let camera = Camera {
+        eye: DVec3::new(0.0, -8.0, 3.0),
+        target: DVec3::new(0.0, 0.0, -0.5),
+        up: DVec3::Z,
+        lens: Lens::DEFAULT,
+        near: 1.0,
+        far: 20.0,
+    };
+    let view = camera.view(SIZE, SIZE).unwrap();
+    let (_, image) = draw(&scene, &view, &options);
+    let alpha = |p: DVec3| {
+        let window = Viewport::of_image(SIZE, SIZE).project(&view, p).unwrap();
+        image.get(window.x as u32, window.y as u32).unwrap()[3]
+    };
+    let near = alpha(DVec3::new(0.0, -0.9, -1.0));
+    let rim = alpha(DVec3::new(0.0, -1.05, -1.0));
+    assert!(near > rim && rim > 0 && near < 255, "{near} {rim}");
+    assert_eq!(alpha(DVec3::new(0.0, -1.8, -1.0)), 0);
+    let below = Camera {
+        eye: DVec3::new(0.0, -8.0, -3.0),
+        ..camera
+    };
+    let (_, image) = draw(&scene, &below.view(SIZE, SIZE).unwrap(), &options);
+    assert!(image.pixels.iter().all(|p| p[3] == 0 || p[3] == 255));
+}
+
+/// The triad's axes are drawn in their colours, in their directions.
+#[test]
+fn the_triad_shows_the_axes() {
+    let mesh = common::cuboid(DVec3::ZERO, UNIT);
+    let view = view_of(&mesh, StandardView::Front, Lens::DEFAULT);
+    let mut options = RenderOptions::default();
+    options.triad = true;
+    let (_, image) = draw(
+        &Scene::new(&Mesh::new(mesh.positions, vec![])),
+        &view,
+        &options,
+    );
+    // From the front X points right and Z up; Y points away.
+    let length = f64::from(SIZE) * 0.07;
+    let centre = (length * 1.7, f64::from(SIZE) - length * 1.7);
+    let right = image
+        .get((centre.0 + length * 0.7) as u32, centre.1 as u32)
+        .unwrap();
+    let up = image
+        .get(centre.0 as u32, (centre.1 - length * 0.7) as u32)
+        .unwrap();
+    assert!(
+        right[3] > 100 && right[0] > right[1] && right[0] > right[2],
+        "{right:?}"
+    );
+    assert!(up[3] > 100 && up[2] > up[0] && up[2] > up[1], "{up:?}");
+}
+
+#[test]
+fn turntables_go_once_round_and_read_back() {
+    let mesh = common::cuboid(DVec3::new(-1.0, -0.5, 0.0), DVec3::new(1.0, 0.5, 0.6));
+    let scene = Scene::new(&mesh);
+    let options = RenderOptions::default();
+    let camera = turntable_camera(&mesh, StandardView::Front, Lens::DEFAULT, 1.0).unwrap();
+    let frames = turntable(&scene, &camera, 8, 64, 64, &options).unwrap();
+    for (k, frame) in frames.iter().enumerate() {
+        // Whole in every frame: nothing touches the border.
+        let border = (0..64).all(|i| {
+            [(i, 0), (i, 63), (0, i), (63, i)]
+                .iter()
+                .all(|&(x, y)| frame.get(x, y).unwrap()[3] == 0)
+        });
+        assert!(border, "frame {k}");
+    }
+    // A box looks the same from opposite sides, as far as coverage goes.
+    let covered = |frame: &Image| -> Vec<bool> { frame.pixels.iter().map(|p| p[3] > 0).collect() };
+    for k in 0..4 {
+        let differing = covered(&frames[k])
+            .iter()
+            .zip(covered(&frames[k + 4]))
+            .filter(|(a, b)| **a != *b)
+            .count();
+        assert!(differing < 20, "frame {k}: {differing}");
+    }
+    assert_ne!(covered(&frames[0]), covered(&frames[1]));
+    let mut file = Vec::new();
+    write_apng(&frames, 10, &mut file).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file))
+        .read_info()
+        .unwrap();
+    assert_eq!(reader.info().animation_control().unwrap().num_frames, 8);
+    for frame in &frames {
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut bytes).unwrap();
+        assert_eq!(bytes, frame.pixels.as_flattened());
+    }
+    assert!(write_apng(&[], 10, Vec::new()).is_err());
+    assert!(
+        write_apng(
+            &[frames[0].clone(), Image::new(3, 3, [0; 4])],
+            10,
+            Vec::new()
+        )
+        .is_err()
+    );
+}
+
+/// Top over front, front beside right, all to one scale.
+#[test]
+fn contact_sheets_line_up() {
+    let mesh = common::cuboid(DVec3::ZERO, DVec3::new(2.0, 1.0, 0.5));
+    let scene = Scene::new(&mesh);
+    let sheet = contact_sheet(
+        &mesh,
+        &scene,
+        Lens::DEFAULT,
+        400,
+        300,
+        &RenderOptions::default(),
+    )
+    .unwrap();
+    let extent = |left: u32, top: u32| {
+        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
+        for y in top..top + 150 {
+            for x in left..left + 200 {
+                if sheet.get(x, y).unwrap()[3] > 0 {
+                    low = [low[0].min(x), low[1].min(y)];
+                    high = [high[0].max(x + 1), high[1].max(y + 1)];
+                }
+            }
+        }
+        [high[0] - low[0], high[1] - low[1]]
+    };
+    let (top, front, right) = (extent(0, 0), extent(0, 150), extent(200, 150));
+    let scale = f64::from(top[0]) / 2.0;
+    for (size, expected) in [(top, [2.0, 1.0]), (front, [2.0, 0.5]), (right, [1.0, 0.5])] {
+        for axis in 0..2 {
+            assert!(
+                (f64::from(size[axis]) - expected[axis] * scale).abs() <= 1.0,
+                "{size:?}"
+            );
+        }
+    }
+}
+
+/// Anti-aliased edges have the opacity of the area covered.
+#[test]
+fn multisampling_approaches_the_area_covered() {
+    let mesh = common::icosphere(DVec3::ZERO, 1.0, 4);
+    let view = view_of(&mesh, StandardView::Iso, Lens::Orthographic { height: 1.0 });
+    let scene = Scene::new(&mesh);
+    let area = |anti_aliasing: AntiAliasing| {
+        let mut options = RenderOptions::default();
+        options.anti_aliasing = anti_aliasing;
+        let (_, image) = draw(&scene, &view, &options);
+        image
+            .pixels
+            .iter()
+            .map(|p| f64::from(p[3]) / 255.0)
+            .collect::<Vec<f64>>()
+    };
+    let exact = area(AntiAliasing::Supersample(8));
+    let error = |mode: AntiAliasing| {
+        let squares = area(mode)
+            .iter()
+            .zip(&exact)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>();
+        squares.sqrt()
+    };
+    let (one, four, eight) = (
+        error(AntiAliasing::None),
+        error(AntiAliasing::Msaa4),
+        error(AntiAliasing::Msaa8),
+    );
+    assert!(
+        four < one * 0.45 && eight < four * 0.8,
+        "{one} {four} {eight}"
+    );
+}
