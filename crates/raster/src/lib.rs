@@ -16,6 +16,115 @@
 //! # assert!(!file.is_empty());
 //! # Ok::<(), raster::RasterError>(())
 //! ```
+//!
+//! To draw a mesh more than once, keep a [`Scene`] and a [`Renderer`]; what a
+//! frame did and did not have to do is in its [`Stats`].
+//!
+//! # A tour of the pipeline
+//!
+//! Every stage has a page that names its formulas and where they come from.
+//! Each picture was drawn by this crate, and is kept as a test.
+//!
+//! ## 1. Transforms: [`transform`]
+//!
+//! Translation, scaling, shear, rotation, change of basis, Euler angles, and
+//! the matrix that normals need. Column vectors, right-handed axes, Z up.
+//! Points move, directions do not: w = 1 and w = 0.
+//!
+//! ## 2. Viewing: [`Camera`], [`view_reference`]
+//!
+//! [`look_at`] and the camera's [`Frame`] U, V, N take the world to eye
+//! coordinates: the camera at the origin, looking along -Z. The
+//! view-reference model does the same from VRP, VPN and VUP. Either gives a
+//! [`View`], proven to be finite and invertible; [`Camera::framing`] finds the
+//! camera that shows the whole of a mesh.
+//!
+//! ## 3. Projection: [`projection`]
+//!
+//! Eye to clip coordinates: perspective, orthographic and oblique.
+//!
+//! ![perspective] ![orthographic] ![cabinet]
+//!
+//! ## 4. Clipping: [`clip`], [`cohen_sutherland`]
+//!
+//! Before the division by w, so that what lies behind the eye is cut off, not
+//! turned inside out. A guard band of 16,384 pixels around the picture spares
+//! nearly all triangles the clipping at its sides. Here the camera is inside
+//! a hollow ball, and most triangles reach behind it:
+//!
+//! ![inside]
+//!
+//! ## 5. Viewport: [`viewport`]
+//!
+//! Division by w, and pixels. [`Viewport::unproject`] goes the other way, and
+//! [`Renderer::pick`] says what a pixel shows.
+//!
+//! ## 6. Filling: [`fixed`], [`scanline`]
+//!
+//! Corners are snapped to 1/256 pixel; from there on coverage is exact integer
+//! arithmetic with the top-left rule, so that triangles that share an edge
+//! leave no gap and draw no pixel twice. [`fixed::covers`] is the definition,
+//! [`scanline`] the classical way of filling, and the fast filler takes
+//! sixteen pixels at a time. Attributes are interpolated perspective-correctly.
+//!
+//! ![triangles]
+//!
+//! ## 7. Hidden surfaces: [`hidden_surface`]
+//!
+//! The painter's algorithm sorts triangles, which fails where they cut each
+//! other (left); the depth buffer compares pixels (right).
+//!
+//! ![painter] ![depth-buffer]
+//!
+//! The fast pipeline keeps depth reversed (1 near, 0 far), which spreads the
+//! precision of floats evenly, and the farthest depth of each 8x8 square, to
+//! leave out whole triangles and clusters behind it.
+//!
+//! ![depth] ![normals] ![surfaces]
+//!
+//! ## 8. Shading: [`shade`]
+//!
+//! The Phong reflection model, evaluated once a triangle (flat), at its
+//! corners (Gouraud) or at each pixel (Phong). Light is linear inside and
+//! encoded as sRGB at the end.
+//!
+//! ![flat] ![gouraud] ![phong]
+//!
+//! ## 9. Anti-aliasing: [`AntiAliasing`]
+//!
+//! Coverage at four or eight samples a pixel with shading once, or everything
+//! at more samples.
+//!
+//! ![aliased] ![multisampled]
+//!
+//! ## 10. What engineers look at: [`EdgeOptions`], [`SectionPlane`]
+//!
+//! Feature edges, silhouettes and hidden edges; sections with caps; ambient
+//! occlusion, a ground shadow and the axes; [`turntable`] and
+//! [`contact_sheet`].
+//!
+//! ![hidden-edges] ![section] ![presentation]
+//!
+//! # How the fast pipeline works
+//!
+//! 1. A [`Scene`] holds the mesh in single precision around its centre, cut
+//!    into clusters of at most 128 triangles.
+//! 2. Clusters outside the view volume, facing away or behind what is drawn
+//!    are left out whole; the others are taken front to back in a few
+//!    batches.
+//! 3. Vertices of a cluster are transformed once, triangles set up sixteen at
+//!    a time and sorted into tiles of 64x64 pixels.
+//! 4. Each tile is filled by one thread into a visibility buffer: depth and
+//!    triangle number, in blocks of 4x4 pixels.
+//! 5. Each pixel is shaded once, from the triangle it shows.
+//!
+//! Equal depths go to the triangle that comes first in the mesh, every vector
+//! operation has one defined result, and so pictures are the same to the byte
+//! for any number of threads and at every [`Level`] of instruction set.
+//! [`render_reference`] is the pipeline by the book, which the fast one is
+//! tested against.
+//!
+#![doc = include_str!("../docs/pictures.md")]
 
 mod buffers;
 mod camera;
