@@ -8,12 +8,14 @@
 //!    becomes a vertex on the surfaces that cause its crossings ([`place`],
 //!    [`solve`]).
 //! 3. Every crossing edge becomes a polygon between the vertices around it
-//!    ([`stitch`]).
+//!    ([`stitch`]); triangles without area or folded over are taken out by
+//!    collapses that keep every face on its surface ([`cleanup`]).
 //!
 //! Bricks share samples, not results: each computes what it needs bit for bit
 //! alike, so they need no communication and their order does not matter.
 
 mod brick;
+mod cleanup;
 mod lattice;
 mod loops;
 mod part;
@@ -29,10 +31,11 @@ use std::time::Instant;
 
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
+use self::cleanup::{Cleaner, Run};
 use self::lattice::{CELLS, Lattice};
-use self::part::Part;
+use self::part::{FallbackKind, Part};
 use self::place::{Placer, Scene};
 use self::stitch::{Stitched, Stitcher, Table};
 use crate::error::Error;
@@ -60,7 +63,8 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         surfaces: &task.surfaces,
         origins: task.program.origins(),
         lattice: Lattice::around(&local_bounds, task.cell)?,
-        tolerance: ON_SURFACE * task.size.max_element(),
+        // Far from the origin the surfaces' own places are rounded.
+        tolerance: ON_SURFACE * task.size.max_element() + 8.0 * f64::EPSILON * task.origin.length(),
     };
     let mut pruned = 0;
     let blocks = blocks(&scene, task.program.root_cell(), &mut pruned);
@@ -91,7 +95,8 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         });
     }
     let mut positions = concatenate(&parts, |part| &part.vertices);
-    let stitcher = Stitcher::new(&parts, &positions, &task.surfaces);
+    let least_area = LEAST_AREA * task.cell * task.cell;
+    let stitcher = Stitcher::new(&parts, &positions, &task.surfaces, least_area);
     let stage = task.control.stage(parts.len() as u64, 0.7, 1.0);
     let stitched: Vec<Stitched> = (0..parts.len())
         .into_par_iter()
@@ -101,8 +106,27 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
             stitched
         })
         .collect();
-    let triangles = concatenate(&stitched, |part| &part.triangles);
-    let (surfaces, triangle_surfaces) = provenance(task, &parts, &stitched);
+    let mut triangles = concatenate(&stitched, |part| &part.triangles);
+    let (surfaces, mut triangle_surfaces) = provenance(task, &parts, &stitched);
+    let start = report.end_stage("stitch", start);
+    let runs = runs(&parts, &stitched);
+    let bad = bad_triangles(&stitched);
+    let cleaned = Cleaner {
+        positions: &positions,
+        triangles: &mut triangles,
+        runs: &runs,
+        surfaces: &task.surfaces,
+        least_area,
+    }
+    .clean(&bad);
+    for &triangle in &cleaned.left {
+        let [p, q, r] = triangles[triangle as usize].map(|v| positions[v as usize]);
+        let place = (p + q + r) / 3.0 + task.origin;
+        report.add_fallback(FallbackKind::Degenerate.describe(), place);
+    }
+    remove_marked(&mut triangles, &cleaned.removed);
+    remove_marked(&mut triangle_surfaces, &cleaned.removed);
+    remove_vertices(&mut positions, &mut triangles, &cleaned.merged);
     if task.origin != DVec3::ZERO {
         positions
             .par_chunks_mut(4096)
@@ -114,14 +138,10 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         pruned += part.cells_pruned;
     }
     report.cells_pruned = pruned;
-    let fallbacks = parts
-        .iter()
-        .flat_map(|part| &part.fallbacks)
-        .chain(stitched.iter().flat_map(|part| &part.fallbacks));
-    for fallback in fallbacks {
+    for fallback in parts.iter().flat_map(|part| &part.fallbacks) {
         report.add_fallback(fallback.kind.describe(), fallback.place + task.origin);
     }
-    report.end_stage("stitch", start);
+    report.end_stage("cleanup", start);
     Ok(Mesh {
         positions,
         triangles,
@@ -158,6 +178,10 @@ impl pulp::WithSimd for StitchPart<'_, '_> {
 
 /// A point nearer to a surface than this share of the scene lies on it.
 const ON_SURFACE: f64 = 2e-13;
+
+/// A triangle smaller than this share of a cell's face counts as having no
+/// area.
+const LEAST_AREA: f64 = 1e-7;
 
 /// At most this many blocks along each axis are handed out to threads; a
 /// constant, so that the order of the output is one, too.
@@ -279,6 +303,74 @@ where
         .into_par_iter()
         .for_each(|(piece, source)| piece.copy_from_slice(list(source)));
     all
+}
+
+/// The runs of triangles on one surface.
+fn runs(parts: &[Part], stitched: &[Stitched]) -> Vec<Run> {
+    let groups = parts.iter().zip(stitched);
+    let groups = groups.flat_map(|(part, s)| part.groups.iter().zip(&s.group_triangles));
+    let mut start = 0;
+    groups
+        .map(|(group, &count)| {
+            let run = Run {
+                start,
+                surface: group.surface,
+                reversed: group.reversed,
+            };
+            start += count;
+            run
+        })
+        .collect()
+}
+
+/// The triangles to look at again, in the whole mesh's count.
+fn bad_triangles(stitched: &[Stitched]) -> Vec<u32> {
+    let mut bad = Vec::new();
+    let mut before = 0;
+    for part in stitched {
+        bad.extend(part.bad.iter().map(|&triangle| before + triangle));
+        before += part.triangles.len() as u32;
+    }
+    bad
+}
+
+/// Removes the items at the given ascending places; the last ones take them.
+fn remove_marked<T>(items: &mut Vec<T>, removed: &[u32]) {
+    for &index in removed.iter().rev() {
+        items.swap_remove(index as usize);
+    }
+}
+
+/// Removes vertices that no triangle names any more; the last ones take their
+/// places.
+fn remove_vertices(
+    positions: &mut Vec<DVec3>,
+    triangles: &mut [[u32; 3]],
+    removed: &FxHashSet<u32>,
+) {
+    if removed.is_empty() {
+        return;
+    }
+    let kept = positions.len() - removed.len();
+    let mut holes: Vec<u32> = removed
+        .iter()
+        .copied()
+        .filter(|&v| (v as usize) < kept)
+        .collect();
+    holes.sort_unstable();
+    let movers = (kept as u32..positions.len() as u32).filter(|v| !removed.contains(v));
+    let moves: FxHashMap<u32, u32> = movers.zip(holes).collect();
+    for (&from, &to) in &moves {
+        positions[to as usize] = positions[from as usize];
+    }
+    positions.truncate(kept);
+    triangles.par_chunks_mut(4096).for_each(|chunk| {
+        for corner in chunk.iter_mut().flatten() {
+            if *corner >= kept as u32 {
+                *corner = moves[corner];
+            }
+        }
+    });
 }
 
 /// The mesh's table of surfaces, in the order in which triangles first name

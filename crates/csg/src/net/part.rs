@@ -148,11 +148,14 @@ impl PolygonCode {
     }
 }
 
-/// A run of polygons that lie on one surface and come from one primitive.
+/// A run of polygons that lie on one surface, come from one primitive and face
+/// one way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PolygonGroup {
     pub surface: u32,
     pub origin: u32,
+    /// Whether the surface's gradient points into the solid there.
+    pub reversed: bool,
     pub count: u32,
 }
 
@@ -170,7 +173,7 @@ pub(super) enum FallbackKind {
     NoCommonPoint,
     HiddenFeature,
     SeveralCrossings,
-    Folded,
+    Degenerate,
 }
 
 impl FallbackKind {
@@ -185,7 +188,7 @@ impl FallbackKind {
             Self::SeveralCrossings => {
                 "lattice edge that the boundary crosses several times: thinner than a cell"
             }
-            Self::Folded => "polygon folded against its surface",
+            Self::Degenerate => "triangle without area or folded against its surface",
         }
     }
 }

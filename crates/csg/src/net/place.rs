@@ -451,8 +451,8 @@ impl Placer {
     }
 
     /// Whether the inside corners of an ambiguous face are joined across it:
-    /// by surfaces where they pair up one way only, else by what the solid is
-    /// in the middle of the face. Depends on the face alone, so both its cells
+    /// by surfaces where they pair up one way only, never where two parts touch
+    /// along an edge, else by what the solid is in the middle of the face. Depends on the face alone, so both its cells
     /// agree.
     fn face_is_joined(
         &mut self,
@@ -469,6 +469,11 @@ impl Placer {
         let even = b == c && d == a;
         if odd != even {
             return even != first_inside;
+        }
+        if a == c && b == d && a != b {
+            // The curve in which two surfaces meet pierces the face, the solid
+            // alternates around it: parts that touch along an edge stay apart.
+            return false;
         }
         let (b, c) = loops::next_axes(axis);
         let mut middle = self.samples.point(lowest);
@@ -813,17 +818,26 @@ impl Placer {
                 .filter(|l| l.surface as usize == s);
             let first = own.next().map_or(0, |literal| literal.origin);
             let several = own.any(|literal| !scene.look_alike(literal.origin, first));
-            if several {
-                let mut by_origin: Vec<(u32, PolygonCode)> = polygons
+            let facing = polygons[0].is_reversed();
+            if several || polygons.iter().any(|code| code.is_reversed() != facing) {
+                let mut sorted: Vec<(u32, bool, PolygonCode)> = polygons
                     .iter()
-                    .map(|&code| (self.origin_at(cell, s as u32, code), code))
+                    .map(|&code| {
+                        let origin = if several {
+                            self.origin_at(cell, s as u32, code)
+                        } else {
+                            first
+                        };
+                        (origin, code.is_reversed(), code)
+                    })
                     .collect();
-                by_origin.sort_by_key(|&(origin, _)| origin);
-                for run in by_origin.chunk_by(|a, b| a.0 == b.0) {
-                    part.polygons.extend(run.iter().map(|&(_, code)| code));
+                sorted.sort_by_key(|&(origin, reversed, _)| (origin, reversed));
+                for run in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+                    part.polygons.extend(run.iter().map(|&(.., code)| code));
                     part.groups.push(PolygonGroup {
                         surface: cell.surfaces[s],
                         origin: run[0].0,
+                        reversed: run[0].1,
                         count: run.len() as u32,
                     });
                 }
@@ -832,6 +846,7 @@ impl Placer {
                 part.groups.push(PolygonGroup {
                     surface: cell.surfaces[s],
                     origin: first,
+                    reversed: facing,
                     count: polygons.len() as u32,
                 });
             }

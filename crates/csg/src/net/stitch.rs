@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use super::lattice::CELLS;
 use super::loops;
-use super::part::{BrickRecord, ComplexCell, FaceArcs, Fallback, FallbackKind, Part, PolygonCode};
+use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
 use crate::program::Surface;
 
 /// A brick's place in the list of parts.
@@ -27,13 +27,15 @@ pub(super) struct Stitcher<'a> {
     bricks: FxHashMap<UVec3, BrickRef>,
     positions: &'a [DVec3],
     surfaces: &'a [Surface],
+    least_area: f64,
 }
 
 /// The triangles of one part.
 #[derive(Debug, Default)]
 pub(super) struct Stitched {
     pub triangles: Vec<[u32; 3]>,
-    pub fallbacks: Vec<Fallback>,
+    /// Triangles, among these, that have no area or are folded over.
+    pub bad: Vec<u32>,
     /// Triangles of each polygon group, in order.
     pub group_triangles: Vec<u32>,
 }
@@ -83,7 +85,13 @@ fn shifted(sample: u16, before: [bool; 3]) -> Option<u16> {
 }
 
 impl<'a> Stitcher<'a> {
-    pub fn new(parts: &'a [Part], positions: &'a [DVec3], surfaces: &'a [Surface]) -> Self {
+    /// A triangle of less area than `least_area` counts as having none.
+    pub fn new(
+        parts: &'a [Part],
+        positions: &'a [DVec3],
+        surfaces: &'a [Surface],
+        least_area: f64,
+    ) -> Self {
         let mut vertex_base = Vec::with_capacity(parts.len());
         let mut bricks = FxHashMap::default();
         let mut base = 0;
@@ -104,6 +112,7 @@ impl<'a> Stitcher<'a> {
             bricks,
             positions,
             surfaces,
+            least_area,
         }
     }
 
@@ -185,8 +194,8 @@ impl<'a> Stitcher<'a> {
                 let p = quad.map(|v| self.positions[v as usize]);
                 quads.set(lane, p, code.is_reversed());
             }
-            let (even, folded) = quads.choose_diagonals(surface);
-            if complex == 0 && folded == 0 && codes.len() == LANES {
+            let (even, bad) = quads.choose_diagonals(surface, self.least_area);
+            if complex == 0 && bad == 0 && codes.len() == LANES {
                 let mut triangles = [[0; 3]; 2 * LANES];
                 for (lane, corners) in corners.into_iter().enumerate() {
                     let [first, second] = split(corners, even >> lane & 1 == 1);
@@ -201,12 +210,10 @@ impl<'a> Stitcher<'a> {
                     self.complex_polygon(code, surface, table, out);
                     continue;
                 }
-                let quad = corners[lane];
-                out.triangles.extend(split(quad, even >> lane & 1 == 1));
-                if folded >> lane & 1 == 1 {
-                    let p = quad.map(|v| self.positions[v as usize]);
-                    self.report_fold(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), out);
-                }
+                out.add(
+                    split(corners[lane], even >> lane & 1 == 1),
+                    bad >> lane & 1 == 1,
+                );
             }
         }
     }
@@ -274,32 +281,28 @@ impl<'a> Stitcher<'a> {
             } else {
                 [corners[0], pair[1], pair[0]]
             };
-            out.triangles.push(triangle);
-            let [p, q, r] = triangle.map(|v| self.positions[v as usize]);
-            let outward = outward(surface, code.is_reversed(), (p + q + r) / 3.0);
-            if (q - p).cross(r - p).dot(outward) < 0.0 {
-                self.report_fold((p + q + r) / 3.0, out);
-            }
+            out.add([triangle], true);
         }
     }
 
     /// One quad on its own.
     fn quad(&self, corners: [u32; 4], surface: &Surface, reversed: bool, out: &mut Stitched) {
-        let p = corners.map(|v| self.positions[v as usize]);
         let mut quads = Quads::default();
-        quads.set(0, p, reversed);
-        let (even, folded) = quads.choose_diagonals(surface);
-        out.triangles.extend(split(corners, even & 1 == 1));
-        if folded & 1 == 1 {
-            self.report_fold(0.25 * ((p[0] + p[1]) + (p[2] + p[3])), out);
-        }
+        let points = corners.map(|v| self.positions[v as usize]);
+        quads.set(0, points, reversed);
+        let (even, bad) = quads.choose_diagonals(surface, self.least_area);
+        out.add(split(corners, even & 1 == 1), bad & 1 == 1);
     }
+}
 
-    fn report_fold(&self, place: DVec3, out: &mut Stitched) {
-        out.fallbacks.push(Fallback {
-            kind: FallbackKind::Folded,
-            place,
-        });
+impl Stitched {
+    /// Adds triangles; if one of them may be bad, all are looked at later.
+    fn add(&mut self, triangles: impl IntoIterator<Item = [u32; 3]>, may_be_bad: bool) {
+        let before = self.triangles.len() as u32;
+        self.triangles.extend(triangles);
+        if may_be_bad {
+            self.bad.extend(before..self.triangles.len() as u32);
+        }
     }
 }
 
@@ -337,20 +340,21 @@ impl Quads {
     }
 
     /// For every quad a bit whether to cut it along its even diagonal, and one
-    /// whether a triangle is folded over all the same.
+    /// whether a triangle is all the same folded over, or smaller than
+    /// `least_area`.
     ///
     /// The diagonal whose midpoint is nearer to the surface wins, unless only
     /// the other leaves no fold; on a plane the one whose smaller triangle is
     /// larger.
     #[inline(always)]
-    fn choose_diagonals(&self, surface: &Surface) -> (u32, u32) {
+    fn choose_diagonals(&self, surface: &Surface, least_area: f64) -> (u32, u32) {
         let [p, q, r, s] = &self.corners;
         let anchor = surface.anchor();
         let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
         let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
         let g = surface.linear;
         let is_plane = surface.is_plane();
-        let (mut even_bits, mut folded_bits) = ([0u32; LANES], [0u32; LANES]);
+        let (mut even_bits, mut bad_bits) = ([0u32; LANES], [0u32; LANES]);
         for lane in 0..LANES {
             let at =
                 |corner: &[[f64; LANES]; 3]| (corner[0][lane], corner[1][lane], corner[2][lane]);
@@ -425,18 +429,15 @@ impl Quads {
             };
             let taken = if take_even { even } else { odd };
             even_bits[lane] = u32::from(take_even) << lane;
-            folded_bits[lane] = u32::from(taken < 0.0) << lane;
+            // Areas carry the gradient's length.
+            let limit = 2.0 * least_area;
+            let square = nx * nx + ny * ny + nz * nz;
+            let is_bad = taken <= 0.0 || taken * taken <= limit * limit * square;
+            bad_bits[lane] = u32::from(is_bad) << lane;
         }
         let all = |bits: [u32; LANES]| bits.into_iter().fold(0, |all, bit| all | bit);
-        (all(even_bits), all(folded_bits))
+        (all(even_bits), all(bad_bits))
     }
-}
-
-/// The outward gradient of the solid's boundary on `surface`.
-#[inline]
-fn outward(surface: &Surface, reversed: bool, point: DVec3) -> DVec3 {
-    let gradient = surface.gradient(point);
-    if reversed { -gradient } else { gradient }
 }
 
 fn add_brick(part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3], table: &mut Table) {

@@ -215,6 +215,7 @@ impl Signs {
             part.groups.push(PolygonGroup {
                 surface: surface as u32,
                 origin: 0,
+                reversed: false,
                 count: group.len() as u32,
             });
         }
@@ -224,7 +225,7 @@ impl Signs {
     fn mesh(&self, random: &mut Random, placement: Placement, surfaces: &[Surface]) -> Mesh {
         let parts = self.parts(random, placement);
         let positions: Vec<DVec3> = parts.iter().flat_map(|p| p.vertices.clone()).collect();
-        let stitcher = Stitcher::new(&parts, &positions, surfaces);
+        let stitcher = Stitcher::new(&parts, &positions, surfaces, 0.0);
         let mut table = Table::default();
         let triangles = (0..parts.len())
             .flat_map(|part| stitcher.part(part, &mut table).triangles)
