@@ -221,6 +221,48 @@ fn render_frames_the_model() {
     assert_ne!(perspective, parallel);
 }
 
+/// Every option for looks changes the picture, each in its own way.
+#[test]
+fn render_has_an_option_for_every_look() {
+    let folder = Folder::new();
+    let mut pictures = Vec::new();
+    for looks in [
+        "",
+        "--shading flat",
+        "--shading gouraud",
+        "--anti-aliasing none",
+        "--anti-aliasing msaa8",
+        "--anti-aliasing supersample4",
+        "--edges",
+        "--edges --line-width 3",
+        "--hidden-edges",
+        "--wireframe",
+        "--points",
+        "--section -y=0",
+        "--section -y=0 --section 0,0,1:0,0,0.4",
+        "--ambient-occlusion",
+        "--shadow",
+        "--axes",
+        "--show depth",
+        "--show normals",
+        "--show surfaces",
+        "--show occlusion",
+        "--sheet",
+        "--turntable 3",
+    ] {
+        let command = format!("render in.csg -o out.png --size 120x90 --cells 16 {looks}");
+        succeeded(&folder.run(&command));
+        let file = fs::read(folder.file("out.png")).expect("a file");
+        assert_eq!(&file[16..24], [0, 0, 0, 120, 0, 0, 0, 90], "{looks}");
+        assert!(!pictures.contains(&file), "{looks}");
+        pictures.push(file);
+    }
+    let output = folder.run("render in.csg -o out.png --cells 16 --stats");
+    assert!(String::from_utf8_lossy(&succeeded(&output).stderr).contains("pixels shaded"));
+    let message = failed(&folder.run("render in.csg -o out.png --section up"), 2);
+    assert!(message.contains("y=0"), "{message}");
+}
+
 #[test]
 fn failures_have_a_cause_a_hint_and_a_code() {
     let folder = Folder::new();

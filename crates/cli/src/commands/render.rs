@@ -5,8 +5,12 @@ use std::str::FromStr;
 
 use csg::Color;
 use glam::DVec3;
-use raster::{AntiAliasing, Camera, Lens, RenderOptions, StandardView};
+use raster::{
+    Camera, Image, Lens, RasterError, Renderer, Scene, StandardView, contact_sheet, depth_image,
+    id_image, normal_image, occlusion_image, turntable, turntable_camera, write_apng,
+};
 
+use super::looks::{Looks, Show};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, produce};
@@ -40,22 +44,10 @@ pub(crate) struct Options {
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
     #[arg(long, value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
-    /// How edges are smoothed
-    #[arg(long, value_enum, default_value_t = Smoothing::Msaa4)]
-    anti_aliasing: Smoothing,
+    #[command(flatten)]
+    looks: Looks,
     #[command(flatten)]
     mesher: MesherOptions,
-}
-
-/// How edges are smoothed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Smoothing {
-    /// One sample a pixel
-    None,
-    /// Four samples a pixel
-    Msaa4,
-    /// Eight samples a pixel
-    Msaa8,
 }
 
 /// Width and height in pixels.
@@ -119,7 +111,7 @@ impl FromStr for View {
 }
 
 /// Three finite numbers with commas between them.
-fn point(text: &str) -> Option<DVec3> {
+pub(super) fn point(text: &str) -> Option<DVec3> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|number| number.trim().parse())
@@ -179,7 +171,8 @@ pub(crate) fn run(
     output::write_bytes(&options.output, &png)
 }
 
-fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, raster::RasterError> {
+/// The picture as the bytes of a PNG file.
+fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
     let Size { width, height } = options.size;
     let aspect = f64::from(width) / f64::from(height);
     let lens = if options.orthographic {
@@ -212,17 +205,53 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, raster::RasterEr
             }
         }
     };
-    let mut render = RenderOptions::default();
-    render.anti_aliasing = match options.anti_aliasing {
-        Smoothing::None => AntiAliasing::None,
-        Smoothing::Msaa4 => AntiAliasing::Msaa4,
-        Smoothing::Msaa8 => AntiAliasing::Msaa8,
-    };
+    let looks = &options.looks;
+    let mut render = looks.render_options();
     if let Some(background) = options.background {
         render.background = background;
     }
-    raster::render(mesh, &camera.view(width, height)?, width, height, &render)?.to_png()
+    let sections = looks.sections();
+    let scene = if sections.is_empty() {
+        Scene::new(mesh)
+    } else {
+        Scene::with_sections(mesh, &sections)?
+    };
+    if looks.sheet {
+        return contact_sheet(mesh, &scene, lens, width, height, &render)?.to_png();
+    }
+    if let Some(frames) = looks.turntable {
+        // At the attitude of the camera, as far away as all sides need.
+        let around = turntable_camera(mesh, StandardView::Iso, lens, aspect)?;
+        let back = (camera.eye - camera.target).normalize_or_zero();
+        let camera = Camera {
+            eye: around.target + back * around.eye.distance(around.target),
+            up: camera.up,
+            ..around
+        };
+        let frames = turntable(&scene, &camera, frames, width, height, &render)?;
+        let mut file = Vec::new();
+        write_apng(&frames, FRAMES_PER_SECOND, &mut file)?;
+        return Ok(file);
+    }
+    let view = camera.view(width, height)?;
+    let mut renderer = Renderer::default();
+    let mut image = Image::default();
+    let stats = renderer.draw(&scene, &view, width, height, &render, &mut image)?;
+    if looks.stats {
+        eprint!("{stats}");
+    }
+    let shown = match looks.show {
+        Show::Color => image,
+        Show::Depth => depth_image(&renderer.depth_buffer()),
+        Show::Normals => normal_image(&renderer.normal_buffer(&scene, &view)),
+        Show::Surfaces => id_image(&renderer.surface_buffer(&scene)),
+        Show::Occlusion => occlusion_image(&renderer.ambient_occlusion(&scene, &view)),
+    };
+    shown.to_png()
 }
+
+/// Speed of a turntable.
+const FRAMES_PER_SECOND: u16 = 15;
 
 /// Z is up in the picture unless the view is along it.
 fn up_for(direction: DVec3) -> DVec3 {

@@ -1,0 +1,214 @@
+//! What a picture looks like: the options of `render` beyond its camera.
+
+use std::str::FromStr;
+
+use glam::DVec3;
+use raster::{AntiAliasing, EdgeOptions, HiddenEdges, Interpolation, RenderOptions, SectionPlane};
+
+/// Options for looks.
+#[derive(Debug, clap::Args)]
+pub(super) struct Looks {
+    /// Where the light is reckoned: once a triangle, at its corners, or at
+    /// every pixel
+    #[arg(long, value_enum, default_value_t = Shading::Phong)]
+    shading: Shading,
+    /// How edges are smoothed
+    #[arg(long, value_enum, default_value_t = Smoothing::Msaa4)]
+    anti_aliasing: Smoothing,
+    /// Draw feature edges and silhouettes over the shading
+    #[arg(long)]
+    edges: bool,
+    /// Draw hidden edges too, dashed
+    #[arg(long)]
+    hidden_edges: bool,
+    /// Draw the edges of all triangles
+    #[arg(long)]
+    wireframe: bool,
+    /// Draw all vertices
+    #[arg(long)]
+    points: bool,
+    /// Width of edges in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 1.2, value_parser = width)]
+    line_width: f64,
+    /// Cut away the side that a normal points to, and cap the cut: x, y or z
+    /// with a position, like y=0 or -y=0, or NX,NY,NZ:PX,PY,PZ; up to four
+    #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
+    section: Vec<Section>,
+    /// Darken where surroundings hide light
+    #[arg(long)]
+    ambient_occlusion: bool,
+    /// Cast a soft shadow on the ground
+    #[arg(long)]
+    shadow: bool,
+    /// Draw the axes in the lower left corner
+    #[arg(long)]
+    axes: bool,
+    /// Draw faces seen from behind as well, lit from their side
+    #[arg(long)]
+    two_sided: bool,
+    /// What the picture shows
+    #[arg(long, value_enum, default_value_t = Show::Color)]
+    pub(super) show: Show,
+    /// Four views on one sheet instead of one
+    #[arg(long, conflicts_with_all = ["turntable", "show"])]
+    pub(super) sheet: bool,
+    /// Go once round the model in so many frames, as an animated PNG
+    #[arg(long, value_name = "FRAMES", conflicts_with = "show",
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) turntable: Option<u32>,
+    /// Say on standard error what was drawn and what was left out
+    #[arg(long)]
+    pub(super) stats: bool,
+}
+
+/// Where the light is reckoned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Shading {
+    /// Once a triangle
+    Flat,
+    /// At the corners of each triangle
+    Gouraud,
+    /// At every pixel
+    Phong,
+}
+
+/// How edges are smoothed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Smoothing {
+    /// One sample a pixel
+    None,
+    /// Four samples a pixel
+    Msaa4,
+    /// Eight samples a pixel
+    Msaa8,
+    /// Drawn at twice the size each way
+    Supersample2,
+    /// Drawn at four times the size each way
+    Supersample4,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Show {
+    /// The model
+    Color,
+    /// Its distance: near white, far dark
+    Depth,
+    /// Its normals, as red, green and blue
+    Normals,
+    /// Its surfaces, each in a colour
+    Surfaces,
+    /// How open it is to light from everywhere
+    Occlusion,
+}
+
+/// A section plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Section(SectionPlane);
+
+impl FromStr for Section {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let plane = match text.split_once('=') {
+            Some((axis, position)) => {
+                let (axis, sign) = match axis.strip_prefix('-') {
+                    Some(axis) => (axis, -1.0),
+                    None => (axis, 1.0),
+                };
+                let axis = match axis {
+                    "x" => Some(DVec3::X),
+                    "y" => Some(DVec3::Y),
+                    "z" => Some(DVec3::Z),
+                    _ => None,
+                };
+                let position = position.trim().parse().ok().filter(|p: &f64| p.is_finite());
+                axis.zip(position).map(|(axis, position)| SectionPlane {
+                    normal: axis * sign,
+                    point: axis * position,
+                })
+            }
+            None => text.split_once(':').and_then(|(normal, point)| {
+                let normal = super::render::point(normal).filter(|n| *n != DVec3::ZERO)?;
+                let point = super::render::point(point)?;
+                Some(SectionPlane { normal, point })
+            }),
+        };
+        plane
+            .map(Self)
+            .ok_or_else(|| "give a plane like y=0 or -z=2.5, or 1,1,0:0,0,0".into())
+    }
+}
+
+fn width(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(pixels) if pixels > 0.0 && pixels <= 100.0 => Ok(pixels),
+        _ => Err("give a width from 0 to 100 pixels".into()),
+    }
+}
+
+impl Looks {
+    /// The renderer's options.
+    pub(super) fn render_options(&self) -> RenderOptions {
+        let mut options = RenderOptions::default();
+        options.interpolation = match self.shading {
+            Shading::Flat => Interpolation::Flat,
+            Shading::Gouraud => Interpolation::Gouraud,
+            Shading::Phong => Interpolation::Phong,
+        };
+        options.anti_aliasing = match self.anti_aliasing {
+            Smoothing::None => AntiAliasing::None,
+            Smoothing::Msaa4 => AntiAliasing::Msaa4,
+            Smoothing::Msaa8 => AntiAliasing::Msaa8,
+            Smoothing::Supersample2 => AntiAliasing::Supersample(2),
+            Smoothing::Supersample4 => AntiAliasing::Supersample(4),
+        };
+        if self.edges || self.hidden_edges || self.wireframe || self.points {
+            let mut edges = EdgeOptions::default();
+            edges.features = self.edges || self.hidden_edges;
+            edges.silhouettes = edges.features;
+            edges.wireframe = self.wireframe;
+            edges.points = self.points;
+            edges.width = self.line_width;
+            if self.hidden_edges {
+                edges.hidden = HiddenEdges::Dash;
+            }
+            options.edges = Some(edges);
+        }
+        options.ambient_occlusion = self.ambient_occlusion;
+        options.ground_shadow = self.shadow;
+        options.triad = self.axes;
+        options.two_sided = self.two_sided;
+        options.cull_back_faces = !self.two_sided;
+        options
+    }
+
+    /// The planes that cut the model.
+    pub(super) fn sections(&self) -> Vec<SectionPlane> {
+        self.section.iter().map(|section| section.0).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections() {
+        let cases = [
+            ("y=0", DVec3::Y, DVec3::ZERO),
+            ("-z=2.5", DVec3::NEG_Z, DVec3::new(0.0, 0.0, 2.5)),
+            (
+                "1,1,0:3,4,5",
+                DVec3::new(1.0, 1.0, 0.0),
+                DVec3::new(3.0, 4.0, 5.0),
+            ),
+        ];
+        for (text, normal, point) in cases {
+            assert_eq!(text.parse(), Ok(Section(SectionPlane { normal, point })));
+        }
+        for faulty in ["", "y", "w=1", "y=", "y=nan", "0,0,0:1,1,1", "1,2:3,4,5"] {
+            assert!(faulty.parse::<Section>().is_err(), "{faulty}");
+        }
+    }
+}
