@@ -254,6 +254,21 @@ pub(super) fn is_set(mask: &Mask, sample: usize) -> bool {
     mask[sample >> 6] >> (sample & 63) & 1 == 1
 }
 
+/// Writes the samples of a mask to a list, in ascending order; their number.
+#[inline(always)]
+pub(super) fn expand(mask: &Mask, list: &mut [u16; WORDS * 64]) -> usize {
+    let mut count = 0;
+    for (word, &bits) in mask.iter().enumerate() {
+        let mut bits = bits;
+        while bits != 0 {
+            list[count % (WORDS * 64)] = (word * 64) as u16 + bits.trailing_zeros() as u16;
+            count += 1;
+            bits &= bits - 1;
+        }
+    }
+    count
+}
+
 /// Calls `visit` for every set bit, in ascending order.
 #[inline(always)]
 pub(super) fn for_each_set(mask: &Mask, mut visit: impl FnMut(usize)) {

@@ -116,15 +116,10 @@ pub(super) struct PolygonCode(u16);
 
 impl PolygonCode {
     #[inline(always)]
-    pub fn new(
-        axis: usize,
-        starts_inside: bool,
-        surface_starts_inside: bool,
-        sample: usize,
-    ) -> Self {
+    pub fn new(axis: usize, starts_inside: bool, surface_starts_inside: bool, sample: u16) -> Self {
         let reversed = starts_inside != surface_starts_inside;
-        let flags = usize::from(reversed) << 3 | axis << 1 | usize::from(starts_inside);
-        Self((flags << 12 | sample) as u16)
+        let flags = u16::from(reversed) << 3 | (axis as u16) << 1 | u16::from(starts_inside);
+        Self(flags << 12 | sample)
     }
 
     #[inline(always)]

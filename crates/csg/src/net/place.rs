@@ -88,10 +88,13 @@ pub(super) struct Placer {
     cause: [Box<[u16; EDGES]>; 3],
     polygons: Vec<Vec<PolygonCode>>,
     /// Starting points, then vertices, of the simple cells of one surface.
-    x: Vec<f64>,
-    y: Vec<f64>,
-    z: Vec<f64>,
-    batch: Vec<u16>,
+    x: Box<[f64; EDGES]>,
+    y: Box<[f64; EDGES]>,
+    z: Box<[f64; EDGES]>,
+    /// The samples of a mask, one by one.
+    list: Box<[u16; EDGES]>,
+    /// Whether one surface alone crosses the brick: it causes everything.
+    one_surface: bool,
     gates: Vec<u64>,
     signs: Vec<u64>,
     slow: Vec<u16>,
@@ -112,10 +115,11 @@ impl Default for Placer {
             changes: Vec::new(),
             cause: [(); 3].map(|()| Box::new([0; EDGES])),
             polygons: Vec::new(),
-            x: Vec::new(),
-            y: Vec::new(),
-            z: Vec::new(),
-            batch: Vec::new(),
+            x: Box::new([0.0; EDGES]),
+            y: Box::new([0.0; EDGES]),
+            z: Box::new([0.0; EDGES]),
+            list: Box::new([0; EDGES]),
+            one_surface: false,
             gates: Vec::new(),
             signs: Vec::new(),
             slow: Vec::new(),
@@ -212,32 +216,47 @@ impl Placer {
         if self.polygons.len() < cell.surfaces.len() {
             self.polygons.resize_with(cell.surfaces.len(), Vec::new);
         }
-        for s in 0..cell.surfaces.len() {
-            for axis in 0..3 {
-                self.batch.clear();
-                let batch = &mut self.batch;
-                let polygons = &mut self.polygons[s];
-                for word in 0..WORDS {
-                    let mut bits = crossings.solid[axis][word]
-                        & self.changes[s][axis][word]
+        let several_surfaces = cell.surfaces.len() > 1;
+        self.one_surface = !several_surfaces;
+        let list = &mut *self.list;
+        for (s, changes) in self.changes.iter().enumerate() {
+            for (axis, changes) in changes[..3].iter().enumerate() {
+                let mut changed = [0; WORDS];
+                let mut any = 0;
+                for (word, changed) in changed.iter_mut().enumerate() {
+                    *changed = crossings.solid[axis][word]
+                        & changes[word]
                         & !crossings.several[axis][word];
-                    let starts_inside = self.classified.solid[word];
-                    let surface_starts_inside = self.classified.signs[s][word];
-                    let owned = brick::owned(word);
-                    while bits != 0 {
-                        let bit = bits.trailing_zeros() as usize;
-                        bits &= bits - 1;
-                        let sample = word * 64 + bit;
-                        batch.push(sample as u16);
-                        if owned >> bit & 1 == 1 {
-                            let inside = starts_inside >> bit & 1 == 1;
-                            let within = surface_starts_inside >> bit & 1 == 1;
-                            polygons.push(PolygonCode::new(axis, inside, within, sample));
-                        }
+                    any |= *changed;
+                }
+                if any == 0 {
+                    continue;
+                }
+                if several_surfaces {
+                    let count = brick::expand(&changed, list);
+                    for &sample in &list[..count] {
+                        self.cause[axis][usize::from(sample) % EDGES] = s as u16;
                     }
                 }
-                for &sample in &self.batch {
-                    self.cause[axis][usize::from(sample) % EDGES] = s as u16;
+                // All that a code says but the sample is constant for each
+                // combination of the two ends' sides.
+                for (inside, within) in [(false, false), (false, true), (true, false), (true, true)]
+                {
+                    let mut chosen = [0; WORDS];
+                    let mut any = 0;
+                    for (word, chosen) in chosen.iter_mut().enumerate() {
+                        let solid = self.classified.solid[word];
+                        let surface = self.classified.signs[s][word];
+                        let solid = if inside { solid } else { !solid };
+                        let surface = if within { surface } else { !surface };
+                        *chosen = changed[word] & solid & surface & brick::owned(word);
+                        any |= *chosen;
+                    }
+                    if any != 0 {
+                        let count = brick::expand(&chosen, list);
+                        let code = |&sample| PolygonCode::new(axis, inside, within, sample);
+                        self.polygons[s].extend(list[..count].iter().map(code));
+                    }
                 }
             }
         }
@@ -261,7 +280,12 @@ impl Placer {
                         let s = usize::from(s);
                         let inside = brick::is_set(&self.classified.solid, sample);
                         let within = brick::is_set(&self.classified.signs[s], sample);
-                        self.polygons[s].push(PolygonCode::new(axis, inside, within, sample));
+                        self.polygons[s].push(PolygonCode::new(
+                            axis,
+                            inside,
+                            within,
+                            sample as u16,
+                        ));
                     }
                 }
             }
@@ -331,49 +355,65 @@ impl Placer {
         });
         for s in 0..cell.surfaces.len() {
             let surface = &scene.surfaces[cell.surfaces[s] as usize];
-            self.batch.clear();
-            self.x.clear();
-            self.y.clear();
-            self.z.clear();
-            let own = crossings.solid[3]
-                .iter()
-                .zip(&self.changes[s][3])
-                .zip(&several);
-            for (word, ((solid, changes), several)) in own.enumerate() {
-                let mut bits = solid & changes & !several;
-                while bits != 0 {
-                    let bit = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    let sample = word * 64 + bit;
-                    let corners = brick::corners(&self.classified.solid, sample);
-                    let pattern = &PATTERNS[usize::from(corners)];
-                    if !pattern.simple {
-                        self.slow.push(sample as u16);
-                        continue;
-                    }
-                    self.batch.push(sample as u16);
-                    let low = self.samples.point(sample);
-                    self.x.push(low.x + pattern.middle[0] * step);
-                    self.y.push(low.y + pattern.middle[1] * step);
-                    self.z.push(low.z + pattern.middle[2] * step);
-                }
+            let mut own = [0; WORDS];
+            let mut any = 0;
+            for (word, own) in own.iter_mut().enumerate() {
+                *own = crossings.solid[3][word] & self.changes[s][3][word] & !several[word];
+                any |= *own;
             }
+            if any == 0 {
+                continue;
+            }
+            let count = brick::expand(&own, &mut self.list);
+            // Compacted in place: what is read lies ahead of what is written.
+            let mut simple = 0;
+            for i in 0..count {
+                let sample = self.list[i];
+                let at = usize::from(sample) % EDGES;
+                let pattern = &PATTERNS[usize::from(brick::corners(&self.classified.solid, at))];
+                if !pattern.simple {
+                    self.slow.push(sample);
+                    continue;
+                }
+                let low = self.samples.point(at);
+                self.list[simple] = sample;
+                self.x[simple] = low.x + pattern.middle[0] * step;
+                self.y[simple] = low.y + pattern.middle[1] * step;
+                self.z[simple] = low.z + pattern.middle[2] * step;
+                simple += 1;
+            }
+            let cells = &self.list[..simple];
+            let (x, y, z) = (
+                &mut self.x[..simple],
+                &mut self.y[..simple],
+                &mut self.z[..simple],
+            );
             // The square of the last step, relative to the radius of curvature
             // (hardly below a cell), is what remains.
-            let (x, y, z) = (&mut self.x, &mut self.y, &mut self.z);
             let converged = solve::project_all(surface, 1e-8 * step, x, y, z);
-            for (i, &sample) in self.batch.iter().enumerate() {
-                let at = usize::from(sample);
-                let point = DVec3::new(self.x[i], self.y[i], self.z[i]);
-                let offset = (point - self.samples.point(at) - 0.5 * step).abs();
-                let near = offset.max_element() <= step;
-                let on_it = converged || {
-                    let miss = solve::residual(std::iter::once(surface), point);
-                    miss <= scene.tolerance
-                };
-                if near && on_it {
+            let is_good = |(&sample, ((&x, &y), &z)): (&u16, ((&f64, &f64), &f64))| {
+                let point = DVec3::new(x, y, z);
+                let low = self.samples.point(usize::from(sample) % EDGES);
+                let near = (point - low - 0.5 * step).abs().max_element() <= step;
+                near && (converged
+                    || solve::residual(std::iter::once(surface), point) <= scene.tolerance)
+            };
+            let points = || x.iter().zip(&*y).zip(&*z);
+            // Nearly always all of them are.
+            let good = cells
+                .iter()
+                .zip(points())
+                .fold(true, |all, one| all & is_good(one));
+            if good {
+                part.cells.extend_from_slice(cells);
+                let points = points().map(|((&x, &y), &z)| DVec3::new(x, y, z));
+                part.vertices.extend(points);
+                continue;
+            }
+            for (&sample, ((&x, &y), &z)) in cells.iter().zip(points()) {
+                if is_good((&sample, ((&x, &y), &z))) {
                     part.cells.push(sample);
-                    part.vertices.push(point);
+                    part.vertices.push(DVec3::new(x, y, z));
                 } else {
                     self.slow.push(sample);
                 }
@@ -461,7 +501,7 @@ impl Placer {
         axis: usize,
         lowest: usize,
     ) -> bool {
-        let causes = self.face_edges(axis, lowest).map(|(a, s)| self.cause[a][s]);
+        let causes = self.face_edges(axis, lowest).map(|(a, s)| self.cause(a, s));
         let [a, b, c, d] = causes;
         let first_inside = brick::is_set(&self.classified.solid, lowest);
         // Arcs (0,1) and (2,3) cut off the odd corners, (1,2) and (3,0) the even.
@@ -525,12 +565,21 @@ impl Placer {
             let edge = remaining.trailing_zeros() as usize;
             remaining &= remaining - 1;
             let (axis, offset) = EDGE_OFFSETS[edge];
-            constraints.insert(self.cause[axis][(sample + offset) % EDGES]);
+            constraints.insert(self.cause(axis, sample + offset));
             start += self.edge_middle(scene, axis, sample + offset);
         }
         start /= f64::from(edges.count_ones());
         let middle = self.samples.point(sample) + 0.5 * scene.lattice.step;
         self.place_vertex(scene, cell, constraints, start, middle, part);
+    }
+
+    /// The surface that causes a crossing.
+    fn cause(&self, axis: usize, sample: usize) -> u16 {
+        if self.one_surface {
+            0
+        } else {
+            self.cause[axis][sample % EDGES]
+        }
     }
 
     /// The middle of a lattice edge.
@@ -792,7 +841,7 @@ impl Placer {
                     let mut start = DVec3::ZERO;
                     for i in pair {
                         let (axis, sample) = edges[i];
-                        constraints.insert(self.cause[axis][sample]);
+                        constraints.insert(self.cause(axis, sample));
                         start += 0.5 * self.edge_middle(scene, axis, sample);
                     }
                     self.place_vertex(scene, cell, constraints, start, middle, part);

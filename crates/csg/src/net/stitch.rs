@@ -159,7 +159,7 @@ impl<'a> Stitcher<'a> {
         out
     }
 
-    /// Triangulates polygons of one surface, eight at a time.
+    /// Triangulates polygons of one surface, many at a time.
     #[inline(always)]
     fn polygons(
         &self,
@@ -317,15 +317,25 @@ fn split([a, b, c, d]: [u32; 4], even: bool) -> [[u32; 3]; 2] {
     }
 }
 
-const LANES: usize = 8;
+/// Quads handled together: so many that what is written coordinate by
+/// coordinate has left the store buffer when it is read in whole vectors.
+const LANES: usize = 32;
 
-/// The corners of eight quads, coordinate by coordinate.
-#[derive(Default)]
+/// The corners of many quads, coordinate by coordinate.
 struct Quads {
     /// Corner, coordinate, lane.
     corners: [[[f64; LANES]; 3]; 4],
     /// 1 where the surface's gradient points out of the solid, else -1.
     outward: [f64; LANES],
+}
+
+impl Default for Quads {
+    fn default() -> Self {
+        Self {
+            corners: [[[0.0; LANES]; 3]; 4],
+            outward: [0.0; LANES],
+        }
+    }
 }
 
 impl Quads {

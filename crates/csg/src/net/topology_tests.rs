@@ -204,8 +204,12 @@ impl Signs {
                 let starts_inside = corners & 1 == 1;
                 let ends_inside = corners >> (1 << axis) & 1 == 1;
                 if starts_inside != ends_inside {
-                    let code =
-                        PolygonCode::new(axis, starts_inside, random.below(2) == 0, packed(local));
+                    let code = PolygonCode::new(
+                        axis,
+                        starts_inside,
+                        random.below(2) == 0,
+                        packed(local) as u16,
+                    );
                     groups[random.below(2)].push(code);
                 }
             }
