@@ -196,43 +196,58 @@ pub(super) fn mixed_cells(mask: &Mask, out: &mut Mask) {
 }
 
 /// The faces normal to `axis` (by their lowest sample) that the brick owns and
-/// all of whose edges are crossed. `crossed` is by axis of the edges.
+/// all of whose edges are crossed; whether there is any. `crossed` is by axis
+/// of the edges.
 #[inline(always)]
-pub(super) fn ambiguous_faces(axis: usize, crossed: &[Mask; 4]) -> Mask {
+pub(super) fn ambiguous_faces(axis: usize, crossed: &[Mask; 4], faces: &mut Mask) -> bool {
     let (b, c) = next_axes(axis);
-    let mut faces = [0; WORDS];
-    for (word, faces) in faces.iter_mut().enumerate() {
-        let opposite_b = stepped(&crossed[b], word, c);
-        let opposite_c = stepped(&crossed[c], word, b);
-        *faces = crossed[b][word] & crossed[c][word] & opposite_b & opposite_c & owned(word);
+    let (mut opposite_b, mut opposite_c) = ([0; WORDS], [0; WORDS]);
+    step_down(&crossed[b], c, &mut opposite_b);
+    step_down(&crossed[c], b, &mut opposite_c);
+    let mut any = 0;
+    for word in 0..WORDS {
+        faces[word] =
+            crossed[b][word] & crossed[c][word] & opposite_b[word] & opposite_c[word] & OWNED[word];
+        any |= faces[word];
     }
-    faces
+    any != 0
 }
 
-/// Word `word` of the mask moved one sample down along `axis`.
+/// The mask moved one sample down along `axis`; what moves in from outside is
+/// not specified but where [`OWNED`].
 #[inline(always)]
-fn stepped(mask: &Mask, word: usize, axis: usize) -> u64 {
+fn step_down(mask: &Mask, axis: usize, out: &mut Mask) {
     match axis {
-        0 => mask[word] >> 1 & HAS_NEXT_X,
-        1 if word % LAYER == LAYER - 1 => mask[word] >> 16,
-        1 => mask[word] >> 16 | mask[word + 1] << 48,
-        _ if word + LAYER < WORDS => mask[word + LAYER],
-        _ => 0,
+        0 => {
+            for (out, mask) in out.iter_mut().zip(mask) {
+                *out = mask >> 1;
+            }
+        }
+        1 => {
+            for word in 0..WORDS - 1 {
+                out[word] = mask[word] >> 16 | mask[word + 1] << 48;
+            }
+        }
+        _ => out[..WORDS - LAYER].copy_from_slice(&mask[LAYER..]),
     }
 }
 
-/// The edges along `axis` that a brick owns: those that start in the first 15
+/// What a brick owns of edges and faces: those that start in the first 15
 /// samples of every row, column and layer.
-#[inline(always)]
-pub(super) fn owned(word: usize) -> u64 {
-    if word >= WORDS - LAYER {
-        0
-    } else if word % LAYER == LAYER - 1 {
-        HAS_NEXT_X & HAS_NEXT_Y
-    } else {
-        HAS_NEXT_X
+pub(super) const OWNED: Mask = {
+    let mut owned = [HAS_NEXT_X; WORDS];
+    let mut word = 0;
+    while word < WORDS {
+        if word % LAYER == LAYER - 1 {
+            owned[word] &= HAS_NEXT_Y;
+        }
+        if word >= WORDS - LAYER {
+            owned[word] = 0;
+        }
+        word += 1;
     }
-}
+    owned
+};
 
 /// Row y + 16 z of a mask, as a 16-bit number.
 #[inline(always)]

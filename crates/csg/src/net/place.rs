@@ -249,7 +249,7 @@ impl Placer {
                         let surface = self.classified.signs[s][word];
                         let solid = if inside { solid } else { !solid };
                         let surface = if within { surface } else { !surface };
-                        *chosen = changed[word] & solid & surface & brick::owned(word);
+                        *chosen = changed[word] & solid & surface & brick::OWNED[word];
                         any |= *chosen;
                     }
                     if any != 0 {
@@ -269,7 +269,7 @@ impl Placer {
                     let sample = word * 64 + bit;
                     let (s, several) = self.edge_cause(scene, cell, axis, sample);
                     self.cause[axis][sample] = s;
-                    let is_owned = brick::owned(word) >> bit & 1 == 1;
+                    let is_owned = brick::is_set(&brick::OWNED, sample);
                     if several && is_owned {
                         part.fallbacks.push(Fallback {
                             kind: FallbackKind::SeveralCrossings,
@@ -807,7 +807,7 @@ impl Placer {
 
     /// Puts two vertices on every ambiguous face the brick owns, one on each
     /// arc, so that no two mesh edges join the same two loops.
-    #[inline(never)]
+    #[inline(always)]
     fn place_arcs(
         &mut self,
         scene: &Scene<'_>,
@@ -817,35 +817,51 @@ impl Placer {
         part: &mut Part,
     ) {
         for axis in 0..3 {
-            let (b, c) = loops::next_axes(axis);
-            let mut faces = Vec::new();
-            let ambiguous = brick::ambiguous_faces(axis, &crossings.solid);
-            brick::for_each_set(&ambiguous, |sample| faces.push(sample));
-            for lowest in faces {
-                let joined = self.face_is_joined(scene, cell, axis, lowest);
-                part.arcs.push(FaceArcs {
-                    face: (axis << 12 | lowest) as u16,
-                    vertex: part.vertices.len() as u32 - record.vertices,
-                    joined,
-                });
-                let edges = self.face_edges(axis, lowest);
-                let first_inside = brick::is_set(&self.classified.solid, lowest);
-                let mut middle = self.samples.point(lowest);
-                middle[b] += 0.5 * scene.lattice.step;
-                middle[c] += 0.5 * scene.lattice.step;
-                let partner = loops::ambiguous_partner(first_inside, joined, 0);
-                let other = if partner == 1 { 2 } else { 1 };
-                let other_partner = loops::ambiguous_partner(first_inside, joined, other);
-                for pair in [[0, partner], [other, other_partner]] {
-                    let mut constraints = Constraints::default();
-                    let mut start = DVec3::ZERO;
-                    for i in pair {
-                        let (axis, sample) = edges[i];
-                        constraints.insert(self.cause(axis, sample));
-                        start += 0.5 * self.edge_middle(scene, axis, sample);
-                    }
-                    self.place_vertex(scene, cell, constraints, start, middle, part);
+            let mut faces = [0; WORDS];
+            if brick::ambiguous_faces(axis, &crossings.solid, &mut faces) {
+                self.place_axis_arcs(scene, cell, axis, &faces, record, part);
+            }
+        }
+    }
+
+    /// The vertices on ambiguous faces normal to one axis.
+    #[inline(never)]
+    fn place_axis_arcs(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        axis: usize,
+        faces: &Mask,
+        record: &BrickRecord,
+        part: &mut Part,
+    ) {
+        let (b, c) = loops::next_axes(axis);
+        let mut lowest_samples = Vec::new();
+        brick::for_each_set(faces, |sample| lowest_samples.push(sample));
+        for lowest in lowest_samples {
+            let joined = self.face_is_joined(scene, cell, axis, lowest);
+            part.arcs.push(FaceArcs {
+                face: (axis << 12 | lowest) as u16,
+                vertex: part.vertices.len() as u32 - record.vertices,
+                joined,
+            });
+            let edges = self.face_edges(axis, lowest);
+            let first_inside = brick::is_set(&self.classified.solid, lowest);
+            let mut middle = self.samples.point(lowest);
+            middle[b] += 0.5 * scene.lattice.step;
+            middle[c] += 0.5 * scene.lattice.step;
+            let partner = loops::ambiguous_partner(first_inside, joined, 0);
+            let other = if partner == 1 { 2 } else { 1 };
+            let other_partner = loops::ambiguous_partner(first_inside, joined, other);
+            for pair in [[0, partner], [other, other_partner]] {
+                let mut constraints = Constraints::default();
+                let mut start = DVec3::ZERO;
+                for i in pair {
+                    let (axis, sample) = edges[i];
+                    constraints.insert(self.cause(axis, sample));
+                    start += 0.5 * self.edge_middle(scene, axis, sample);
                 }
+                self.place_vertex(scene, cell, constraints, start, middle, part);
             }
         }
     }
