@@ -15,6 +15,7 @@ use crate::camera::View;
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
+use crate::hatch::hatch;
 use crate::scene::Scene;
 use crate::section::Caps;
 use crate::shade::{Incident, Interpolation, Light, Material, phong};
@@ -107,7 +108,7 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The point of a cap at one pixel of a job.
-    fn cap_point(&self, job: &Job, section: usize, lane: usize) -> Vec3 {
+    pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> Vec3 {
         let sample = |axis: usize, within: i32| {
             let pixel = job.at[axis] as i32 + within;
             f64::from(pixel * SUBPIXELS + SUBPIXELS / 2 - self.matrix.middle[axis])
@@ -442,39 +443,6 @@ fn interpolate_cap<S: Lanes>(
     result.normal = triple!(|K| here.select_f(normal[K], old.0[K]));
     result.point = triple!(|K| here.select_f(point[K], old.1[K]));
     result.colour = triple!(|K| here.select_f(colour[K], old.2[K]));
-}
-
-/// Strokes of hatching across the diameter of a scene.
-const HATCH_STROKES: f32 = 60.0;
-/// The part of a cap that strokes cover, and how much they darken it.
-const HATCH_WIDTH: f32 = 0.22;
-const HATCH_DARKENING: f32 = 0.6;
-
-/// Darkens the pixels of caps where they are hatched.
-fn hatch(context: &ShadeContext, batch: &mut Batch) {
-    let scene = context.scene;
-    let spacing = (scene.high - scene.low).length() as f32 / HATCH_STROKES;
-    let x_row = context.matrix.rows[0].truncate().length();
-    for (job, colour) in batch.jobs.iter().zip(&mut batch.colours) {
-        for (k, &number) in job.triangles.iter().enumerate() {
-            let (_, Some(section)) = decode(number) else {
-                continue;
-            };
-            let Some(plane) = scene.sections.get(section) else {
-                continue;
-            };
-            let point = context.cap_point(job, section, k);
-            // The size of a pixel there, in strokes.
-            let pixel = context.matrix.row(3, point) * SUBPIXELS as f32 / x_row / spacing;
-            let across = plane.hatch.dot(point) / spacing;
-            let from_middle = (across - across.floor() - 0.5).abs();
-            let covered =
-                ((HATCH_WIDTH / 2.0 - from_middle) / pixel.max(1e-6) + 0.5).clamp(0.0, 1.0);
-            for channel in colour.iter_mut() {
-                channel[k] *= 1.0 - HATCH_DARKENING * covered;
-            }
-        }
-    }
 }
 
 /// The materials of 16 pixels.

@@ -140,6 +140,7 @@ mod frame;
 mod framing;
 mod geometry;
 mod ground;
+mod hatch;
 pub mod hidden_surface;
 mod image;
 mod line;
