@@ -19,7 +19,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         return Ok(cli::run(scenes::drilled));
     }
     let program = Program::lower(&scenes::drilled())?;
-    let meshed = Mesher::new().cells(128).mesh(&program)?;
+    let meshed = Mesher::new().cells(128).normals().mesh(&program)?;
     let mesh = &meshed.mesh;
 
     let folder = Path::new("out");

@@ -90,6 +90,7 @@ pub(crate) fn produce(
             seconds.push(("lower", start.elapsed().as_secs_f64()));
             progress.stage("meshing");
             let mut mesher = Mesher::new()
+                .normals()
                 .cells(options.cells)
                 .unit(options.unit.length_unit())
                 .progress(progress.callback());

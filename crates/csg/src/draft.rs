@@ -61,7 +61,6 @@ pub(crate) fn mesh(task: &Task, report: &mut Report) -> Result<Mesh, Error> {
     patches.retain(|patch| !patch.cells.is_empty());
     report.surface_cells = patches.iter().map(|p| p.positions.len() as u64).sum();
     for patch in &patches {
-        report.largest_vertex_distance = report.largest_vertex_distance.max(patch.distance);
         for place in &patch.unclear {
             report.add_fallback("triangle between surfaces", *place + task.origin);
         }

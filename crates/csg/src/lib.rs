@@ -4,6 +4,7 @@ pub mod color;
 mod control;
 mod draft;
 mod error;
+mod finish;
 pub mod mesh;
 mod mesher;
 mod net;

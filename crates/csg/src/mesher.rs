@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::control::{CancelToken, Control};
 use crate::draft;
 use crate::error::Error;
+use crate::finish;
 use crate::mesh::{LengthUnit, Mesh};
 use crate::net;
 use crate::program::{Bounds, Program, Surface};
@@ -36,6 +37,8 @@ pub struct Mesher {
     bounds: Option<Bounds>,
     unit: LengthUnit,
     check: bool,
+    normals: bool,
+    feature_angle: Option<f64>,
     control: Control,
 }
 
@@ -93,6 +96,8 @@ impl Mesher {
             bounds: None,
             unit: LengthUnit::default(),
             check: true,
+            normals: false,
+            feature_angle: None,
             control: Control::default(),
         }
     }
@@ -133,8 +138,23 @@ impl Mesher {
         self
     }
 
-    /// Whether to check the finished mesh (on by default), which takes about
-    /// as long again as meshing; off, [`Report::check`] stays empty.
+    /// Fills [`Mesh::corner_normals`] with exact normals: the gradient of each
+    /// triangle's surface at its corners. 36 bytes a triangle.
+    pub fn normals(mut self) -> Self {
+        self.normals = true;
+        self
+    }
+
+    /// Fills [`Mesh::feature_edges`] with the edges between different surfaces
+    /// that meet at more than `angle` radians, as polylines.
+    pub fn feature_edges(mut self, angle: f64) -> Self {
+        self.feature_angle = Some(angle);
+        self
+    }
+
+    /// Whether to check and measure the finished mesh (on by default), which
+    /// takes about as long again as meshing; off, [`Report::check`] and the
+    /// report's distances stay empty.
     pub fn check(mut self, check: bool) -> Self {
         self.check = check;
         self
@@ -204,9 +224,28 @@ impl Mesher {
         }
         mesh.unit = self.unit;
         self.control.check()?;
+        let start = Instant::now();
+        if self.normals {
+            mesh.corner_normals = finish::corner_normals(program, &mesh);
+            report.end_stage("normals", start);
+        }
+        let start = Instant::now();
+        if let Some(angle) = self.feature_angle {
+            if !(0.0..=std::f64::consts::PI).contains(&angle) {
+                return Err(Error::InvalidOption(format!(
+                    "a feature angle of {angle}: give radians from 0 to pi"
+                )));
+            }
+            mesh.feature_edges = finish::feature_edges(program, &mesh, angle);
+            report.end_stage("feature edges", start);
+        }
         if self.check {
             let start = Instant::now();
             report.check = mesh.check();
+            (
+                report.largest_vertex_distance,
+                report.largest_centroid_distance,
+            ) = finish::largest_distances(program, &mesh);
             report.end_stage("check", start);
         }
         if let Some(progress) = &self.control.progress {

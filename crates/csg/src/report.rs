@@ -30,6 +30,8 @@ pub struct Report {
     /// The largest distance, in model units and to first order, of a vertex
     /// from the surface that a triangle at it is assigned to.
     pub largest_vertex_distance: f64,
+    /// The same for the centroids of triangles: the chord error.
+    pub largest_centroid_distance: f64,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.

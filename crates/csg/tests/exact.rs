@@ -90,3 +90,49 @@ fn any_number_of_threads_gives_the_same_mesh() {
     assert!(one == with_threads(2));
     assert!(one == with_threads(8));
 }
+
+#[test]
+fn normals_are_the_surfaces_gradients() {
+    let solid = Solid::sphere(2.0) - Solid::sphere(1.0);
+    let program = Program::lower(&solid).expect("a valid solid");
+    let meshed = Mesher::new().cells(24).normals().mesh(&program);
+    let mesh = meshed.expect("bounded").mesh;
+    assert_eq!(mesh.corner_normals.len(), mesh.triangles.len());
+    for (i, normals) in mesh.corner_normals.iter().enumerate() {
+        for (p, n) in mesh.corners(i).into_iter().zip(normals) {
+            // Outwards on the outer sphere, into the cavity on the inner.
+            let outward = p.normalize() * if p.length() > 1.5 { 1.0 } else { -1.0 };
+            assert!(n.as_dvec3().distance(outward) < 1e-6, "{n} at {p}");
+        }
+    }
+}
+
+#[test]
+fn feature_edges_are_the_edges_of_the_solid() {
+    let meshed = |solid: &Solid| {
+        let program = Program::lower(solid).expect("a valid solid");
+        let meshed = Mesher::new().cells(20).feature_edges(0.1).mesh(&program);
+        meshed.expect("bounded").mesh
+    };
+    let length = |mesh: &Mesh, line: &[u32]| -> f64 {
+        let at = |v: u32| mesh.positions[v as usize];
+        line.windows(2).map(|w| at(w[0]).distance(at(w[1]))).sum()
+    };
+    // A cube has twelve, each of its side's length.
+    let cube = meshed(&Solid::cube(2.0).rotate_xyz(0.3, 0.5, 0.7));
+    assert_eq!(cube.feature_edges.len(), 12);
+    for line in &cube.feature_edges {
+        assert!((length(&cube, line) - 2.0).abs() < 1e-12);
+    }
+    // A cylinder has two closed ones.
+    let cylinder = meshed(&Solid::cylinder(1.0, 0.0..1.0));
+    assert_eq!(cylinder.feature_edges.len(), 2);
+    for line in &cylinder.feature_edges {
+        assert_eq!(line.first(), line.last());
+        let circle = length(&cylinder, line);
+        assert!(circle < std::f64::consts::TAU && circle > 6.2, "{circle}");
+    }
+    // A sphere cut by another through its middle, smooth elsewhere.
+    let ball = meshed(&Solid::sphere(1.0));
+    assert!(ball.feature_edges.is_empty());
+}

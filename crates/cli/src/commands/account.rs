@@ -45,6 +45,7 @@ struct ReportAccount {
     cells_pruned: u64,
     surface_cells: u64,
     largest_vertex_distance: f64,
+    largest_centroid_distance: f64,
     fallbacks: Vec<FallbackAccount>,
 }
 
@@ -98,6 +99,7 @@ impl ReportAccount {
             cells_pruned: report.cells_pruned,
             surface_cells: report.surface_cells,
             largest_vertex_distance: report.largest_vertex_distance,
+            largest_centroid_distance: report.largest_centroid_distance,
             fallbacks: report
                 .fallbacks
                 .iter()
