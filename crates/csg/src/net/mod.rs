@@ -26,6 +26,7 @@ mod stitch;
 mod topology_tests;
 mod validity;
 
+use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -74,10 +75,12 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     let arch = pulp::Arch::new();
     let parts: Vec<Part> = blocks
         .par_iter()
-        .map_init(Walker::default, |walker, block| {
-            let mut part = Part::default();
+        .map(|block| {
+            let mut part = Part::with_room_for(cells_in(block.from, block.to));
             if task.control.check().is_ok() {
-                arch.dispatch(WalkBlock(walker, &scene, block, &mut part));
+                WALKER.with_borrow_mut(|walker| {
+                    arch.dispatch(WalkBlock(walker, &scene, block, &mut part));
+                });
             }
             stage.add(1);
             part
@@ -100,8 +103,9 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     let stage = task.control.stage(parts.len() as u64, 0.7, 1.0);
     let stitched: Vec<Stitched> = (0..parts.len())
         .into_par_iter()
-        .map_init(Table::default, |table, part| {
-            let stitched = arch.dispatch(StitchPart(&stitcher, part, table));
+        .map(|part| {
+            let stitched =
+                TABLE.with_borrow_mut(|table| arch.dispatch(StitchPart(&stitcher, part, table)));
             stage.add(1);
             stitched
         })
@@ -149,6 +153,13 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         surfaces,
         ..Mesh::default()
     })
+}
+
+thread_local! {
+    /// Scratch memory that every worker keeps from block to block and from
+    /// mesh to mesh, some 300 KiB: fresh pages cost more than a small mesh.
+    static WALKER: RefCell<Walker> = RefCell::default();
+    static TABLE: RefCell<Table> = RefCell::default();
 }
 
 /// The work on one block, compiled for every SIMD level: what is inlined here

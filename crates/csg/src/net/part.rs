@@ -32,6 +32,19 @@ pub(super) struct Part {
 }
 
 impl Part {
+    /// An empty part with room for what a smooth surface through a block of so
+    /// many cells leaves behind: about two of its cross-sections.
+    pub fn with_room_for(cells: u64) -> Self {
+        let section = (cells as f64).powf(2.0 / 3.0);
+        let room = (2.0 * section).min(1e6) as usize;
+        Self {
+            cells: Vec::with_capacity(room),
+            vertices: Vec::with_capacity(room),
+            polygons: Vec::with_capacity(room),
+            ..Self::default()
+        }
+    }
+
     /// A record of a brick whose lists start where the part's end now.
     pub fn open_brick(&self, position: UVec3) -> BrickRecord {
         let empty_at_end = |length: usize| length as u32..length as u32;

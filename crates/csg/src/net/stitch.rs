@@ -194,7 +194,7 @@ impl<'a> Stitcher<'a> {
                 let p = quad.map(|v| self.positions[v as usize]);
                 quads.set(lane, p, code.is_reversed());
             }
-            let (even, bad) = quads.choose_diagonals(surface, self.least_area);
+            let (even, bad) = quads.choose_diagonals(surface, self.least_area, codes.len());
             if complex == 0 && bad == 0 && codes.len() == LANES {
                 let mut triangles = [[0; 3]; 2 * LANES];
                 for (lane, corners) in corners.into_iter().enumerate() {
@@ -290,7 +290,7 @@ impl<'a> Stitcher<'a> {
         let mut quads = Quads::default();
         let points = corners.map(|v| self.positions[v as usize]);
         quads.set(0, points, reversed);
-        let (even, bad) = quads.choose_diagonals(surface, self.least_area);
+        let (even, bad) = quads.choose_diagonals(surface, self.least_area, 1);
         out.add(split(corners, even & 1 == 1), bad & 1 == 1);
     }
 }
@@ -357,7 +357,7 @@ impl Quads {
     /// the other leaves no fold; on a plane the one whose smaller triangle is
     /// larger.
     #[inline(always)]
-    fn choose_diagonals(&self, surface: &Surface, least_area: f64) -> (u32, u32) {
+    fn choose_diagonals(&self, surface: &Surface, least_area: f64, count: usize) -> (u32, u32) {
         let [p, q, r, s] = &self.corners;
         let anchor = surface.anchor();
         let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
@@ -365,7 +365,8 @@ impl Quads {
         let g = surface.linear;
         let is_plane = surface.is_plane();
         let (mut even_bits, mut bad_bits) = ([0u32; LANES], [0u32; LANES]);
-        for lane in 0..LANES {
+        // Whole vectors of whatever width.
+        for lane in 0..count.next_multiple_of(8).min(LANES) {
             let at =
                 |corner: &[[f64; LANES]; 3]| (corner[0][lane], corner[1][lane], corner[2][lane]);
             let (px, py, pz) = at(p);
