@@ -1,0 +1,259 @@
+//! The models in `models/hard/`, each of which once broke a mesher: walls
+//! thinner than a cell, surfaces that touch, apexes, points where many
+//! surfaces meet, solids that are not manifold.
+
+use std::path::PathBuf;
+
+use csg::{Meshed, Mesher, Program, Solid};
+use glam::{DMat3, DVec3, dvec3};
+use stereotomy::{csg, io};
+
+use super::measures::{largest_miss, size};
+
+fn model(name: &str) -> Solid {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");
+    let file = folder.join(name).with_extension("csg");
+    let scene = io::scene::read_file(&file, &io::scene::ReadOptions::default());
+    scene
+        .unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+        .solid
+}
+
+fn mesh(solid: &Solid, cells: u32) -> Meshed {
+    let program = Program::lower(solid).expect("a valid solid");
+    Mesher::new().cells(cells).mesh(&program).expect("a mesh")
+}
+
+fn turn() -> DMat3 {
+    DMat3::from_rotation_z(0.7) * DMat3::from_rotation_y(0.5) * DMat3::from_rotation_x(0.3)
+}
+
+/// Where a model is put: scaled, then turned, then moved.
+#[derive(Clone, Copy, Debug)]
+struct Pose {
+    scale: f64,
+    turned: bool,
+    offset: DVec3,
+}
+
+const HOME: Pose = Pose {
+    scale: 1.0,
+    turned: false,
+    offset: DVec3::ZERO,
+};
+
+const TURNED: Pose = Pose {
+    turned: true,
+    ..HOME
+};
+
+/// At home, turned, and turned besides far away, small and large.
+const POSES: [Pose; 7] = [
+    HOME,
+    TURNED,
+    Pose {
+        offset: dvec3(1e6, -2e6, 1e6),
+        ..TURNED
+    },
+    Pose {
+        offset: dvec3(-1e9, 1e9, 0.5e9),
+        ..TURNED
+    },
+    Pose {
+        offset: dvec3(1e12, 0.0, 1e12),
+        ..TURNED
+    },
+    Pose {
+        scale: 1e-6,
+        ..TURNED
+    },
+    Pose {
+        scale: 1e6,
+        ..TURNED
+    },
+];
+
+impl Pose {
+    fn of(self, solid: &Solid) -> Solid {
+        let scaled = if self.scale == 1.0 {
+            solid.clone()
+        } else {
+            solid.scale(self.scale)
+        };
+        let turned = if self.turned {
+            scaled.rotate_xyz(0.3, 0.5, 0.7)
+        } else {
+            scaled
+        };
+        if self.offset == DVec3::ZERO {
+            turned
+        } else {
+            turned.translate(self.offset)
+        }
+    }
+
+    fn at(self, point: DVec3) -> DVec3 {
+        let scaled = point * self.scale;
+        self.offset + if self.turned { turn() * scaled } else { scaled }
+    }
+
+    /// How far coordinates may be off: four machine epsilons of the distance.
+    fn rounding(self) -> f64 {
+        4.0 * f64::EPSILON * self.offset.length()
+    }
+}
+
+/// All of them.
+const MODELS: [&str; 23] = [
+    "ball-on-plate",
+    "ball-through-edges",
+    "block-of-cubes",
+    "bubble-below-face",
+    "capsule",
+    "cone",
+    "conical-pit",
+    "crossing-pipes",
+    "cubes-sharing-a-corner",
+    "cubes-sharing-an-edge",
+    "dimples",
+    "hourglass",
+    "octahedron",
+    "plate",
+    "pyramid-12",
+    "pyramid-4",
+    "pyramid-5",
+    "pyramid-8",
+    "rods-side-by-side",
+    "rounded-edge",
+    "spire",
+    "thin-wall",
+    "wedge",
+];
+
+#[test]
+fn manifold_in_every_pose_at_every_grid() {
+    for name in MODELS {
+        for pose in POSES {
+            let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");
+            for cells in [1, 4, 11, 37] {
+                let meshed = Mesher::new().cells(cells).mesh(&program).expect("a mesh");
+                let check = &meshed.report.check;
+                assert!(check.is_manifold(), "{name} {pose:?} at {cells}: {check}");
+            }
+        }
+    }
+}
+
+#[test]
+fn flat_models_have_their_volume_at_every_grid_in_every_pose() {
+    let pyramid = |sides: f64| sides / 6.0 * (std::f64::consts::TAU / sides).sin();
+    for (name, volume) in [
+        ("block-of-cubes", 27.0),
+        ("cubes-sharing-a-corner", 2.0),
+        ("cubes-sharing-an-edge", 2.0),
+        ("octahedron", 4.0 / 3.0),
+        ("pyramid-4", pyramid(4.0)),
+        ("pyramid-5", pyramid(5.0)),
+    ] {
+        for pose in POSES {
+            for cells in [16, 33, 64] {
+                let Meshed { mesh, report, .. } = mesh(&pose.of(&model(name)), cells);
+                let error = mesh.volume() - volume * pose.scale.powi(3);
+                let allowed = 1e-12 * volume * pose.scale.powi(3) + pose.rounding() * mesh.area();
+                let name = format!("{name} {pose:?} at {cells}");
+                assert!(error.abs() <= allowed, "{name}: {error:e} of {allowed:e}");
+                let genus = report.check.genus();
+                assert!(
+                    name.contains("an-edge") || genus == Some(0),
+                    "{name}: {genus:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_block_of_27_cubes_is_one_block() {
+    for pose in POSES {
+        let report = mesh(&pose.of(&model("block-of-cubes")), 40).report;
+        assert_eq!(report.check.components, 1, "{pose:?}");
+        assert_eq!(report.check.genus(), Some(0), "{pose:?}");
+        assert!(
+            report.fallbacks.is_empty(),
+            "{pose:?}: {:?}",
+            report.fallbacks
+        );
+    }
+}
+
+#[test]
+fn cubes_that_share_an_edge_or_a_corner_have_every_corner() {
+    for (name, second) in [
+        ("cubes-sharing-an-edge", dvec3(1.0, 1.0, 0.0)),
+        ("cubes-sharing-a-corner", DVec3::ONE),
+    ] {
+        for pose in [HOME, TURNED] {
+            let mesh = mesh(&pose.of(&model(name)), 30).mesh;
+            for i in 0..16u32 {
+                let corner = DVec3::from_array([0, 1, 2].map(|a| f64::from(i >> a & 1)));
+                let corner = pose.at(corner + second * f64::from(i >> 3));
+                let nearest = nearest(&mesh, corner);
+                assert!(nearest < 1e-14, "{name} {pose:?}: {corner} by {nearest:e}");
+            }
+        }
+    }
+}
+
+/// How far the nearest vertex is from a point.
+fn nearest(mesh: &csg::Mesh, point: DVec3) -> f64 {
+    let distances = mesh.positions.iter().map(|p| p.distance(point));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn points_where_many_planes_meet_are_vertices() {
+    for (name, apex) in [
+        ("pyramid-4", dvec3(0.0, 0.0, 1.0)),
+        ("pyramid-5", dvec3(0.0, 0.0, 1.0)),
+        ("pyramid-8", dvec3(0.0, 0.0, 1.0)),
+        ("octahedron", dvec3(0.0, 0.0, -1.0)),
+        ("octahedron", dvec3(0.0, 1.0, 0.0)),
+    ] {
+        for pose in [HOME, TURNED] {
+            for cells in [16, 33, 64] {
+                let mesh = mesh(&pose.of(&model(name)), cells).mesh;
+                let nearest = nearest(&mesh, pose.at(apex));
+                assert!(nearest < 1e-12, "{name} {pose:?} at {cells}: {nearest:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn touching_surfaces_throw_no_vertex_off_and_curved_volumes_converge() {
+    use std::f64::consts::PI;
+    for (name, volume) in [
+        ("capsule", PI * (0.5 + 1.0 / 6.0)),
+        ("rounded-edge", 4.0 * (2.0 - 0.25 + PI / 16.0)),
+        ("crossing-pipes", 2.0 * PI - 2.0 / 3.0),
+        ("cone", 2.0 / 3.0 * PI),
+        ("conical-pit", 8.0 - PI / 3.0 * 1.25 * 0.625 * 0.625),
+    ] {
+        for pose in [HOME, TURNED] {
+            let solid = pose.of(&model(name));
+            let program = Program::lower(&solid).expect("a valid solid");
+            let error = |cells: u32| {
+                let Meshed { mesh, report, .. } = mesh(&solid, cells);
+                let which = format!("{name} {pose:?} at {cells}");
+                let miss = largest_miss(&program, &mesh) / size(&mesh);
+                assert!(miss < 1e-12 || name.starts_with("con"), "{which}: {miss:e}");
+                assert_eq!(report.check.genus(), Some(0), "{which}");
+                assert_eq!(report.check.components, 1, "{which}");
+                (mesh.volume() / volume - 1.0).abs()
+            };
+            // Second order: by eight at four times the cells, at the least.
+            let (coarse, fine) = (error(25), error(100));
+            assert!(fine < coarse / 8.0, "{name} {pose:?}: {coarse:e}, {fine:e}");
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! The exact mesher held against programs, closed forms and itself.
+#![allow(missing_docs, reason = "a test")]
+
+mod hard_models;
+mod measures;
+mod random;
+mod random_solids;
+mod reference_scenes;
