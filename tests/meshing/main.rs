@@ -3,6 +3,7 @@
 
 mod hard_models;
 mod measures;
+mod moved_solids;
 mod random;
 mod random_solids;
 mod reference_scenes;

@@ -7,15 +7,15 @@ use stereotomy::csg;
 use super::measures::assert_agrees;
 use super::random::Random;
 
-/// How many solids are tried; ten thousand take twelve minutes of one core.
+/// How many solids are tried: a slice of what there is.
 const SOLIDS: u64 = 160;
 
-fn mesh(program: &Program, cells: u32) -> Meshed {
+pub fn mesh(program: &Program, cells: u32) -> Meshed {
     Mesher::new().cells(cells).mesh(program).expect("a mesh")
 }
 
 /// A coarse and a fine grid for a solid.
-fn grids(random: &mut Random) -> [u32; 2] {
+pub fn grids(random: &mut Random) -> [u32; 2] {
     [4 + random.below(12) as u32, 24 + random.below(24) as u32]
 }
 

@@ -136,3 +136,35 @@ fn feature_edges_are_the_edges_of_the_solid() {
     let ball = meshed(&Solid::sphere(1.0));
     assert!(ball.feature_edges.is_empty());
 }
+
+#[test]
+fn the_tip_of_a_cone_is_a_vertex() {
+    let cone = Solid::cone(1.0, 0.0..2.0);
+    let tip = DVec3::new(0.0, 0.0, 2.0);
+    let turned = cone.rotate_xyz(0.3, 0.5, 0.7);
+    let turned_tip = glam::DMat3::from_rotation_z(0.7)
+        * glam::DMat3::from_rotation_y(0.5)
+        * glam::DMat3::from_rotation_x(0.3)
+        * tip;
+    for (solid, tip) in [(cone, tip), (turned, turned_tip)] {
+        for cells in [16, 23, 33, 64] {
+            let mesh = mesh(&solid, cells);
+            let distances = mesh.positions.iter().map(|p| p.distance(tip));
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-12, "off by {nearest:e} at {cells}");
+        }
+    }
+}
+
+#[test]
+fn what_is_too_thin_for_the_cells_is_reported() {
+    for thin in [
+        Solid::cuboid([1.0, 1.0, 1e-3]),
+        Solid::sphere(1.0) - Solid::sphere(0.9999),
+    ] {
+        let program = Program::lower(&thin).expect("a valid solid");
+        let meshed = Mesher::new().cells(16).mesh(&program).expect("bounded");
+        assert!(meshed.report.check.is_manifold());
+        assert!(!meshed.report.fallbacks.is_empty());
+    }
+}

@@ -181,6 +181,7 @@ pub(super) enum FallbackKind {
     NoCommonPoint,
     HiddenFeature,
     SeveralCrossings,
+    Unseen,
     Degenerate,
 }
 
@@ -196,6 +197,7 @@ impl FallbackKind {
             Self::SeveralCrossings => {
                 "lattice edge that the boundary crosses several times: thinner than a cell"
             }
+            Self::Unseen => "part of the boundary that no sample saw: thinner than a cell",
             Self::Degenerate => "triangle without area or folded against its surface",
         }
     }

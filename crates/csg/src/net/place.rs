@@ -99,6 +99,8 @@ pub(super) struct Placer {
     signs: Vec<u64>,
     slow: Vec<u16>,
     complex: Vec<(u16, u8)>,
+    /// The cells that are to have an apex as a vertex.
+    apexes: Vec<(u16, DVec3)>,
     candidates: Vec<Candidate>,
     table: validity::Table,
 }
@@ -124,6 +126,7 @@ impl Default for Placer {
             signs: Vec::new(),
             slow: Vec::new(),
             complex: Vec::new(),
+            apexes: Vec::new(),
             candidates: Vec::new(),
             table: validity::Table::default(),
         }
@@ -154,6 +157,7 @@ impl Placer {
         let inside = self.classified.solid[0] & 1 == 1;
         let constant = if inside { u64::MAX } else { 0 };
         if self.classified.solid.iter().all(|&word| word == constant) {
+            self.report_unseen(scene, cell, part);
             return;
         }
         let crossings = self.find_crossings(cell.surfaces.len());
@@ -165,6 +169,29 @@ impl Placer {
         self.settle(scene, cell, part);
         self.collect_polygons(scene, cell, part);
         part.close_brick(record);
+    }
+
+    /// Reports what of the boundary lies in a brick all of whose samples are
+    /// alike: the point of each surface nearest to the brick's middle, if the
+    /// solid changes across the surface there.
+    #[inline(never)]
+    fn report_unseen(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
+        let half = 0.5 * scene.lattice.step * CELLS as f64;
+        let middle = self.samples.point(0) + half;
+        for s in 0..cell.surfaces.len() as u16 {
+            let surface = &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+            let place = solve::common_point(&[surface], middle, half).point;
+            let mut constraints = Constraints::default();
+            constraints.insert(s);
+            if (place - middle).abs().max_element() <= half
+                && self.is_valid(scene, cell, &constraints, place)
+            {
+                part.fallbacks.push(Fallback {
+                    kind: FallbackKind::Unseen,
+                    place,
+                });
+            }
+        }
     }
 
     #[inline(always)]
@@ -347,7 +374,7 @@ impl Placer {
         let step = scene.lattice.step;
         self.slow.clear();
         let mut several = crossings.several[3];
-        self.mark_apexes(scene, cell, &mut several);
+        self.mark_apexes(scene, cell, &crossings.solid[3], &mut several);
         brick::for_each_set(&crossings.solid[3], |sample| {
             if brick::is_set(&several, sample) {
                 self.slow.push(sample as u16);
@@ -421,13 +448,31 @@ impl Placer {
         }
     }
 
-    /// Marks the cells that hold the apex of one of their surfaces.
-    fn mark_apexes(&self, scene: &Scene<'_>, cell: &Cell, marks: &mut Mask) {
+    /// Finds and marks the cells that are to have an apex as a vertex: the one
+    /// that holds it or, where the tip pokes into a cell without reaching a
+    /// sample, the next along the cone's axis that the boundary crosses.
+    fn mark_apexes(&mut self, scene: &Scene<'_>, cell: &Cell, crossed: &Mask, marks: &mut Mask) {
+        self.apexes.clear();
         for &id in &cell.surfaces {
-            if let Some(apex) = scene.surfaces[id as usize].apex()
-                && let Some(sample) = self.cell_at(scene, apex)
-            {
+            let surface = &scene.surfaces[id as usize];
+            let Some(apex) = surface.apex() else {
+                continue;
+            };
+            let mut found = Vec::new();
+            match self.cell_at(scene, apex) {
+                Some(own) if brick::is_set(crossed, own) => found.push(own),
+                _ => {
+                    let step = 0.5 * scene.lattice.step * surface.cone_axis();
+                    for direction in [step, -step] {
+                        let along = (1..=3).map(|k| apex + f64::from(k) * direction);
+                        let mut cells = along.filter_map(|point| self.cell_at(scene, point));
+                        found.extend(cells.find(|&at| brick::is_set(crossed, at)));
+                    }
+                }
+            }
+            for sample in found {
                 marks[sample >> 6] |= 1 << (sample & 63);
+                self.apexes.push((sample as u16, apex));
             }
         }
     }
@@ -709,23 +754,34 @@ impl Placer {
         }
     }
 
-    /// The apex of one of the surfaces, if it is near and on all of them.
+    /// The apex of one of the surfaces, if it is on all of them, a part of the
+    /// solid's boundary, and either marked for this cell or, where several
+    /// surfaces meet in nothing but the apex, within the reach of a vertex.
     fn apex_vertex(
-        &self,
+        &mut self,
         scene: &Scene<'_>,
         cell: &Cell,
         constraints: &Constraints,
         middle: DVec3,
     ) -> Option<DVec3> {
+        let step = scene.lattice.step;
         let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
-        let within = 0.5 * scene.lattice.step;
-        let mut apexes = constraints
-            .as_slice()
-            .iter()
-            .filter_map(|&s| surface(s).apex());
-        let apex = apexes.find(|apex| (*apex - middle).abs().max_element() <= within)?;
-        let others = constraints.as_slice().iter().map(|&s| surface(s));
-        (solve::residual(others, apex) <= scene.tolerance).then_some(apex)
+        let list = constraints.as_slice();
+        let mut apexes = list.iter().filter_map(|&s| surface(s).apex());
+        let reach = if list.len() > 1 {
+            1.5 * step
+        } else {
+            0.5 * step
+        };
+        let apex = apexes.find(|&apex| {
+            let holds = (apex - middle).abs().max_element() <= reach;
+            let is_marked = self.apexes.iter().any(|&(sample, marked)| {
+                marked == apex && self.samples.point(usize::from(sample)) + 0.5 * step == middle
+            });
+            holds || is_marked
+        })?;
+        let on_all = solve::residual(list.iter().map(|&s| surface(s)), apex) <= scene.tolerance;
+        (on_all && self.is_valid(scene, cell, constraints, apex)).then_some(apex)
     }
 
     /// A point on all constraints within a cell of `middle`, if there is one.

@@ -58,6 +58,17 @@ impl Surface {
         (is_cone && !self.is_plane()).then_some(self.anchor)
     }
 
+    /// The direction of a cone's axis: the eigenvector of the eigenvalue whose
+    /// sign the other two do not have. Some direction for other surfaces.
+    #[must_use]
+    pub fn cone_axis(&self) -> DVec3 {
+        let (values, vectors) = super::eigen_symmetric(self.quadratic);
+        let negative = values.iter().filter(|&&v| v < 0.0).count();
+        let is_odd = |v: f64| (v < 0.0) == (negative == 1);
+        let odd = values.into_iter().position(is_odd).unwrap_or(2);
+        vectors.col(odd)
+    }
+
     /// f at `point`.
     ///
     /// The order of operations is part of the contract: along x it is Horner's
