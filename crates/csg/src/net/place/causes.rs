@@ -1,0 +1,185 @@
+//! Which surface causes each crossing.
+
+use glam::DVec3;
+
+use super::{Crossings, EDGES, Placer, Scene};
+use crate::net::brick::{self, WORDS};
+use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
+use crate::program::{Cell, Surface};
+
+impl Placer {
+    /// Finds the surface of every crossing, and collects the polygons of those
+    /// that the brick owns.
+    #[inline(always)]
+    pub(super) fn find_causes(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        crossings: &Crossings,
+        part: &mut Part,
+    ) {
+        self.polygons.iter_mut().for_each(Vec::clear);
+        if self.polygons.len() < cell.surfaces.len() {
+            self.polygons.resize_with(cell.surfaces.len(), Vec::new);
+        }
+        let several_surfaces = cell.surfaces.len() > 1;
+        self.one_surface = !several_surfaces;
+        let list = &mut *self.list;
+        for (s, changes) in self.changes.iter().enumerate() {
+            for (axis, changes) in changes[..3].iter().enumerate() {
+                let mut changed = [0; WORDS];
+                let mut any = 0;
+                for (word, changed) in changed.iter_mut().enumerate() {
+                    *changed = crossings.solid[axis][word]
+                        & changes[word]
+                        & !crossings.several[axis][word];
+                    any |= *changed;
+                }
+                if any == 0 {
+                    continue;
+                }
+                if several_surfaces {
+                    let count = brick::expand(&changed, list);
+                    for &sample in &list[..count] {
+                        self.cause[axis][usize::from(sample) % EDGES] = s as u16;
+                    }
+                }
+                // All that a code says but the sample is constant for each
+                // combination of the two ends' sides.
+                for (inside, within) in [(false, false), (false, true), (true, false), (true, true)]
+                {
+                    let mut chosen = [0; WORDS];
+                    let mut any = 0;
+                    for (word, chosen) in chosen.iter_mut().enumerate() {
+                        let solid = self.classified.solid[word];
+                        let surface = self.classified.signs[s][word];
+                        let solid = if inside { solid } else { !solid };
+                        let surface = if within { surface } else { !surface };
+                        *chosen = changed[word] & solid & surface & brick::OWNED[word];
+                        any |= *chosen;
+                    }
+                    if any != 0 {
+                        let count = brick::expand(&chosen, list);
+                        let code = |&sample| PolygonCode::new(axis, inside, within, sample);
+                        self.polygons[s].extend(list[..count].iter().map(code));
+                    }
+                }
+            }
+        }
+        for axis in 0..3 {
+            for word in 0..WORDS {
+                let mut bits = crossings.solid[axis][word] & crossings.several[axis][word];
+                while bits != 0 {
+                    let bit = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let sample = word * 64 + bit;
+                    let (s, several) = self.edge_cause(scene, cell, axis, sample);
+                    self.cause[axis][sample] = s;
+                    let is_owned = brick::is_set(&brick::OWNED, sample);
+                    if several && is_owned {
+                        part.fallbacks.push(Fallback {
+                            kind: FallbackKind::SeveralCrossings,
+                            place: self.samples.point(sample),
+                        });
+                    }
+                    if is_owned {
+                        let s = usize::from(s);
+                        let inside = brick::is_set(&self.classified.solid, sample);
+                        let within = brick::is_set(&self.classified.signs[s], sample);
+                        self.polygons[s].push(PolygonCode::new(
+                            axis,
+                            inside,
+                            within,
+                            sample as u16,
+                        ));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The crossing of an edge on which several surfaces change sign: their
+    /// roots in order, the formula between them, and of the odd number of
+    /// transitions the one nearest to the middle that goes the way the whole
+    /// edge does.
+    #[inline(never)]
+    pub(super) fn edge_cause(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        axis: usize,
+        sample: usize,
+    ) -> (u16, bool) {
+        let start = self.samples.point(sample);
+        let mut roots: Vec<(f64, u16)> = Vec::with_capacity(4);
+        for (s, changes) in self.changes.iter().enumerate() {
+            if brick::is_set(&changes[axis], sample) {
+                let surface = &scene.surfaces[cell.surfaces[s] as usize];
+                let t = root_along(surface, start, axis, scene.lattice.step);
+                roots.push((t, s as u16));
+            }
+        }
+        roots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Bit i of an assignment: after the first i roots.
+        roots.truncate(63);
+        let signs = &self.classified.signs;
+        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            let inside = brick::is_set(&signs[surface as usize], sample);
+            let before = if inside { u64::MAX } else { 0 };
+            match roots.iter().position(|&(_, s)| u32::from(s) == surface) {
+                Some(rank) => before ^ (u64::MAX << (rank + 1)),
+                None => before,
+            }
+        });
+        let transitions: Vec<usize> = (0..roots.len())
+            .filter(|&i| (result >> i ^ result >> (i + 1)) & 1 == 1)
+            .collect();
+        let chosen = transitions
+            .get((transitions.len() / 2) & !1)
+            .copied()
+            .unwrap_or(roots.len() / 2);
+        (roots[chosen].1, transitions.len() > 1)
+    }
+
+    /// The surface that causes a crossing.
+    pub(super) fn cause(&self, axis: usize, sample: usize) -> u16 {
+        if self.one_surface {
+            0
+        } else {
+            self.cause[axis][sample % EDGES]
+        }
+    }
+
+    /// The middle of a lattice edge.
+    pub(super) fn edge_middle(&self, scene: &Scene<'_>, axis: usize, sample: usize) -> DVec3 {
+        let mut point = self.samples.point(sample);
+        point[axis] += 0.5 * scene.lattice.step;
+        point
+    }
+}
+
+/// The root of f along an edge on which it changes sign, in units of the
+/// edge, in closed form.
+fn root_along(surface: &Surface, start: DVec3, axis: usize, step: f64) -> f64 {
+    let f = surface.value(start);
+    let b = surface.gradient(start)[axis] * step;
+    let a = surface.quadratic[axis] * step * step;
+    // Of a t² + b t + f = 0 the root in 0..1, without cancellation (Press et
+    // al., *Numerical Recipes*, 5.6).
+    let discriminant = (b * b - 4.0 * a * f).max(0.0);
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    let misfit = |t: f64| {
+        if t.is_finite() {
+            (t - 0.5).abs()
+        } else {
+            f64::INFINITY
+        }
+    };
+    let (first, second) = (q / a, f / q);
+    let t = if misfit(second) <= misfit(first) {
+        second
+    } else {
+        first
+    };
+    if t >= 0.0 { t.min(1.0) } else { 0.0 }
+}

@@ -1,0 +1,341 @@
+//! Where a vertex lies: on all surfaces that cause its crossings, and where the
+//! solid really changes across them.
+
+use glam::DVec3;
+
+use super::{Placer, Scene};
+use crate::net::lattice::CELLS;
+use crate::net::part::{Fallback, FallbackKind, Part};
+use crate::net::{brick, solve, validity};
+use crate::program::{Cell, Side};
+
+/// The surfaces of one vertex, as positions in the brick's list. More than
+/// this never have a common point but by construction of the model.
+const MOST_CONSTRAINTS: usize = 8;
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Constraints {
+    pub len: usize,
+    list: [u16; MOST_CONSTRAINTS],
+}
+
+impl Constraints {
+    pub fn insert(&mut self, surface: u16) {
+        if !self.as_slice().contains(&surface) && self.len < MOST_CONSTRAINTS {
+            self.list[self.len] = surface;
+            self.len += 1;
+        }
+    }
+
+    pub fn as_slice(&self) -> &[u16] {
+        &self.list[..self.len]
+    }
+
+    fn without(&self, index: usize) -> Self {
+        let mut rest = Self::default();
+        for (i, &surface) in self.as_slice().iter().enumerate() {
+            if i != index {
+                rest.insert(surface);
+            }
+        }
+        rest
+    }
+}
+
+/// A vertex in place, and what is to be known should it not be valid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// Index into the part's vertices.
+    vertex: usize,
+    constraints: Constraints,
+    /// The mean of its crossed edges' middles.
+    start: DVec3,
+    /// The middle of the cell or face.
+    middle: DVec3,
+}
+
+impl Placer {
+    /// Adds a vertex on all `constraints`, expected near `start`; `middle` is
+    /// the middle of its cell or face, which it may leave by a cell at most.
+    /// Whether the solid really changes there is left to [`Self::settle`].
+    pub(super) fn place_vertex(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: Constraints,
+        start: DVec3,
+        middle: DVec3,
+        part: &mut Part,
+    ) {
+        let vertex = part.vertices.len();
+        if let Some(apex) = self.apex_vertex(scene, cell, &constraints, middle) {
+            part.vertices.push(apex);
+            return;
+        }
+        let found = self.try_constraints(scene, cell, &constraints, start, middle);
+        part.vertices.push(found.unwrap_or(start));
+        let candidate = Candidate {
+            vertex,
+            constraints,
+            start,
+            middle,
+        };
+        if found.is_some() {
+            self.candidates.push(candidate);
+        } else {
+            self.repair(scene, cell, &candidate, None, part);
+        }
+    }
+
+    /// Tests all vertices placed since the last call, and repairs those across
+    /// which the solid does not change as their crossings say.
+    #[inline(always)]
+    pub(super) fn settle(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
+        let candidates = std::mem::take(&mut self.candidates);
+        for batch in candidates.chunks(validity::LANES) {
+            let points = batch.iter().map(|c| part.vertices[c.vertex]);
+            let mut tests = validity::Tests::new(points, scene, cell);
+            for (lane, candidate) in batch.iter().enumerate() {
+                tests.free(lane, candidate.constraints.as_slice());
+            }
+            let valid = tests.evaluate(&cell.formula, &mut self.table);
+            for (lane, candidate) in batch.iter().enumerate() {
+                let point = part.vertices[candidate.vertex];
+                let is_valid = match valid.get(lane, candidate.constraints.len) {
+                    Some(valid) => valid,
+                    None => self.is_valid(scene, cell, &candidate.constraints, point),
+                };
+                if !is_valid {
+                    self.repair(scene, cell, candidate, Some(point), part);
+                }
+            }
+        }
+        self.candidates = candidates;
+        self.candidates.clear();
+    }
+
+    /// Finds another place for a vertex: with one more surface, for a feature
+    /// that no sample saw, or on fewer, and reports what it had to settle for.
+    /// `plain` is the common point of its constraints, if there is one.
+    #[inline(never)]
+    pub(super) fn repair(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        candidate: &Candidate,
+        plain: Option<DVec3>,
+        part: &mut Part,
+    ) {
+        let Candidate {
+            vertex,
+            constraints,
+            start,
+            middle,
+        } = candidate;
+        if constraints.len < 3 {
+            for extra in 0..cell.surfaces.len() as u16 {
+                if constraints.as_slice().contains(&extra) {
+                    continue;
+                }
+                let surface = &scene.surfaces[cell.surfaces[usize::from(extra)] as usize];
+                let half = DVec3::splat(scene.lattice.step);
+                if surface.side_of_box(*middle, half) != Side::Crossing {
+                    continue;
+                }
+                let mut more = *constraints;
+                more.insert(extra);
+                if let Some(point) = self.try_constraints(scene, cell, &more, *start, *middle)
+                    && self.is_valid(scene, cell, &more, point)
+                {
+                    part.vertices[*vertex] = point;
+                    return;
+                }
+            }
+        }
+        let kind = if plain.is_some() {
+            FallbackKind::HiddenFeature
+        } else {
+            FallbackKind::NoCommonPoint
+        };
+        let place = plain.unwrap_or(*start);
+        part.fallbacks.push(Fallback { kind, place });
+        if plain.is_some() {
+            return;
+        }
+        // As many of the surfaces as have a common point.
+        let mut fewer = vec![*constraints];
+        while let Some(candidates) = shrink(&fewer) {
+            for candidate in &candidates {
+                if let Some(point) = self.try_constraints(scene, cell, candidate, *start, *middle) {
+                    part.vertices[*vertex] = point;
+                    return;
+                }
+            }
+            fewer = candidates;
+        }
+    }
+
+    /// The apex of one of the surfaces, if it is on all of them, a part of the
+    /// solid's boundary, and either marked for this cell or, where several
+    /// surfaces meet in nothing but the apex, within the reach of a vertex.
+    pub(super) fn apex_vertex(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        middle: DVec3,
+    ) -> Option<DVec3> {
+        let step = scene.lattice.step;
+        let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+        let list = constraints.as_slice();
+        let mut apexes = list.iter().filter_map(|&s| surface(s).apex());
+        let reach = if list.len() > 1 {
+            1.5 * step
+        } else {
+            0.5 * step
+        };
+        let apex = apexes.find(|&apex| {
+            let holds = (apex - middle).abs().max_element() <= reach;
+            let is_marked = self.apexes.iter().any(|&(sample, marked)| {
+                marked == apex && self.samples.point(usize::from(sample)) + 0.5 * step == middle
+            });
+            holds || is_marked
+        })?;
+        let on_all = solve::residual(list.iter().map(|&s| surface(s)), apex) <= scene.tolerance;
+        (on_all && self.is_valid(scene, cell, constraints, apex)).then_some(apex)
+    }
+
+    /// A point on all constraints within a cell of `middle`, if there is one.
+    pub(super) fn try_constraints(
+        &self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        start: DVec3,
+        middle: DVec3,
+    ) -> Option<DVec3> {
+        let mut list = [&scene.surfaces[0]; MOST_CONSTRAINTS];
+        for (slot, &s) in list.iter_mut().zip(constraints.as_slice()) {
+            *slot = &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+        }
+        let step = scene.lattice.step;
+        let solution = solve::common_point(&list[..constraints.len], start, step);
+        let near = (solution.point - middle).abs().max_element() <= 1.5 * step;
+        (near && solution.residual <= scene.tolerance).then_some(solution.point)
+    }
+
+    /// Whether the solid changes across each of the constraints at `point`:
+    /// the formula over all their sign combinations, the other surfaces as
+    /// they are there (both ways where they pass through the point, too).
+    pub(super) fn is_valid(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        point: DVec3,
+    ) -> bool {
+        /// Bit i of the k-th: bit k of i.
+        const VARIABLES: [u64; 6] = [
+            0xaaaa_aaaa_aaaa_aaaa,
+            0xcccc_cccc_cccc_cccc,
+            0xf0f0_f0f0_f0f0_f0f0,
+            0xff00_ff00_ff00_ff00,
+            0xffff_0000_ffff_0000,
+            0xffff_ffff_0000_0000,
+        ];
+        if constraints.len > VARIABLES.len() {
+            return true;
+        }
+        let mut free = constraints.len;
+        self.signs.clear();
+        for (s, &id) in cell.surfaces.iter().enumerate() {
+            let own = constraints
+                .as_slice()
+                .iter()
+                .position(|&c| usize::from(c) == s);
+            let sign = match own {
+                Some(k) => VARIABLES[k],
+                None => {
+                    let surface = &scene.surfaces[id as usize];
+                    let value = surface.value(point);
+                    let on_it = free < VARIABLES.len()
+                        && value.abs() <= scene.tolerance * surface.gradient(point).length();
+                    if on_it {
+                        free += 1;
+                        VARIABLES[free - 1]
+                    } else if value <= 0.0 {
+                        u64::MAX
+                    } else {
+                        0
+                    }
+                }
+            };
+            self.signs.push(sign);
+        }
+        let signs = &self.signs;
+        let table = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            signs[surface as usize]
+        });
+        (0..constraints.len).all(|k| {
+            let shifted = table >> (1 << k);
+            (table ^ shifted) & !VARIABLES[k] & assignments(free) != 0
+        })
+    }
+
+    pub(super) fn contains(&mut self, scene: &Scene<'_>, cell: &Cell, point: DVec3) -> bool {
+        self.signs.clear();
+        let values = cell.surfaces.iter().map(|&id| {
+            let inside = scene.surfaces[id as usize].value(point) <= 0.0;
+            if inside { u64::MAX } else { 0 }
+        });
+        self.signs.extend(values);
+        let signs = &self.signs;
+        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+            signs[surface as usize]
+        });
+        result & 1 == 1
+    }
+
+    /// Reports what of the boundary lies in a brick all of whose samples are
+    /// alike: the point of each surface nearest to the brick's middle, if the
+    /// solid changes across the surface there.
+    #[inline(never)]
+    pub(super) fn report_unseen(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
+        let half = 0.5 * scene.lattice.step * CELLS as f64;
+        let middle = self.samples.point(0) + half;
+        for s in 0..cell.surfaces.len() as u16 {
+            let surface = &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+            let place = solve::common_point(&[surface], middle, half).point;
+            let mut constraints = Constraints::default();
+            constraints.insert(s);
+            if (place - middle).abs().max_element() <= half
+                && self.is_valid(scene, cell, &constraints, place)
+            {
+                part.fallbacks.push(Fallback {
+                    kind: FallbackKind::Unseen,
+                    place,
+                });
+            }
+        }
+    }
+}
+
+/// The low 2^free bits.
+const fn assignments(free: usize) -> u64 {
+    if free >= 6 {
+        u64::MAX
+    } else {
+        (1 << (1 << free)) - 1
+    }
+}
+
+/// All sets with one constraint less.
+fn shrink(sets: &[Constraints]) -> Option<Vec<Constraints>> {
+    let smaller: Vec<Constraints> = sets
+        .iter()
+        .take(8)
+        .flat_map(|set| (0..set.len).rev().map(|i| set.without(i)))
+        .filter(|set| set.len > 0)
+        .collect();
+    (!smaller.is_empty()).then_some(smaller)
+}
