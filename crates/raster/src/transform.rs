@@ -122,12 +122,14 @@ pub fn rotation_between(from: DVec3, to: DVec3) -> DMat4 {
         return DMat4::IDENTITY;
     }
     let cross = from.cross(to);
-    let cos = from.dot(to);
-    if cos > -0.999_999 {
+    // 1 + cos as |from + to|² / 2, which cancels nothing near opposite
+    // directions.
+    let one_plus_cos = 0.5 * (from + to).length_squared();
+    if one_plus_cos > 1e-6 {
         // R = I + K + K² / (1 + cos): no angle is needed.
         let column = |e: DVec3| {
             let k = cross.cross(e);
-            e + k + cross.cross(k) / (1.0 + cos)
+            e + k + cross.cross(k) / one_plus_cos
         };
         return DMat4::from_mat3(DMat3::from_cols(
             column(DVec3::X),
