@@ -8,7 +8,7 @@ use csg::{Meshed, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
 use stereotomy::{csg, io};
 
-use super::measures::{largest_miss, size};
+use super::defects::{largest_miss, size};
 
 fn model(name: &str) -> Solid {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");

@@ -3,7 +3,7 @@
 use csg::{Mesh, Meshed, Program};
 use stereotomy::csg;
 
-use super::measures::{largest_miss, size};
+use super::defects::{largest_miss, size};
 use super::random::Random;
 use super::random_solids::{grids, mesh};
 

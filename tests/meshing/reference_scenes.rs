@@ -3,7 +3,7 @@
 use csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::{csg, scenes};
 
-use super::measures::{largest_miss, measure, size};
+use super::defects::{largest_miss, measure, size};
 
 /// A scene and what is known of it.
 struct Scene {

@@ -2,10 +2,14 @@
 //! for each question asked.
 
 mod cells;
+mod claims;
+#[path = "../../../tests/meshing/defects.rs"]
+mod defects;
 mod field;
 mod measure;
 mod memory;
 mod peers;
+mod poses;
 mod random_tree;
 mod robust;
 mod scenes;
@@ -25,6 +29,8 @@ enum Question {
     Cells(cells::Options),
     /// Is every mesh manifold?
     Robust(robust::Options),
+    /// Does every mesh keep what is promised of it?
+    Claims(claims::Options),
     /// How much memory does one mesh take?
     Memory(memory::Options),
 }
@@ -34,6 +40,7 @@ fn main() {
         Question::Uniform(options) => uniform::run(&options),
         Question::Cells(options) => cells::run(&options),
         Question::Robust(options) => robust::run(&options),
+        Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
     }
 }

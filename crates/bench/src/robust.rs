@@ -3,9 +3,11 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use csg::{Mesher, Program, Solid};
+use csg::{Mesher, Program};
 use rayon::prelude::*;
 
+use crate::defects::{largest_miss, size};
+use crate::poses::{Pose, pose};
 use crate::random_tree::random_tree;
 use crate::scenes;
 
@@ -23,6 +25,9 @@ pub struct Options {
     /// How many of the numbers of cells are left out after each
     #[arg(long, default_value_t = 0)]
     skip: u32,
+    /// Where the scenes are put: home, turned, far, tiny or huge
+    #[arg(long, value_delimiter = ',', value_parser = pose, default_value = "home,turned,far,tiny,huge")]
+    poses: Vec<Pose>,
     /// How many random trees are meshed
     #[arg(long, default_value_t = 10_000)]
     trees: u64,
@@ -47,52 +52,58 @@ pub fn run(options: &Options) {
         .for_each(|seed| {
             // Grids from hopeless to well resolved.
             let cells = [7, 16, 29, 48][(seed % 4) as usize];
-            let what = format!("random tree {seed} at {cells} cells");
-            tally.add(&what, &random_tree(seed), None, &Mesher::new().cells(cells));
+            let program = Program::lower(&random_tree(seed)).expect("a valid tree");
+            let case = Case {
+                what: format!("random tree {seed} at {cells} cells"),
+                program: &program,
+                genus: None,
+                rounding: 0.0,
+            };
+            tally.add(&case, &Mesher::new().cells(cells));
         });
     println!(
-        "{} meshes: {} not manifold, {} errors, {} of the wrong genus, {} with fallbacks",
+        "{} meshes: {} not manifold, {} errors, {} of the wrong genus, {} with vertices off \
+         their surfaces; {} with fallbacks",
         tally.meshes.into_inner(),
         tally.defective.into_inner(),
         tally.errors.into_inner(),
         tally.wrong_genus.into_inner(),
+        tally.off.into_inner(),
         tally.with_fallbacks.into_inner(),
     );
 }
 
-/// Meshes a scene at every grid: at home, rotated, far away, tiny and huge.
+/// Meshes a scene at every grid in the poses asked for.
 fn every_grid(name: &str, options: &Options, tally: &Tally) {
     let Some(scene) = scenes::scene(name) else {
         eprintln!("no scene {name}: try one of {}", scenes::NAMES.join(", "));
         return;
     };
-    let home = &scene.solid;
-    let places = [
-        ("at home", home.clone(), 1.0),
-        ("rotated", home.rotate_xyz(0.3, 0.5, 0.7), 1.0),
-        ("at 1e6", home.translate([1e6, 1e6, 1e6]), 1.0),
-        ("times 1e-6", home.scale(1e-6), 1e-6),
-        ("times 1e6", home.scale(1e6), 1e6),
-    ];
     // Only grids with two cells across the smallest feature must get the genus right.
     let resolving = smallest_feature(name).map_or(u32::MAX, |feature| {
         (2.0 * 2.0 * scene.half / feature).ceil() as u32 + 1
     });
-    for (place, solid, scale) in &places {
-        let before = tally.defective.load(Ordering::Relaxed);
+    for pose in &options.poses {
+        let program = Program::lower(&pose.of(&scene.solid)).expect("a valid scene");
+        let before = tally.failures();
         let grids: Vec<u32> = (options.from..=options.to)
             .step_by(options.skip as usize + 1)
             .collect();
         grids.par_iter().for_each(|&cells| {
-            let what = format!("{name} {place} at {cells} cells");
-            let genus = scene.genus.filter(|_| cells >= resolving);
-            let cell = 2.0 * scene.half * scale / f64::from(cells);
-            tally.add(&what, solid, genus, &Mesher::new().cell_size(cell));
+            let case = Case {
+                what: format!("{name} {} at {cells} cells", pose.name),
+                program: &program,
+                genus: scene.genus.filter(|_| cells >= resolving),
+                rounding: pose.rounding(),
+            };
+            let cell = 2.0 * scene.half * pose.scale / f64::from(cells);
+            tally.add(&case, &Mesher::new().cell_size(cell));
         });
-        let defective = tally.defective.load(Ordering::Relaxed) - before;
         println!(
-            "{name} {place}: {} grids, {defective} not manifold",
-            grids.len()
+            "{name} {}: {} grids, {} failures",
+            pose.name,
+            grids.len(),
+            tally.failures() - before,
         );
     }
 }
@@ -113,37 +124,64 @@ fn smallest_feature(name: &str) -> Option<f64> {
     })
 }
 
+/// One mesh to make, and what to expect of it.
+struct Case<'a> {
+    what: String,
+    program: &'a Program,
+    genus: Option<i64>,
+    /// How far vertices may be off besides 1e-12 of the mesh's diagonal.
+    rounding: f64,
+}
+
 #[derive(Default)]
 struct Tally {
     meshes: AtomicUsize,
     defective: AtomicUsize,
     errors: AtomicUsize,
     wrong_genus: AtomicUsize,
+    off: AtomicUsize,
     with_fallbacks: AtomicUsize,
 }
 
 impl Tally {
-    fn add(&self, what: &str, solid: &Solid, genus: Option<i64>, mesher: &Mesher) {
+    fn failures(&self) -> usize {
+        [&self.defective, &self.errors, &self.wrong_genus, &self.off]
+            .map(|counter| counter.load(Ordering::Relaxed))
+            .iter()
+            .sum()
+    }
+
+    fn add(&self, case: &Case<'_>, mesher: &Mesher) {
+        let what = &case.what;
         let count = |counter: &AtomicUsize| counter.fetch_add(1, Ordering::Relaxed);
         count(&self.meshes);
-        let meshed = Program::lower(solid).and_then(|program| mesher.mesh(&program));
-        match meshed {
+        let meshed = match mesher.mesh(case.program) {
+            Ok(meshed) => meshed,
             Err(error) => {
                 count(&self.errors);
                 println!("{what}: {error}");
+                return;
             }
-            Ok(meshed) => {
-                let check = &meshed.report.check;
-                if !check.is_manifold() {
-                    count(&self.defective);
-                    println!("{what}: {check}");
-                } else if genus.is_some() && check.genus() != genus {
-                    count(&self.wrong_genus);
-                    println!("{what}: genus {:?} for {genus:?}", check.genus());
-                }
-                if !meshed.report.fallbacks.is_empty() {
-                    count(&self.with_fallbacks);
-                }
+        };
+        let check = &meshed.report.check;
+        if !check.is_manifold() {
+            count(&self.defective);
+            println!("{what}: {check}");
+        } else if case.genus.is_some() && check.genus() != case.genus {
+            count(&self.wrong_genus);
+            println!("{what}: genus {:?} for {:?}", check.genus(), case.genus);
+        }
+        let fallbacks = &meshed.report.fallbacks;
+        if !fallbacks.is_empty() {
+            count(&self.with_fallbacks);
+        }
+        // A vertex whose surfaces have no common point cannot be on them all.
+        if !fallbacks.iter().any(|f| f.kind.contains("common point")) {
+            let miss = largest_miss(case.program, &meshed.mesh);
+            let allowed = 1e-12 * size(&meshed.mesh) + case.rounding;
+            if miss > allowed {
+                count(&self.off);
+                println!("{what}: vertices off by {miss:e}, allowed {allowed:e}");
             }
         }
     }

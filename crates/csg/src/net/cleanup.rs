@@ -7,6 +7,11 @@
 //! share are just the two apexes of the triangles at their edge; Dey,
 //! Edelsbrunner, Guha and Nekhayev 1999), so that the mesh stays manifold; and
 //! if no other triangle is folded or flattened by it.
+//!
+//! Where two loops of one corner are joined by a pair of triangles that lie
+//! back to back along an edge of the solid, the vertices to be merged are those
+//! opposite to each other across the pair: the same as if the pair's diagonal
+//! were flipped first.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -120,7 +125,8 @@ impl Cleaner<'_> {
         self.signed_area(triangle, self.triangles[triangle as usize]) <= 2.0 * self.least_area
     }
 
-    /// Collapses an edge of the triangle, the shortest that may be.
+    /// Merges two vertices of the triangle, the nearest that may be; else one
+    /// of them and the vertex opposite to it in a neighbouring triangle.
     fn take_out(
         &mut self,
         triangle: u32,
@@ -129,22 +135,51 @@ impl Cleaner<'_> {
         merged: &mut FxHashSet<u32>,
     ) -> bool {
         let [a, b, c] = self.triangles[triangle as usize];
-        let length = |u: u32, v: u32| {
+        let length = |&(u, v, _): &(u32, u32, u32)| {
             self.positions[u as usize].distance_squared(self.positions[v as usize])
         };
-        let mut edges = [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)];
-        edges.sort_by(|&(a, b), &(c, d)| length(a, b).total_cmp(&length(c, d)));
-        for (gone, kept) in edges {
-            if self.may_collapse(gone, kept, stars) {
-                self.collapse(gone, kept, stars, removed);
-                merged.insert(gone);
-                return true;
+        let sides = [(a, b), (b, c), (c, a)];
+        let other = sides.map(|(u, v)| self.neighbour(triangle, u, v, stars));
+        let mut edges = Vec::with_capacity(6);
+        for ((u, v), other) in sides.into_iter().zip(other) {
+            edges.extend(other.map(|other| (u, v, other)));
+        }
+        let mut across = Vec::with_capacity(6);
+        for ((u, v), other) in sides.into_iter().zip(other) {
+            let Some(other) = other else { continue };
+            let apex = |t: u32| {
+                self.triangles[t as usize]
+                    .into_iter()
+                    .find(|&w| w != u && w != v)
+            };
+            if let (Some(own), Some(opposite)) = (apex(triangle), apex(other)) {
+                across.push((own, opposite, other));
+            }
+        }
+        for mut pairs in [edges, across] {
+            pairs.extend(pairs.clone().into_iter().map(|(u, v, t)| (v, u, t)));
+            pairs.sort_by(|x, y| length(x).total_cmp(&length(y)));
+            for (gone, kept, other) in pairs {
+                let dying = [triangle, other];
+                if self.may_merge(gone, kept, dying, stars) {
+                    self.merge(gone, kept, dying, stars, removed);
+                    merged.insert(gone);
+                    return true;
+                }
             }
         }
         false
     }
 
-    fn may_collapse(&self, gone: u32, kept: u32, stars: &Stars) -> bool {
+    /// The other triangle at the edge between two vertices.
+    fn neighbour(&self, triangle: u32, u: u32, v: u32, stars: &Stars) -> Option<u32> {
+        let mut star = stars.get(&u)?.iter().copied();
+        star.find(|&t| t != triangle && self.triangles[t as usize].contains(&v))
+    }
+
+    /// Whether vertex `gone` may be moved onto `kept`: neighbours whose edge
+    /// the `dying` triangles share, or opposite to each other across them.
+    fn may_merge(&self, gone: u32, kept: u32, dying: [u32; 2], stars: &Stars) -> bool {
         let (Some(star), Some(kept_star)) = (stars.get(&gone), stars.get(&kept)) else {
             return false;
         };
@@ -161,10 +196,18 @@ impl Cleaner<'_> {
         let [first, second] = shared[..] else {
             return false;
         };
+        let own_edge = dying.iter().all(|&t| {
+            let corners = self.triangles[t as usize];
+            corners.contains(&gone) && corners.contains(&kept)
+        });
+        if !own_edge && neighbours.contains(&kept) {
+            return false;
+        }
+        let survives = |t: &&u32| !dying.contains(t);
         // An edge between the two apexes that both links share: a tetrahedron
         // would be flattened.
         let spans = |star: &[u32]| {
-            star.iter().any(|&t| {
+            star.iter().filter(survives).any(|&t| {
                 let corners = self.triangles[t as usize];
                 corners.contains(&first) && corners.contains(&second)
             })
@@ -172,12 +215,8 @@ impl Cleaner<'_> {
         if spans(star) && spans(kept_star) {
             return false;
         }
-        star.iter().all(|&t| {
-            let corners = self.triangles[t as usize];
-            if corners.contains(&kept) {
-                return true;
-            }
-            let moved = corners.map(|v| if v == gone { kept } else { v });
+        star.iter().filter(survives).all(|&t| {
+            let moved = self.triangles[t as usize].map(|v| if v == gone { kept } else { v });
             let area = self.signed_area(t, moved);
             area > 2.0 * self.least_area || (self.is_bad(t) && area >= 0.0)
         })
@@ -192,24 +231,29 @@ impl Cleaner<'_> {
         link
     }
 
-    fn collapse(&mut self, gone: u32, kept: u32, stars: &mut Stars, removed: &mut FxHashSet<u32>) {
-        let star = stars.remove(&gone).unwrap_or_default();
-        for &triangle in &star {
-            let corners = self.triangles[triangle as usize];
-            if corners.contains(&kept) {
-                removed.insert(triangle);
-                for vertex in corners {
-                    if let Some(star) = stars.get_mut(&vertex) {
-                        star.retain(|&t| t != triangle);
-                    }
-                }
-            } else {
-                self.triangles[triangle as usize] =
-                    corners.map(|v| if v == gone { kept } else { v });
-                if let Some(star) = stars.get_mut(&kept) {
-                    star.push(triangle);
+    fn merge(
+        &mut self,
+        gone: u32,
+        kept: u32,
+        dying: [u32; 2],
+        stars: &mut Stars,
+        removed: &mut FxHashSet<u32>,
+    ) {
+        for triangle in dying {
+            removed.insert(triangle);
+            for vertex in self.triangles[triangle as usize] {
+                if let Some(star) = stars.get_mut(&vertex) {
+                    star.retain(|&t| t != triangle);
                 }
             }
+        }
+        let star = stars.remove(&gone).unwrap_or_default();
+        for &triangle in &star {
+            let corners = &mut self.triangles[triangle as usize];
+            *corners = corners.map(|v| if v == gone { kept } else { v });
+        }
+        if let Some(kept_star) = stars.get_mut(&kept) {
+            kept_star.extend(star);
         }
     }
 }
