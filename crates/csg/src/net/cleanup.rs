@@ -53,51 +53,84 @@ pub(super) struct Cleaned {
 /// The triangles around the vertices in question.
 type Stars = FxHashMap<u32, Vec<u32>>;
 
+/// What is done so far, and what is known for what is to come.
+#[derive(Default)]
+struct Work {
+    stars: Stars,
+    removed: FxHashSet<u32>,
+    merged: FxHashSet<u32>,
+    /// Triangles that lost their area.
+    flattened: Vec<u32>,
+    /// Whether to thin out the vertices around a triangle that stays bad.
+    thorough: bool,
+}
+
 impl Cleaner<'_> {
     /// Takes out the `bad` triangles as far as that can be done.
     pub fn clean(&mut self, bad: &[u32]) -> Cleaned {
-        let mut cleaned = Cleaned::default();
-        if bad.is_empty() {
-            return cleaned;
-        }
-        let mut stars = self.stars(bad);
-        let mut removed = FxHashSet::default();
+        /// A collapse may make room for another.
+        const ROUNDS: usize = 4;
+        let mut work = Work::default();
         let mut pending: Vec<u32> = bad.to_vec();
-        // A collapse may make room for another.
-        const ROUNDS: usize = 3;
-        for _ in 0..ROUNDS {
-            let before = pending.len();
-            pending.retain(|&triangle| {
-                !removed.contains(&triangle)
-                    && self.is_bad(triangle)
-                    && !self.take_out(triangle, &mut stars, &mut removed, &mut cleaned.merged)
-            });
-            if pending.is_empty() || pending.len() == before {
+        for thorough in [false, true] {
+            pending.retain(|&triangle| self.is_bad(triangle));
+            if pending.is_empty() {
                 break;
             }
+            work.thorough = thorough;
+            work.stars = self.stars(&pending, &work);
+            for _ in 0..ROUNDS {
+                let before = pending.len();
+                pending.retain(|&triangle| {
+                    let is_done = work.removed.contains(&triangle)
+                        || !self.is_bad(triangle)
+                        || self.take_out(triangle, &mut work)
+                        || (thorough && self.thin_out(triangle, &mut work));
+                    !is_done
+                });
+                let is_stuck = pending.len() == before;
+                pending.append(&mut work.flattened);
+                if is_stuck || pending.is_empty() {
+                    break;
+                }
+            }
+            pending.retain(|triangle| !work.removed.contains(triangle));
         }
-        cleaned.left = pending;
-        cleaned.removed = removed.into_iter().collect();
-        cleaned.removed.sort_unstable();
-        cleaned
+        let mut removed: Vec<u32> = work.removed.into_iter().collect();
+        removed.sort_unstable();
+        Cleaned {
+            removed,
+            merged: work.merged,
+            left: pending,
+        }
     }
 
-    fn stars(&self, bad: &[u32]) -> Stars {
+    /// The stars of all vertices of the bad triangles; if it is to be thorough,
+    /// of their neighbours, too.
+    fn stars(&self, bad: &[u32], work: &Work) -> Stars {
+        let around = |wanted: &[bool]| -> Vec<u32> {
+            self.triangles
+                .par_iter()
+                .enumerate()
+                .filter(|(_, corners)| corners.iter().any(|&v| wanted[v as usize]))
+                .map(|(triangle, _)| triangle as u32)
+                .filter(|triangle| !work.removed.contains(triangle))
+                .collect()
+        };
         let mut wanted = vec![false; self.positions.len()];
-        for &triangle in bad {
-            for vertex in self.triangles[triangle as usize] {
-                wanted[vertex as usize] = true;
+        let mark = |triangles: &[u32], wanted: &mut [bool]| {
+            for &triangle in triangles {
+                for vertex in self.triangles[triangle as usize] {
+                    wanted[vertex as usize] = true;
+                }
             }
+        };
+        mark(bad, &mut wanted);
+        if work.thorough {
+            mark(&around(&wanted), &mut wanted);
         }
-        let around: Vec<u32> = self
-            .triangles
-            .par_iter()
-            .enumerate()
-            .filter(|(_, corners)| corners.iter().any(|&v| wanted[v as usize]))
-            .map(|(triangle, _)| triangle as u32)
-            .collect();
         let mut stars = Stars::default();
-        for triangle in around {
+        for triangle in around(&wanted) {
             for vertex in self.triangles[triangle as usize] {
                 if wanted[vertex as usize] {
                     stars.entry(vertex).or_default().push(triangle);
@@ -127,19 +160,13 @@ impl Cleaner<'_> {
 
     /// Merges two vertices of the triangle, the nearest that may be; else one
     /// of them and the vertex opposite to it in a neighbouring triangle.
-    fn take_out(
-        &mut self,
-        triangle: u32,
-        stars: &mut Stars,
-        removed: &mut FxHashSet<u32>,
-        merged: &mut FxHashSet<u32>,
-    ) -> bool {
+    fn take_out(&mut self, triangle: u32, work: &mut Work) -> bool {
         let [a, b, c] = self.triangles[triangle as usize];
         let length = |&(u, v, _): &(u32, u32, u32)| {
             self.positions[u as usize].distance_squared(self.positions[v as usize])
         };
         let sides = [(a, b), (b, c), (c, a)];
-        let other = sides.map(|(u, v)| self.neighbour(triangle, u, v, stars));
+        let other = sides.map(|(u, v)| self.neighbour(triangle, u, v, &work.stars));
         let mut edges = Vec::with_capacity(6);
         for ((u, v), other) in sides.into_iter().zip(other) {
             edges.extend(other.map(|other| (u, v, other)));
@@ -161,11 +188,50 @@ impl Cleaner<'_> {
             pairs.sort_by(|x, y| length(x).total_cmp(&length(y)));
             for (gone, kept, other) in pairs {
                 let dying = [triangle, other];
-                if self.may_merge(gone, kept, dying, stars) {
-                    self.merge(gone, kept, dying, stars, removed);
-                    merged.insert(gone);
+                if let Some(flat) = self.may_merge(gone, kept, dying, &work.stars) {
+                    work.flattened.extend(flat);
+                    self.merge(gone, kept, dying, work);
                     return true;
                 }
+            }
+        }
+        false
+    }
+
+    /// Merges neighbours of the triangle's vertices into these, the nearest
+    /// first, until the triangle can be taken out.
+    fn thin_out(&mut self, triangle: u32, work: &mut Work) -> bool {
+        const MOST_MERGERS: usize = 6;
+        for _ in 0..MOST_MERGERS {
+            let corners = self.triangles[triangle as usize];
+            let mut pairs = Vec::new();
+            for kept in corners {
+                let Some(star) = work.stars.get(&kept) else {
+                    continue;
+                };
+                let place = self.positions[kept as usize];
+                for gone in self.link(kept, star) {
+                    let shared = star.iter().copied();
+                    let both: Vec<u32> = shared
+                        .filter(|&t| self.triangles[t as usize].contains(&gone))
+                        .collect();
+                    if let ([first, second], false) = (&both[..], corners.contains(&gone)) {
+                        let square = place.distance_squared(self.positions[gone as usize]);
+                        pairs.push((square, gone, kept, [*first, *second]));
+                    }
+                }
+            }
+            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let allowed = pairs.into_iter().find(|&(_, gone, kept, dying)| {
+                let flat = self.may_merge(gone, kept, dying, &work.stars);
+                flat.is_some_and(|flat| flat.is_empty())
+            });
+            let Some((_, gone, kept, dying)) = allowed else {
+                return false;
+            };
+            self.merge(gone, kept, dying, work);
+            if !self.is_bad(triangle) || self.take_out(triangle, work) {
+                return true;
             }
         }
         false
@@ -178,30 +244,31 @@ impl Cleaner<'_> {
     }
 
     /// Whether vertex `gone` may be moved onto `kept`: neighbours whose edge
-    /// the `dying` triangles share, or opposite to each other across them.
-    fn may_merge(&self, gone: u32, kept: u32, dying: [u32; 2], stars: &Stars) -> bool {
-        let (Some(star), Some(kept_star)) = (stars.get(&gone), stars.get(&kept)) else {
-            return false;
-        };
+    /// the `dying` triangles share, or opposite to each other across them. If
+    /// so, the triangles that have no area afterwards, which is all right for
+    /// those that had none before and for those with two vertices in one place:
+    /// their turn comes.
+    fn may_merge(&self, gone: u32, kept: u32, dying: [u32; 2], stars: &Stars) -> Option<Vec<u32>> {
+        let (star, kept_star) = (stars.get(&gone)?, stars.get(&kept)?);
         let surfaces: Vec<u32> = kept_star.iter().map(|&t| self.run_of(t).surface).collect();
         if !star
             .iter()
             .all(|&t| surfaces.contains(&self.run_of(t).surface))
         {
-            return false;
+            return None;
         }
         let (neighbours, kept_neighbours) = (self.link(gone, star), self.link(kept, kept_star));
         let shared = neighbours.iter().filter(|v| kept_neighbours.contains(v));
         let shared: Vec<u32> = shared.copied().collect();
         let [first, second] = shared[..] else {
-            return false;
+            return None;
         };
         let own_edge = dying.iter().all(|&t| {
             let corners = self.triangles[t as usize];
             corners.contains(&gone) && corners.contains(&kept)
         });
         if !own_edge && neighbours.contains(&kept) {
-            return false;
+            return None;
         }
         let survives = |t: &&u32| !dying.contains(t);
         // An edge between the two apexes that both links share: a tetrahedron
@@ -213,13 +280,32 @@ impl Cleaner<'_> {
             })
         };
         if spans(star) && spans(kept_star) {
-            return false;
+            return None;
         }
-        star.iter().filter(survives).all(|&t| {
+        let limit = 2.0 * self.least_area;
+        let mut flat = Vec::new();
+        for &t in star.iter().filter(survives) {
             let moved = self.triangles[t as usize].map(|v| if v == gone { kept } else { v });
             let area = self.signed_area(t, moved);
-            area > 2.0 * self.least_area || (self.is_bad(t) && area >= 0.0)
-        })
+            if area > limit {
+                continue;
+            }
+            let is_flat = area >= -limit;
+            if !(is_flat && (self.is_bad(t) || self.has_short_edge(moved))) {
+                return None;
+            }
+            flat.push(t);
+        }
+        Some(flat)
+    }
+
+    /// Whether two of the corners are in one place.
+    fn has_short_edge(&self, corners: [u32; 3]) -> bool {
+        let [p, q, r] = corners.map(|v| self.positions[v as usize]);
+        let squares = [(p, q), (q, r), (r, p)].map(|(a, b)| a.distance_squared(b));
+        squares
+            .into_iter()
+            .any(|square| square <= 1e-4 * self.least_area)
     }
 
     /// The vertices around a vertex.
@@ -231,29 +317,23 @@ impl Cleaner<'_> {
         link
     }
 
-    fn merge(
-        &mut self,
-        gone: u32,
-        kept: u32,
-        dying: [u32; 2],
-        stars: &mut Stars,
-        removed: &mut FxHashSet<u32>,
-    ) {
+    fn merge(&mut self, gone: u32, kept: u32, dying: [u32; 2], work: &mut Work) {
         for triangle in dying {
-            removed.insert(triangle);
+            work.removed.insert(triangle);
             for vertex in self.triangles[triangle as usize] {
-                if let Some(star) = stars.get_mut(&vertex) {
+                if let Some(star) = work.stars.get_mut(&vertex) {
                     star.retain(|&t| t != triangle);
                 }
             }
         }
-        let star = stars.remove(&gone).unwrap_or_default();
+        let star = work.stars.remove(&gone).unwrap_or_default();
         for &triangle in &star {
             let corners = &mut self.triangles[triangle as usize];
             *corners = corners.map(|v| if v == gone { kept } else { v });
         }
-        if let Some(kept_star) = stars.get_mut(&kept) {
+        if let Some(kept_star) = work.stars.get_mut(&kept) {
             kept_star.extend(star);
         }
+        work.merged.insert(gone);
     }
 }

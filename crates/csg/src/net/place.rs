@@ -8,7 +8,7 @@ mod vertices;
 
 use glam::{DVec3, UVec3};
 
-use self::vertices::Candidate;
+use self::vertices::{Candidate, Constraints};
 use super::brick::{self, Classified, Mask, Samples, WORDS};
 use super::lattice::{CELLS, Lattice, SAMPLES};
 use super::part::{Part, PolygonCode};
@@ -44,6 +44,9 @@ pub(super) struct Placer {
     changes: Vec<[Mask; 4]>,
     /// Per axis and lower sample: the surface that causes the crossing.
     cause: [Box<[u16; EDGES]>; 3],
+    /// Edges with several transitions that are one point in truth (axis << 12
+    /// | lower sample), and the surfaces that meet there.
+    crowded: Vec<(u16, Constraints)>,
     polygons: Vec<Vec<PolygonCode>>,
     /// Starting points, then vertices, of the simple cells of one surface.
     x: Box<[f64; EDGES]>,
@@ -74,6 +77,7 @@ impl Default for Placer {
             },
             changes: Vec::new(),
             cause: [(); 3].map(|()| Box::new([0; EDGES])),
+            crowded: Vec::new(),
             polygons: Vec::new(),
             x: Box::new([0.0; EDGES]),
             y: Box::new([0.0; EDGES]),

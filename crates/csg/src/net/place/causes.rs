@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::vertices::Constraints;
 use super::{Crossings, EDGES, Placer, Scene};
 use crate::net::brick::{self, WORDS};
 use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
@@ -24,6 +25,7 @@ impl Placer {
         }
         let several_surfaces = cell.surfaces.len() > 1;
         self.one_surface = !several_surfaces;
+        self.crowded.clear();
         let list = &mut *self.list;
         for (s, changes) in self.changes.iter().enumerate() {
             for (axis, changes) in changes[..3].iter().enumerate() {
@@ -73,14 +75,19 @@ impl Placer {
                     let bit = bits.trailing_zeros() as usize;
                     bits &= bits - 1;
                     let sample = word * 64 + bit;
-                    let (s, several) = self.edge_cause(scene, cell, axis, sample);
+                    let (s, all) = self.edge_cause(scene, cell, axis, sample);
                     self.cause[axis][sample] = s;
                     let is_owned = brick::is_set(&brick::OWNED, sample);
-                    if several && is_owned {
-                        part.fallbacks.push(Fallback {
-                            kind: FallbackKind::SeveralCrossings,
-                            place: self.samples.point(sample),
-                        });
+                    if all.len > 1 {
+                        let middle = self.edge_middle(scene, axis, sample);
+                        if self.meet_at(scene, cell, &all, middle, middle).is_some() {
+                            self.crowded.push(((axis << 12 | sample) as u16, all));
+                        } else if is_owned {
+                            part.fallbacks.push(Fallback {
+                                kind: FallbackKind::SeveralCrossings,
+                                place: self.samples.point(sample),
+                            });
+                        }
                     }
                     if is_owned {
                         let s = usize::from(s);
@@ -101,7 +108,7 @@ impl Placer {
     /// The crossing of an edge on which several surfaces change sign: their
     /// roots in order, the formula between them, and of the odd number of
     /// transitions the one nearest to the middle that goes the way the whole
-    /// edge does.
+    /// edge does; with the surfaces of all of them.
     #[inline(never)]
     pub(super) fn edge_cause(
         &mut self,
@@ -109,7 +116,7 @@ impl Placer {
         cell: &Cell,
         axis: usize,
         sample: usize,
-    ) -> (u16, bool) {
+    ) -> (u16, Constraints) {
         let start = self.samples.point(sample);
         let mut roots: Vec<(f64, u16)> = Vec::with_capacity(4);
         for (s, changes) in self.changes.iter().enumerate() {
@@ -138,7 +145,31 @@ impl Placer {
             .get((transitions.len() / 2) & !1)
             .copied()
             .unwrap_or(roots.len() / 2);
-        (roots[chosen].1, transitions.len() > 1)
+        let mut all = Constraints::default();
+        for i in transitions {
+            all.insert(roots[i].1);
+        }
+        (roots[chosen].1, all)
+    }
+
+    /// The surfaces of a vertex's crossings together with those of all other
+    /// transitions on its edges, where there are any that meet in one point.
+    pub(super) fn crowd(
+        &self,
+        causes: &Constraints,
+        edges: impl Iterator<Item = (usize, usize)>,
+    ) -> Option<Constraints> {
+        if self.crowded.is_empty() {
+            return None;
+        }
+        let mut more = *causes;
+        for (axis, sample) in edges {
+            let edge = (axis << 12 | sample) as u16;
+            for (_, all) in self.crowded.iter().filter(|&&(known, _)| known == edge) {
+                all.as_slice().iter().for_each(|&s| more.insert(s));
+            }
+        }
+        (more.len > causes.len).then_some(more)
     }
 
     /// The surface that causes a crossing.

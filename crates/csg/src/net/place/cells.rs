@@ -213,6 +213,15 @@ impl Placer {
         }
         start /= f64::from(edges.count_ones());
         let middle = self.samples.point(sample) + 0.5 * scene.lattice.step;
+        let crossed = EDGE_OFFSETS.iter().enumerate();
+        let crossed = crossed.filter(|&(edge, _)| edges >> edge & 1 == 1);
+        let crossed = crossed.map(|(_, &(axis, offset))| (axis, sample + offset));
+        if let Some(more) = self.crowd(&constraints, crossed)
+            && let Some(point) = self.meet_at(scene, cell, &more, start, middle)
+        {
+            part.vertices.push(point);
+            return;
+        }
         self.place_vertex(scene, cell, constraints, start, middle, part);
     }
 
@@ -315,6 +324,12 @@ impl Placer {
                     let (axis, sample) = edges[i];
                     constraints.insert(self.cause(axis, sample));
                     start += 0.5 * self.edge_middle(scene, axis, sample);
+                }
+                if let Some(more) = self.crowd(&constraints, pair.into_iter().map(|i| edges[i]))
+                    && let Some(point) = self.meet_at(scene, cell, &more, start, middle)
+                {
+                    part.vertices.push(point);
+                    continue;
                 }
                 self.place_vertex(scene, cell, constraints, start, middle, part);
             }

@@ -144,9 +144,7 @@ impl Placer {
                 }
                 let mut more = *constraints;
                 more.insert(extra);
-                if let Some(point) = self.try_constraints(scene, cell, &more, *start, *middle)
-                    && self.is_valid(scene, cell, &more, point)
-                {
+                if let Some(point) = self.meet_at(scene, cell, &more, *start, *middle) {
                     part.vertices[*vertex] = point;
                     return;
                 }
@@ -222,6 +220,21 @@ impl Placer {
         let solution = solve::common_point(&list[..constraints.len], start, step);
         let near = (solution.point - middle).abs().max_element() <= 1.5 * step;
         (near && solution.residual <= scene.tolerance).then_some(solution.point)
+    }
+
+    /// A point on all constraints within a cell of `middle` at which the solid
+    /// changes across each of them, if there is one.
+    pub(super) fn meet_at(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        start: DVec3,
+        middle: DVec3,
+    ) -> Option<DVec3> {
+        let point = self.try_constraints(scene, cell, constraints, start, middle)?;
+        self.is_valid(scene, cell, constraints, point)
+            .then_some(point)
     }
 
     /// Whether the solid changes across each of the constraints at `point`:
