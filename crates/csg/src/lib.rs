@@ -9,6 +9,7 @@ pub mod mesh;
 mod mesher;
 mod net;
 pub mod program;
+mod refine;
 mod report;
 pub mod solid;
 
