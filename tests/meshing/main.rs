@@ -1,6 +1,7 @@
 //! The exact mesher held against programs, closed forms and itself.
 #![allow(missing_docs, reason = "a test")]
 
+mod adaptive;
 mod defects;
 mod hard_models;
 mod measures;
@@ -8,4 +9,3 @@ mod moved_solids;
 mod random;
 mod random_solids;
 mod reference_scenes;
-mod tolerance;

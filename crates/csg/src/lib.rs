@@ -1,5 +1,6 @@
 //! Solids as Boolean combinations of half-spaces.
 
+mod adapt;
 pub mod color;
 mod control;
 mod draft;
@@ -9,7 +10,6 @@ pub mod mesh;
 mod mesher;
 mod net;
 pub mod program;
-mod refine;
 mod report;
 pub mod solid;
 

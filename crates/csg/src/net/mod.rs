@@ -52,8 +52,7 @@ struct Block {
     cell: Cell,
 }
 
-/// Meshes a program with one vertex a loop, on its surfaces to rounding; in the
-/// local frame, about the task's origin.
+/// Meshes a program with one vertex a loop, on its surfaces to rounding.
 pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
     let half = 0.5 * task.size;
@@ -132,6 +131,11 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     remove_marked(&mut triangles, &cleaned.removed);
     remove_marked(&mut triangle_surfaces, &cleaned.removed);
     remove_vertices(&mut positions, &mut triangles, &cleaned.merged);
+    if task.origin != DVec3::ZERO {
+        positions
+            .par_chunks_mut(4096)
+            .for_each(|chunk| chunk.iter_mut().for_each(|p| *p += task.origin));
+    }
     for part in &parts {
         report.surface_cells += part.surface_cells;
         report.cells_visited += part.bricks_sampled * (CELLS * CELLS * CELLS) as u64;
