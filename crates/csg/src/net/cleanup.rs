@@ -17,6 +17,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::solve;
 use crate::program::Surface;
 
 /// A run of consecutive triangles on one surface.
@@ -37,6 +38,8 @@ pub(super) struct Cleaner<'a> {
     pub surfaces: &'a [Surface],
     /// A triangle of less area than this is to be taken out.
     pub least_area: f64,
+    /// Distance to a surface below which a vertex lies on it.
+    pub tolerance: f64,
 }
 
 /// What came of it.
@@ -250,12 +253,19 @@ impl Cleaner<'_> {
     /// their turn comes.
     fn may_merge(&self, gone: u32, kept: u32, dying: [u32; 2], stars: &Stars) -> Option<Vec<u32>> {
         let (star, kept_star) = (stars.get(&gone)?, stars.get(&kept)?);
-        let surfaces: Vec<u32> = kept_star.iter().map(|&t| self.run_of(t).surface).collect();
-        if !star
-            .iter()
-            .all(|&t| surfaces.contains(&self.run_of(t).surface))
-        {
-            return None;
+        let place = self.positions[kept as usize];
+        let mut tried = Vec::with_capacity(4);
+        for surface in star.iter().map(|&t| self.run_of(t).surface) {
+            if tried.contains(&surface) {
+                continue;
+            }
+            tried.push(surface);
+            let is_known = || kept_star.iter().any(|&t| self.run_of(t).surface == surface);
+            let surface = &self.surfaces[surface as usize];
+            let is_on = || solve::residual(std::iter::once(surface), place) <= self.tolerance;
+            if !(is_known() || is_on()) {
+                return None;
+            }
         }
         let (neighbours, kept_neighbours) = (self.link(gone, star), self.link(kept, kept_star));
         let shared = neighbours.iter().filter(|v| kept_neighbours.contains(v));
