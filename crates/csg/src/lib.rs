@@ -1,6 +1,5 @@
 //! Solids as Boolean combinations of half-spaces.
 
-mod adapt;
 pub mod color;
 mod control;
 mod draft;
@@ -9,6 +8,7 @@ mod finish;
 pub mod mesh;
 mod mesher;
 mod net;
+mod pages;
 pub mod program;
 mod report;
 pub mod solid;

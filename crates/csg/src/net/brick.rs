@@ -14,6 +14,8 @@ use super::lattice::SAMPLES;
 use super::loops::next_axes;
 use crate::program::{Cell, Formula, Operand, Operation, Surface};
 
+pub(super) use crate::program::evaluate_assignments;
+
 /// One bit per sample.
 pub(super) type Mask = [u64; WORDS];
 pub(super) const WORDS: usize = SAMPLES * SAMPLES * SAMPLES / 64;
@@ -22,6 +24,8 @@ pub(super) const WORDS: usize = SAMPLES * SAMPLES * SAMPLES / 64;
 const HAS_NEXT_X: u64 = 0x7fff_7fff_7fff_7fff;
 /// The same for y + 1, in a word that ends a z layer.
 const HAS_NEXT_Y: u64 = 0x0000_ffff_ffff_ffff;
+/// The first sample of every row in a word.
+const EVERY_ROW: u64 = 0x0001_0001_0001_0001;
 /// Words per z layer.
 const LAYER: usize = 4;
 
@@ -54,14 +58,36 @@ pub(super) fn surface_signs(surface: &Surface, samples: &Samples, signs: &mut Ma
         dx[i] -= anchor.x;
         dy[i] -= anchor.y;
     }
+    let linear = surface.linear;
+    if [yy, zz, xy, yz, zx, linear.y, linear.z] == [0.0; 7] {
+        // f depends on x alone (what is left out adds zeroes): one row for all.
+        let mut bits = 0;
+        for (x, dx) in dx.iter().enumerate() {
+            let f = (xx * dx + linear.x) * dx + surface.constant;
+            bits |= u64::from(f <= 0.0) << x;
+        }
+        signs.fill(bits * EVERY_ROW);
+        return;
+    }
+    let rows_are_constant = [xx, xy, zx, linear.x] == [0.0; 4];
     for (layer, words) in signs.chunks_exact_mut(LAYER).enumerate() {
         let dz = samples.z[layer] - anchor.z;
         let (mut b, mut c) = ([0.0; SAMPLES], [0.0; SAMPLES]);
         for i in 0..SAMPLES {
             let dy = dy[i];
-            b[i] = surface.linear.x + (xy * dy + zx * dz);
+            b[i] = linear.x + (xy * dy + zx * dz);
             c[i] = surface.constant
-                + ((yy * dy + yz * dz + surface.linear.y) * dy + (zz * dz + surface.linear.z) * dz);
+                + ((yy * dy + yz * dz + linear.y) * dy + (zz * dz + linear.z) * dz);
+        }
+        if rows_are_constant {
+            for (word, c) in words.iter_mut().zip(c.chunks_exact(4)) {
+                let mut rows = 0;
+                for (row, &c) in c.iter().enumerate() {
+                    rows |= if c <= 0.0 { 0xffff << (16 * row) } else { 0 };
+                }
+                *word = rows;
+            }
+            continue;
         }
         for (group, word) in words.iter_mut().enumerate() {
             let mut lanes = [0u64; 8];
@@ -213,6 +239,40 @@ pub(super) fn ambiguous_faces(axis: usize, crossed: &[Mask; 4], faces: &mut Mask
     any != 0
 }
 
+/// The lower samples of all lattice edges along `axis` of the given cells.
+#[inline(always)]
+pub(super) fn edges_of_cells(axis: usize, cells: &Mask, edges: &mut Mask) {
+    let (b, c) = next_axes(axis);
+    let mut half = *cells;
+    add_step_up(cells, b, &mut half);
+    *edges = half;
+    add_step_up(&half, c, edges);
+}
+
+/// Adds the mask moved one sample up along `axis` to another; it has no
+/// samples in the last layer.
+#[inline(always)]
+fn add_step_up(mask: &Mask, axis: usize, out: &mut Mask) {
+    match axis {
+        0 => {
+            for (out, mask) in out.iter_mut().zip(mask) {
+                *out |= mask << 1;
+            }
+        }
+        1 => {
+            out[0] |= mask[0] << 16;
+            for word in 1..WORDS {
+                out[word] |= mask[word] << 16 | mask[word - 1] >> 48;
+            }
+        }
+        _ => {
+            for word in LAYER..WORDS {
+                out[word] |= mask[word - LAYER];
+            }
+        }
+    }
+}
+
 /// The mask moved one sample down along `axis`; what moves in from outside is
 /// not specified but where [`OWNED`].
 #[inline(always)]
@@ -269,16 +329,35 @@ pub(super) fn is_set(mask: &Mask, sample: usize) -> bool {
     mask[sample >> 6] >> (sample & 63) & 1 == 1
 }
 
-/// Writes the samples of a mask to a list, in ascending order; their number.
+/// Room for what [`expand`] writes, which is up to [`AT_ONCE`] - 1 items more
+/// than there are.
+pub(super) type List = [u16; WORDS * 64 + AT_ONCE];
+
+/// Bits that [`expand`] takes out of a word before it looks whether there are
+/// more: where a surface crosses a brick flatly, four rows have a bit each.
+const AT_ONCE: usize = 4;
+
+/// Writes an item for every sample of a mask to a list, in ascending order;
+/// their number. `item` is given the word, the bit in it (or 64 where an item
+/// is written for nothing) and the sample.
 #[inline(always)]
-pub(super) fn expand(mask: &Mask, list: &mut [u16; WORDS * 64]) -> usize {
+pub(super) fn expand(mask: &Mask, list: &mut List, item: impl Fn(usize, u32, u16) -> u16) -> usize {
     let mut count = 0;
     for (word, &bits) in mask.iter().enumerate() {
+        let first = (word * 64) as u16;
         let mut bits = bits;
+        let mut at = count;
+        count += bits.count_ones() as usize;
         while bits != 0 {
-            list[count % (WORDS * 64)] = (word * 64) as u16 + bits.trailing_zeros() as u16;
-            count += 1;
-            bits &= bits - 1;
+            let Some(slots) = list[at..].first_chunk_mut::<AT_ONCE>() else {
+                break;
+            };
+            for slot in slots {
+                let bit = bits.trailing_zeros();
+                *slot = item(word, bit, first + bit as u16);
+                bits &= bits.wrapping_sub(1);
+            }
+            at += AT_ONCE;
         }
     }
     count
@@ -294,37 +373,6 @@ pub(super) fn for_each_set(mask: &Mask, mut visit: impl FnMut(usize)) {
             bits &= bits - 1;
         }
     }
-}
-
-/// The formula over up to 64 assignments at once: bit i of
-/// `inside(literal index, surface)` tells whether the literal's surface is
-/// inside in assignment i, and bit i of the result whether the solid is.
-#[inline]
-pub(super) fn evaluate_assignments(
-    formula: &Formula,
-    gates: &mut Vec<u64>,
-    inside: impl Fn(u32, u32) -> u64,
-) -> u64 {
-    let value = |operand: Operand, gates: &[u64]| match operand {
-        Operand::Constant(false) => 0,
-        Operand::Constant(true) => u64::MAX,
-        Operand::Literal(i) => {
-            let literal = formula.literals()[i as usize];
-            let inside = inside(i, literal.surface);
-            if literal.outside { !inside } else { inside }
-        }
-        Operand::Gate(i) => gates[i as usize],
-    };
-    gates.clear();
-    for gate in formula.gates() {
-        let operands = formula.operands_of(gate).iter();
-        let result = match gate.operation {
-            Operation::And => operands.fold(u64::MAX, |all, &o| all & value(o, gates)),
-            Operation::Or => operands.fold(0, |all, &o| all | value(o, gates)),
-        };
-        gates.push(result);
-    }
-    value(formula.root(), gates)
 }
 
 /// Signs and changes of a brick's surfaces and of its solid.
@@ -350,7 +398,6 @@ impl Classified {
     /// list in the local frame.
     #[inline(always)]
     pub fn classify(&mut self, cell: &Cell, surfaces: &[Surface], samples: &Samples) {
-        self.signs.clear();
         self.signs.resize(cell.surfaces.len(), [0; WORDS]);
         for (&id, signs) in cell.surfaces.iter().zip(&mut self.signs) {
             surface_signs(&surfaces[id as usize], samples, signs);

@@ -13,11 +13,12 @@
 //! opposite to each other across the pair: the same as if the pair's diagonal
 //! were flipped first.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
-use super::solve;
 use crate::program::Surface;
 
 /// A run of consecutive triangles on one surface.
@@ -35,11 +36,12 @@ pub(super) struct Cleaner<'a> {
     pub positions: &'a [DVec3],
     pub triangles: &'a mut [[u32; 3]],
     pub runs: &'a [Run],
+    /// All triangles at corners of bad ones, and at the corners of those, are
+    /// in these ranges.
+    pub near: &'a [Range<usize>],
     pub surfaces: &'a [Surface],
     /// A triangle of less area than this is to be taken out.
     pub least_area: f64,
-    /// Distance to a surface below which a vertex lies on it.
-    pub tolerance: f64,
 }
 
 /// What came of it.
@@ -53,8 +55,65 @@ pub(super) struct Cleaned {
     pub left: Vec<u32>,
 }
 
-/// The triangles around the vertices in question.
-type Stars = FxHashMap<u32, Vec<u32>>;
+/// A triangle and what it lies on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Face {
+    triangle: u32,
+    surface: u32,
+    reversed: bool,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The faces around the vertices in question.
+#[derive(Default)]
+struct Stars {
+    /// Per vertex its star's place in the list, or `NONE`.
+    place: Vec<u32>,
+    stars: Vec<Star>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Star {
+    faces: Vec<Face>,
+    /// The last merger that changed it, or a corner of its faces.
+    changed: u32,
+}
+
+impl Stars {
+    fn get(&self, vertex: u32) -> Option<&Star> {
+        self.stars.get(self.place[vertex as usize] as usize)
+    }
+
+    fn get_mut(&mut self, vertex: u32) -> Option<&mut Star> {
+        self.stars.get_mut(self.place[vertex as usize] as usize)
+    }
+
+    /// Sees to it that a vertex has a star.
+    fn want(&mut self, vertex: u32) {
+        let place = &mut self.place[vertex as usize];
+        if *place == NONE {
+            *place = self.stars.len() as u32;
+            self.stars.push(Star::default());
+        }
+    }
+}
+
+/// A bad triangle, and how many mergers there had been when it was last tried.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    face: Face,
+    tried: Option<u32>,
+}
+
+/// Two vertices that may be merged: neighbours whose edge the two dying faces
+/// share, or opposite to each other across them.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    gone: u32,
+    kept: u32,
+    dying: [Face; 2],
+}
 
 /// What is done so far, and what is known for what is to come.
 #[derive(Default)]
@@ -63,9 +122,12 @@ struct Work {
     removed: FxHashSet<u32>,
     merged: FxHashSet<u32>,
     /// Triangles that lost their area.
-    flattened: Vec<u32>,
-    /// Whether to thin out the vertices around a triangle that stays bad.
-    thorough: bool,
+    flattened: Vec<Face>,
+    /// Scratch memory: the vertices around two vertices, and the faces that a
+    /// merger would flatten.
+    link: Vec<u32>,
+    kept_link: Vec<u32>,
+    flat: Vec<Face>,
 }
 
 impl Cleaner<'_> {
@@ -74,126 +136,170 @@ impl Cleaner<'_> {
         /// A collapse may make room for another.
         const ROUNDS: usize = 4;
         let mut work = Work::default();
-        let mut pending: Vec<u32> = bad.to_vec();
+        let pending = bad.iter().map(|&triangle| self.face(triangle));
+        let mut pending: Vec<Face> = pending.filter(|&face| self.is_bad(face)).collect();
         for thorough in [false, true] {
-            pending.retain(|&triangle| self.is_bad(triangle));
-            if pending.is_empty() {
+            // More than a few in a thousand come of details smaller than a
+            // cell: not worth the while, which grows with their number.
+            let too_many = pending.len() > 1000 + self.triangles.len() / 500;
+            if pending.is_empty() || (thorough && too_many) {
                 break;
             }
-            work.thorough = thorough;
-            work.stars = self.stars(&pending, &work);
+            work.stars = self.stars(&pending, thorough, &work.removed);
+            let mut tries: Vec<Pending> = pending.iter().map(|&face| Pending::new(face)).collect();
             for _ in 0..ROUNDS {
-                let before = pending.len();
-                pending.retain(|&triangle| {
-                    let is_done = work.removed.contains(&triangle)
-                        || !self.is_bad(triangle)
-                        || self.take_out(triangle, &mut work)
-                        || (thorough && self.thin_out(triangle, &mut work));
-                    !is_done
-                });
-                let is_stuck = pending.len() == before;
-                pending.append(&mut work.flattened);
-                if is_stuck || pending.is_empty() {
+                let before = tries.len();
+                tries.retain_mut(|pending| !self.is_done(pending, thorough, &mut work));
+                let is_stuck = tries.len() == before;
+                tries.extend(work.flattened.drain(..).map(Pending::new));
+                if is_stuck || tries.is_empty() {
                     break;
                 }
             }
-            pending.retain(|triangle| !work.removed.contains(triangle));
+            let left = tries.iter().map(|pending| pending.face);
+            pending.clear();
+            pending.extend(left.filter(|face| !work.removed.contains(&face.triangle)));
+            pending.retain(|&face| self.is_bad(face));
         }
         let mut removed: Vec<u32> = work.removed.into_iter().collect();
         removed.sort_unstable();
         Cleaned {
             removed,
             merged: work.merged,
-            left: pending,
+            left: pending.iter().map(|face| face.triangle).collect(),
         }
+    }
+
+    /// Tries to take out a triangle; whether it is gone, or no longer bad.
+    fn is_done(&mut self, pending: &mut Pending, thorough: bool, work: &mut Work) -> bool {
+        let face = pending.face;
+        if work.removed.contains(&face.triangle) {
+            return true;
+        }
+        // What failed fails again until something near has changed.
+        let is_new = |since| self.changed_around(face, since, &work.stars);
+        if !pending.tried.is_none_or(is_new) {
+            return false;
+        }
+        pending.tried = Some(work.merged.len() as u32);
+        !self.is_bad(face) || self.take_out(face, work) || (thorough && self.thin_out(face, work))
+    }
+
+    fn face(&self, triangle: u32) -> Face {
+        let after = self.runs.partition_point(|run| run.start <= triangle);
+        let run = &self.runs[after.saturating_sub(1)];
+        Face {
+            triangle,
+            surface: run.surface,
+            reversed: run.reversed,
+        }
+    }
+
+    fn corners(&self, face: Face) -> [u32; 3] {
+        self.triangles[face.triangle as usize]
     }
 
     /// The stars of all vertices of the bad triangles; if it is to be thorough,
     /// of their neighbours, too.
-    fn stars(&self, bad: &[u32], work: &Work) -> Stars {
-        let around = |wanted: &[bool]| -> Vec<u32> {
-            self.triangles
+    fn stars(&self, bad: &[Face], thorough: bool, removed: &FxHashSet<u32>) -> Stars {
+        let mut stars = Stars {
+            place: vec![NONE; self.positions.len()],
+            stars: Vec::new(),
+        };
+        let around = |stars: &Stars| -> Vec<Face> {
+            let is_around = |&triangle: &usize| {
+                let mut corners = self.triangles[triangle].iter();
+                corners.any(|&v| stars.place[v as usize] != NONE)
+            };
+            self.near
                 .par_iter()
-                .enumerate()
-                .filter(|(_, corners)| corners.iter().any(|&v| wanted[v as usize]))
-                .map(|(triangle, _)| triangle as u32)
-                .filter(|triangle| !work.removed.contains(triangle))
+                .flat_map_iter(|range| range.clone().filter(is_around))
+                .map(|triangle| self.face(triangle as u32))
+                .filter(|face| !removed.contains(&face.triangle))
                 .collect()
         };
-        let mut wanted = vec![false; self.positions.len()];
-        let mark = |triangles: &[u32], wanted: &mut [bool]| {
-            for &triangle in triangles {
-                for vertex in self.triangles[triangle as usize] {
-                    wanted[vertex as usize] = true;
-                }
-            }
+        let want = |faces: &[Face], stars: &mut Stars| {
+            let corners = faces.iter().flat_map(|&face| self.corners(face));
+            corners.for_each(|vertex| stars.want(vertex));
         };
-        mark(bad, &mut wanted);
-        if work.thorough {
-            mark(&around(&wanted), &mut wanted);
+        want(bad, &mut stars);
+        if thorough {
+            want(&around(&stars), &mut stars);
         }
-        let mut stars = Stars::default();
-        for triangle in around(&wanted) {
-            for vertex in self.triangles[triangle as usize] {
-                if wanted[vertex as usize] {
-                    stars.entry(vertex).or_default().push(triangle);
+        for face in around(&stars) {
+            for vertex in self.corners(face) {
+                if let Some(star) = stars.get_mut(vertex) {
+                    star.faces.push(face);
                 }
             }
         }
         stars
     }
 
-    fn run_of(&self, triangle: u32) -> &Run {
-        let after = self.runs.partition_point(|run| run.start <= triangle);
-        &self.runs[after.saturating_sub(1)]
+    /// Whether any merger after the first `since` has changed what decides
+    /// about a face: the stars of its corners and of the vertices around them.
+    fn changed_around(&self, face: Face, since: u32, stars: &Stars) -> bool {
+        let has_changed = |vertex: u32| stars.get(vertex).is_some_and(|star| star.changed > since);
+        let around = self.corners(face).into_iter();
+        let around = around.filter_map(|vertex| stars.get(vertex));
+        around
+            .flat_map(|star| &star.faces)
+            .any(|&face| self.corners(face).into_iter().any(has_changed))
     }
 
-    /// Twice the area of a triangle, negative if it is folded over.
-    fn signed_area(&self, triangle: u32, corners: [u32; 3]) -> f64 {
+    /// Twice the area of a face with the given corners, negative if it is
+    /// folded over.
+    fn signed_area(&self, face: Face, corners: [u32; 3]) -> f64 {
         let [p, q, r] = corners.map(|v| self.positions[v as usize]);
-        let run = self.run_of(triangle);
-        let gradient = self.surfaces[run.surface as usize].gradient((p + q + r) / 3.0);
-        let outward = if run.reversed { -gradient } else { gradient };
+        let gradient = self.surfaces[face.surface as usize].gradient((p + q + r) / 3.0);
+        let outward = if face.reversed { -gradient } else { gradient };
         (q - p).cross(r - p).dot(outward.normalize_or_zero())
     }
 
-    fn is_bad(&self, triangle: u32) -> bool {
-        self.signed_area(triangle, self.triangles[triangle as usize]) <= 2.0 * self.least_area
+    fn is_bad(&self, face: Face) -> bool {
+        self.signed_area(face, self.corners(face)) <= 2.0 * self.least_area
+    }
+
+    fn square(&self, u: u32, v: u32) -> f64 {
+        self.positions[u as usize].distance_squared(self.positions[v as usize])
     }
 
     /// Merges two vertices of the triangle, the nearest that may be; else one
     /// of them and the vertex opposite to it in a neighbouring triangle.
-    fn take_out(&mut self, triangle: u32, work: &mut Work) -> bool {
-        let [a, b, c] = self.triangles[triangle as usize];
-        let length = |&(u, v, _): &(u32, u32, u32)| {
-            self.positions[u as usize].distance_squared(self.positions[v as usize])
+    fn take_out(&mut self, face: Face, work: &mut Work) -> bool {
+        let [a, b, c] = self.corners(face);
+        let sides = [(a, b, c), (b, c, a), (c, a, b)];
+        let other = sides.map(|(u, v, _)| self.neighbour(face, u, v, &work.stars));
+        let along = |i: usize| {
+            let (u, v, _) = sides[i];
+            Some((u, v, other[i]?))
         };
-        let sides = [(a, b), (b, c), (c, a)];
-        let other = sides.map(|(u, v)| self.neighbour(triangle, u, v, &work.stars));
-        let mut edges = Vec::with_capacity(6);
-        for ((u, v), other) in sides.into_iter().zip(other) {
-            edges.extend(other.map(|other| (u, v, other)));
-        }
-        let mut across = Vec::with_capacity(6);
-        for ((u, v), other) in sides.into_iter().zip(other) {
-            let Some(other) = other else { continue };
-            let apex = |t: u32| {
-                self.triangles[t as usize]
-                    .into_iter()
-                    .find(|&w| w != u && w != v)
-            };
-            if let (Some(own), Some(opposite)) = (apex(triangle), apex(other)) {
-                across.push((own, opposite, other));
+        let across = |i: usize| {
+            let (u, v, apex) = sides[i];
+            let mut corners = self.corners(other[i]?).into_iter();
+            let opposite = corners.find(|&w| w != u && w != v)?;
+            Some((apex, opposite, other[i]?))
+        };
+        let (along, across) = ([0, 1, 2].map(along), [0, 1, 2].map(across));
+        for candidates in [along, across] {
+            // Both ways round, the nearest first.
+            let mut pairs = [None; 6];
+            for (i, candidate) in candidates.into_iter().enumerate() {
+                pairs[i] = candidate.map(|(gone, kept, other)| {
+                    let dying = [face, other];
+                    (self.square(gone, kept), Pair { gone, kept, dying })
+                });
+                pairs[i + 3] = pairs[i].map(|(square, pair)| {
+                    let (gone, kept) = (pair.kept, pair.gone);
+                    (square, Pair { gone, kept, ..pair })
+                });
             }
-        }
-        for mut pairs in [edges, across] {
-            pairs.extend(pairs.clone().into_iter().map(|(u, v, t)| (v, u, t)));
-            pairs.sort_by(|x, y| length(x).total_cmp(&length(y)));
-            for (gone, kept, other) in pairs {
-                let dying = [triangle, other];
-                if let Some(flat) = self.may_merge(gone, kept, dying, &work.stars) {
-                    work.flattened.extend(flat);
-                    self.merge(gone, kept, dying, work);
+            let square = |pair: &Option<(f64, Pair)>| pair.map_or(f64::INFINITY, |(s, _)| s);
+            pairs.sort_by(|a, b| square(a).total_cmp(&square(b)));
+            for (_, pair) in pairs.into_iter().flatten() {
+                if self.may_merge(&pair, work) {
+                    work.flattened.extend_from_slice(&work.flat);
+                    self.merge(&pair, work);
                     return true;
                 }
             }
@@ -203,147 +309,161 @@ impl Cleaner<'_> {
 
     /// Merges neighbours of the triangle's vertices into these, the nearest
     /// first, until the triangle can be taken out.
-    fn thin_out(&mut self, triangle: u32, work: &mut Work) -> bool {
+    fn thin_out(&mut self, face: Face, work: &mut Work) -> bool {
         const MOST_MERGERS: usize = 6;
         for _ in 0..MOST_MERGERS {
-            let corners = self.triangles[triangle as usize];
+            let corners = self.corners(face);
             let mut pairs = Vec::new();
             for kept in corners {
-                let Some(star) = work.stars.get(&kept) else {
+                let Some(star) = work.stars.get(kept) else {
                     continue;
                 };
-                let place = self.positions[kept as usize];
-                for gone in self.link(kept, star) {
-                    let shared = star.iter().copied();
-                    let both: Vec<u32> = shared
-                        .filter(|&t| self.triangles[t as usize].contains(&gone))
-                        .collect();
-                    if let ([first, second], false) = (&both[..], corners.contains(&gone)) {
-                        let square = place.distance_squared(self.positions[gone as usize]);
-                        pairs.push((square, gone, kept, [*first, *second]));
+                let mut link = Vec::new();
+                self.link(kept, &star.faces, &mut link);
+                link.sort_unstable();
+                for gone in link {
+                    let shared = star.faces.iter().copied();
+                    let mut shared = shared.filter(|&f| self.corners(f).contains(&gone));
+                    let (first, second, third) = (shared.next(), shared.next(), shared.next());
+                    if let (Some(first), Some(second), None) = (first, second, third)
+                        && !corners.contains(&gone)
+                    {
+                        let dying = [first, second];
+                        pairs.push((self.square(kept, gone), Pair { gone, kept, dying }));
                     }
                 }
             }
             pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let allowed = pairs.into_iter().find(|&(_, gone, kept, dying)| {
-                let flat = self.may_merge(gone, kept, dying, &work.stars);
-                flat.is_some_and(|flat| flat.is_empty())
-            });
-            let Some((_, gone, kept, dying)) = allowed else {
+            let mut pairs = pairs.into_iter();
+            let allowed =
+                pairs.find(|(_, pair)| self.may_merge(pair, work) && work.flat.is_empty());
+            let Some((_, pair)) = allowed else {
                 return false;
             };
-            self.merge(gone, kept, dying, work);
-            if !self.is_bad(triangle) || self.take_out(triangle, work) {
+            self.merge(&pair, work);
+            if !self.is_bad(face) || self.take_out(face, work) {
                 return true;
             }
         }
         false
     }
 
-    /// The other triangle at the edge between two vertices.
-    fn neighbour(&self, triangle: u32, u: u32, v: u32, stars: &Stars) -> Option<u32> {
-        let mut star = stars.get(&u)?.iter().copied();
-        star.find(|&t| t != triangle && self.triangles[t as usize].contains(&v))
+    /// The other face at the edge between two vertices.
+    fn neighbour(&self, face: Face, u: u32, v: u32, stars: &Stars) -> Option<Face> {
+        let mut star = stars.get(u)?.faces.iter().copied();
+        star.find(|&other| other.triangle != face.triangle && self.corners(other).contains(&v))
     }
 
-    /// Whether vertex `gone` may be moved onto `kept`: neighbours whose edge
-    /// the `dying` triangles share, or opposite to each other across them. If
-    /// so, the triangles that have no area afterwards, which is all right for
-    /// those that had none before and for those with two vertices in one place:
-    /// their turn comes.
-    fn may_merge(&self, gone: u32, kept: u32, dying: [u32; 2], stars: &Stars) -> Option<Vec<u32>> {
-        let (star, kept_star) = (stars.get(&gone)?, stars.get(&kept)?);
-        let place = self.positions[kept as usize];
-        let mut tried = Vec::with_capacity(4);
-        for surface in star.iter().map(|&t| self.run_of(t).surface) {
-            if tried.contains(&surface) {
-                continue;
-            }
-            tried.push(surface);
-            let is_known = || kept_star.iter().any(|&t| self.run_of(t).surface == surface);
-            let surface = &self.surfaces[surface as usize];
-            let is_on = || solve::residual(std::iter::once(surface), place) <= self.tolerance;
-            if !(is_known() || is_on()) {
-                return None;
-            }
-        }
-        let (neighbours, kept_neighbours) = (self.link(gone, star), self.link(kept, kept_star));
-        let shared = neighbours.iter().filter(|v| kept_neighbours.contains(v));
-        let shared: Vec<u32> = shared.copied().collect();
-        let [first, second] = shared[..] else {
-            return None;
+    /// Whether one vertex of a pair may be moved onto the other. If so,
+    /// `work.flat` has the triangles without area afterwards, which is all
+    /// right for those that had none before and for those with two vertices in
+    /// one place: their turn comes.
+    fn may_merge(&self, pair: &Pair, work: &mut Work) -> bool {
+        let &Pair { gone, kept, dying } = pair;
+        let (Some(star), Some(kept_star)) = (work.stars.get(gone), work.stars.get(kept)) else {
+            return false;
         };
-        let own_edge = dying.iter().all(|&t| {
-            let corners = self.triangles[t as usize];
+        let (star, kept_star) = (&star.faces, &kept_star.faces);
+        let is_kept = |surface: u32| kept_star.iter().any(|face| face.surface == surface);
+        if !star.iter().all(|face| is_kept(face.surface)) {
+            return false;
+        }
+        self.link(gone, star, &mut work.link);
+        self.link(kept, kept_star, &mut work.kept_link);
+        let mut shared = work.link.iter().filter(|v| work.kept_link.contains(v));
+        let (Some(&first), Some(&second), None) = (shared.next(), shared.next(), shared.next())
+        else {
+            return false;
+        };
+        let own_edge = dying.iter().all(|&face| {
+            let corners = self.corners(face);
             corners.contains(&gone) && corners.contains(&kept)
         });
-        if !own_edge && neighbours.contains(&kept) {
-            return None;
+        if !own_edge && work.link.contains(&kept) {
+            return false;
         }
-        let survives = |t: &&u32| !dying.contains(t);
+        let survives = |face: &&Face| !dying.contains(face);
         // An edge between the two apexes that both links share: a tetrahedron
         // would be flattened.
-        let spans = |star: &[u32]| {
-            star.iter().filter(survives).any(|&t| {
-                let corners = self.triangles[t as usize];
+        let spans = |star: &[Face]| {
+            star.iter().filter(survives).any(|&face| {
+                let corners = self.corners(face);
                 corners.contains(&first) && corners.contains(&second)
             })
         };
         if spans(star) && spans(kept_star) {
-            return None;
+            return false;
         }
         let limit = 2.0 * self.least_area;
-        let mut flat = Vec::new();
-        for &t in star.iter().filter(survives) {
-            let moved = self.triangles[t as usize].map(|v| if v == gone { kept } else { v });
-            let area = self.signed_area(t, moved);
+        work.flat.clear();
+        for &face in star.iter().filter(survives) {
+            let moved = self.corners(face).map(|v| if v == gone { kept } else { v });
+            let area = self.signed_area(face, moved);
             if area > limit {
                 continue;
             }
             let is_flat = area >= -limit;
-            if !(is_flat && (self.is_bad(t) || self.has_short_edge(moved))) {
-                return None;
+            if !(is_flat && (self.is_bad(face) || self.has_short_edge(moved))) {
+                return false;
             }
-            flat.push(t);
+            work.flat.push(face);
         }
-        Some(flat)
+        true
     }
 
     /// Whether two of the corners are in one place.
-    fn has_short_edge(&self, corners: [u32; 3]) -> bool {
-        let [p, q, r] = corners.map(|v| self.positions[v as usize]);
-        let squares = [(p, q), (q, r), (r, p)].map(|(a, b)| a.distance_squared(b));
-        squares
-            .into_iter()
-            .any(|square| square <= 1e-4 * self.least_area)
+    fn has_short_edge(&self, [p, q, r]: [u32; 3]) -> bool {
+        let mut squares = [(p, q), (q, r), (r, p)].into_iter();
+        squares.any(|(a, b)| self.square(a, b) <= 1e-4 * self.least_area)
     }
 
-    /// The vertices around a vertex.
-    fn link(&self, vertex: u32, star: &[u32]) -> Vec<u32> {
-        let corners = star.iter().flat_map(|&t| self.triangles[t as usize]);
-        let mut link: Vec<u32> = corners.filter(|&v| v != vertex).collect();
-        link.sort_unstable();
-        link.dedup();
-        link
+    /// The vertices around a vertex, each once.
+    fn link(&self, vertex: u32, star: &[Face], link: &mut Vec<u32>) {
+        link.clear();
+        for other in star.iter().flat_map(|&face| self.corners(face)) {
+            if other != vertex && !link.contains(&other) {
+                link.push(other);
+            }
+        }
     }
 
-    fn merge(&mut self, gone: u32, kept: u32, dying: [u32; 2], work: &mut Work) {
-        for triangle in dying {
-            work.removed.insert(triangle);
-            for vertex in self.triangles[triangle as usize] {
-                if let Some(star) = work.stars.get_mut(&vertex) {
-                    star.retain(|&t| t != triangle);
+    fn merge(&mut self, pair: &Pair, work: &mut Work) {
+        let &Pair { gone, kept, dying } = pair;
+        work.merged.insert(gone);
+        let now = work.merged.len() as u32;
+        let stars = &mut work.stars;
+        let change = |corners: [u32; 3], stars: &mut Stars| {
+            for vertex in corners {
+                if let Some(star) = stars.get_mut(vertex) {
+                    star.changed = now;
+                }
+            }
+        };
+        for face in dying {
+            work.removed.insert(face.triangle);
+            change(self.corners(face), stars);
+            for vertex in self.corners(face) {
+                if let Some(star) = stars.get_mut(vertex) {
+                    star.faces.retain(|&other| other != face);
                 }
             }
         }
-        let star = work.stars.remove(&gone).unwrap_or_default();
-        for &triangle in &star {
-            let corners = &mut self.triangles[triangle as usize];
+        let star = stars.get_mut(gone);
+        let star = star.map_or_else(Vec::new, |star| std::mem::take(&mut star.faces));
+        for &face in &star {
+            let corners = &mut self.triangles[face.triangle as usize];
             *corners = corners.map(|v| if v == gone { kept } else { v });
+            change(*corners, stars);
         }
-        if let Some(kept_star) = work.stars.get_mut(&kept) {
-            kept_star.extend(star);
+        if let Some(kept_star) = stars.get_mut(kept) {
+            kept_star.faces.extend(star);
+            kept_star.changed = now;
         }
-        work.merged.insert(gone);
+    }
+}
+
+impl Pending {
+    fn new(face: Face) -> Self {
+        Self { face, tried: None }
     }
 }

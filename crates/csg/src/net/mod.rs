@@ -20,13 +20,16 @@ mod lattice;
 mod loops;
 mod part;
 mod place;
-pub(crate) mod solve;
+mod quads;
+mod solve;
 mod stitch;
 #[cfg(test)]
 mod topology_tests;
 mod validity;
 
 use std::cell::RefCell;
+use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -38,11 +41,12 @@ use self::cleanup::{Cleaner, Run};
 use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
 use self::place::{Placer, Scene};
-use self::stitch::{Stitched, Stitcher, Table};
+use self::stitch::{Leftovers, Output, Scratch, Stitched, Stitcher};
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
-use crate::program::{Bounds, Cell, Pruner};
+use crate::pages;
+use crate::program::{Bounds, Cell, Pruner, Reach};
 use crate::report::Report;
 
 /// Bricks from `from` to before `to`, with the program pruned to their box.
@@ -60,8 +64,10 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         min: -half,
         max: half,
     };
+    let reaches: Vec<Reach> = task.surfaces.iter().map(Reach::of).collect();
     let scene = Scene {
         surfaces: &task.surfaces,
+        reaches: &reaches,
         origins: task.program.origins(),
         lattice: Lattice::around(&local_bounds, task.cell)?,
         // Far from the origin the surfaces' own places are rounded.
@@ -73,7 +79,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
 
     let stage = task.control.stage(blocks.len() as u64, 0.0, 0.7);
     let arch = pulp::Arch::new();
-    let parts: Vec<Part> = blocks
+    let mut parts: Vec<Part> = blocks
         .par_iter()
         .map(|block| {
             let mut part = Part::with_room_for(cells_in(block.from, block.to));
@@ -98,34 +104,33 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         });
     }
     let mut positions = concatenate(&parts, |part| &part.vertices);
+    let surfaces = table_of_surfaces(task, &mut parts);
     let least_area = LEAST_AREA * task.cell * task.cell;
     let stitcher = Stitcher::new(&parts, &positions, &task.surfaces, least_area);
     let stage = task.control.stage(parts.len() as u64, 0.7, 1.0);
-    let stitched: Vec<Stitched> = (0..parts.len())
-        .into_par_iter()
-        .map(|part| {
-            let stitched =
-                TABLE.with_borrow_mut(|table| arch.dispatch(StitchPart(&stitcher, part, table)));
-            stage.add(1);
-            stitched
-        })
-        .collect();
-    let mut triangles = concatenate(&stitched, |part| &part.triangles);
-    let (surfaces, mut triangle_surfaces) = provenance(task, &parts, &stitched);
+    let mut stitched = stitch::stitch_all(&parts, |part, out| {
+        let leftovers = SCRATCH
+            .with_borrow_mut(|scratch| arch.dispatch(StitchPart(&stitcher, part, scratch, out)));
+        stage.add(1);
+        leftovers
+    });
     let start = report.end_stage("stitch", start);
     let runs = runs(&parts, &stitched);
-    let bad = bad_triangles(&stitched);
+    let near = near_bad_triangles(&parts, &stitched);
     let cleaned = Cleaner {
         positions: &positions,
-        triangles: &mut triangles,
+        triangles: &mut stitched.triangles,
         runs: &runs,
+        near: &near,
         surfaces: &task.surfaces,
         least_area,
-        // Of the rounding that vertices are allowed most is spent on their
-        // own surfaces.
-        tolerance: 0.25 * scene.tolerance,
     }
-    .clean(&bad);
+    .clean(&stitched.bad);
+    let Stitched {
+        mut triangles,
+        surfaces: mut triangle_surfaces,
+        ..
+    } = stitched;
     for &triangle in &cleaned.left {
         let [p, q, r] = triangles[triangle as usize].map(|v| positions[v as usize]);
         let place = (p + q + r) / 3.0 + task.origin;
@@ -162,7 +167,7 @@ thread_local! {
     /// Scratch memory that every worker keeps from block to block and from
     /// mesh to mesh, some 300 KiB: fresh pages cost more than a small mesh.
     static WALKER: RefCell<Walker> = RefCell::default();
-    static TABLE: RefCell<Table> = RefCell::default();
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
 /// The work on one block, compiled for every SIMD level: what is inlined here
@@ -179,14 +184,14 @@ impl pulp::WithSimd for WalkBlock<'_, '_> {
 }
 
 /// The same for stitching one part.
-struct StitchPart<'a, 's>(&'a Stitcher<'s>, usize, &'a mut Table);
+struct StitchPart<'a, 's, 'o>(&'a Stitcher<'s>, usize, &'a mut Scratch, &'a mut Output<'o>);
 
-impl pulp::WithSimd for StitchPart<'_, '_> {
-    type Output = Stitched;
+impl pulp::WithSimd for StitchPart<'_, '_, '_> {
+    type Output = Leftovers;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Stitched {
-        self.0.part(self.1, self.2)
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Leftovers {
+        self.0.part(self.1, self.2, self.3)
     }
 }
 
@@ -230,28 +235,18 @@ fn blocks(scene: &Scene<'_>, root: Cell, pruned: &mut u64) -> Vec<Block> {
     let largest = all.max_element().div_ceil(BLOCKS_ALONG);
     let mut pruner = Pruner::default();
     let mut done = Vec::new();
-    let mut pending = vec![Block {
-        from: UVec3::ZERO,
-        to: all,
-        cell: root,
-    }];
-    while let Some(block) = pending.pop() {
-        let (center, half) = scene.lattice.bricks_box(block.from, block.to);
+    let mut pending = vec![(UVec3::ZERO, all, Rc::new(root))];
+    while let Some((from, to, parent)) = pending.pop() {
+        let (center, half) = scene.lattice.bricks_box(from, to);
         let mut cell = Cell::default();
-        block
-            .cell
-            .prune_into(scene.surfaces, center, half, &mut pruner, &mut cell);
-        let Block { from, to, .. } = block;
+        parent.prune_reaching_into(scene.table(), center, half, &mut pruner, &mut cell);
         if cell.constant().is_some() {
             *pruned += cells_in(from, to);
         } else if (to - from).max_element() <= largest {
             done.push(Block { from, to, cell });
         } else {
-            pending.extend(children(from, to).map(|(from, to)| Block {
-                from,
-                to,
-                cell: cell.clone(),
-            }));
+            let cell = Rc::new(cell);
+            pending.extend(children(from, to).map(|(from, to)| (from, to, Rc::clone(&cell))));
         }
     }
     done
@@ -279,7 +274,7 @@ impl Walker {
             let cell = if let Some(parent) = above.last() {
                 let (center, half) = scene.lattice.bricks_box(from, to);
                 let cell = &mut below[0];
-                parent.prune_into(scene.surfaces, center, half, &mut self.pruner, cell);
+                parent.prune_reaching_into(scene.table(), center, half, &mut self.pruner, cell);
                 cell
             } else {
                 below[0].clone_from(&block.cell);
@@ -304,8 +299,7 @@ where
     U: bytemuck::Zeroable + Copy + Send + Sync,
 {
     let total = lists.iter().map(|l| list(l).len()).sum();
-    // Zeroed pages come from the system untouched until they are copied to.
-    let mut all: Vec<U> = bytemuck::zeroed_vec(total);
+    let mut all: Vec<U> = pages::zeroed(total);
     let mut pieces = Vec::with_capacity(lists.len());
     let mut rest = all.as_mut_slice();
     for source in lists {
@@ -319,13 +313,19 @@ where
     all
 }
 
-/// The runs of triangles on one surface.
-fn runs(parts: &[Part], stitched: &[Stitched]) -> Vec<Run> {
-    let groups = parts.iter().zip(stitched);
-    let groups = groups.flat_map(|(part, s)| part.groups.iter().zip(&s.group_triangles));
+/// The runs of triangles on one surface; none if no triangle is bad.
+fn runs(parts: &[Part], stitched: &Stitched) -> Vec<Run> {
+    if stitched.bad.is_empty() {
+        return Vec::new();
+    }
+    let regular = parts.iter().flat_map(|part| &part.groups);
+    let regular = regular.map(|group| (group, 2 * group.count));
+    let further = stitched.further.iter();
+    let further = further.map(|&(part, group)| (&parts[part].groups[group as usize], 1));
     let mut start = 0;
-    groups
-        .map(|(group, &count)| {
+    regular
+        .chain(further)
+        .map(|(group, count)| {
             let run = Run {
                 start,
                 surface: group.surface,
@@ -337,15 +337,54 @@ fn runs(parts: &[Part], stitched: &[Stitched]) -> Vec<Run> {
         .collect()
 }
 
-/// The triangles to look at again, in the whole mesh's count.
-fn bad_triangles(stitched: &[Stitched]) -> Vec<u32> {
-    let mut bad = Vec::new();
-    let mut before = 0;
-    for part in stitched {
-        bad.extend(part.bad.iter().map(|&triangle| before + triangle));
-        before += part.triangles.len() as u32;
+/// The triangles, part by part, that cleaning up has to do with: polygons share
+/// vertices with those of the bricks next to theirs, bad triangles' neighbours
+/// are looked at as well, and mergers move triangles by some cells.
+fn near_bad_triangles(parts: &[Part], stitched: &Stitched) -> Vec<Range<usize>> {
+    /// Pairs of parts to compare at most, before all count as near.
+    const MOST_PAIRS: usize = 1 << 18;
+    /// In bricks.
+    const NEAR: u32 = 3;
+    let mut end = 0;
+    let mut ranges: Vec<Range<usize>> = parts
+        .iter()
+        .map(|part| {
+            let start = end;
+            end += 2 * part.polygons.len();
+            start..end
+        })
+        .collect();
+    let mut owners: Vec<usize> = stitched.further.iter().map(|&(part, _)| part).collect();
+    for &bad in &stitched.bad {
+        let owner = ranges.partition_point(|range| range.end <= bad as usize);
+        if owner < parts.len() && owners.last() != Some(&owner) {
+            owners.push(owner);
+        }
     }
-    bad
+    owners.sort_unstable();
+    owners.dedup();
+    if owners.len() * parts.len() <= MOST_PAIRS {
+        // The boxes of bricks, from and to (inclusive).
+        let extents: Vec<(UVec3, UVec3)> = parts
+            .iter()
+            .map(|part| {
+                let bricks = part.bricks.iter().map(|brick| brick.position);
+                bricks.fold((UVec3::MAX, UVec3::ZERO), |(from, to), brick| {
+                    (from.min(brick), to.max(brick))
+                })
+            })
+            .collect();
+        let touch = |a: (UVec3, UVec3), b: (UVec3, UVec3)| {
+            a.0.cmple(b.1 + NEAR).all() && b.0.cmple(a.1 + NEAR).all()
+        };
+        let is_near = |part: usize| owners.iter().any(|&o| touch(extents[part], extents[o]));
+        ranges = (0..parts.len())
+            .filter(|&part| is_near(part))
+            .map(|part| ranges[part].clone())
+            .collect();
+    }
+    ranges.push(end..stitched.triangles.len());
+    ranges
 }
 
 /// Removes the items at the given ascending places; the last ones take them.
@@ -387,33 +426,24 @@ fn remove_vertices(
     });
 }
 
-/// The mesh's table of surfaces, in the order in which triangles first name
-/// them, and the entry of every triangle.
-fn provenance(
-    task: &Task<'_>,
-    parts: &[Part],
-    stitched: &[Stitched],
-) -> (Vec<MeshSurface>, Vec<u32>) {
+/// The mesh's table of surfaces, in the order in which polygons first name
+/// them; every group learns its entry.
+fn table_of_surfaces(task: &Task<'_>, parts: &mut [Part]) -> Vec<MeshSurface> {
     let mut index: FxHashMap<(u32, u32), u32> = FxHashMap::default();
     let mut surfaces = Vec::new();
-    let total = stitched.iter().map(|s| s.triangles.len()).sum();
-    let mut triangle_surfaces = Vec::with_capacity(total);
-    for (part, stitched) in parts.iter().zip(stitched) {
-        for (group, &count) in part.groups.iter().zip(&stitched.group_triangles) {
-            let entry = *index
-                .entry((group.surface, group.origin))
-                .or_insert_with(|| {
-                    let origin = &task.program.origins()[group.origin as usize];
-                    surfaces.push(MeshSurface {
-                        surface: group.surface,
-                        primitive: group.origin,
-                        name: origin.name.as_ref().map(Arc::clone),
-                        color: origin.color,
-                    });
-                    surfaces.len() as u32 - 1
+    for group in parts.iter_mut().flat_map(|part| &mut part.groups) {
+        group.entry = *index
+            .entry((group.surface, group.origin))
+            .or_insert_with(|| {
+                let origin = &task.program.origins()[group.origin as usize];
+                surfaces.push(MeshSurface {
+                    surface: group.surface,
+                    primitive: group.origin,
+                    name: origin.name.as_ref().map(Arc::clone),
+                    color: origin.color,
                 });
-            triangle_surfaces.extend(std::iter::repeat_n(entry, count as usize));
-        }
+                surfaces.len() as u32 - 1
+            });
     }
-    (surfaces, triangle_surfaces)
+    surfaces
 }

@@ -69,11 +69,19 @@ impl Part {
         record.groups.end = self.groups.len() as u32;
         record.polygons.end = self.polygons.len() as u32;
         let cells = &self.cells[record.cells.start as usize..];
+        // Those in a last layer, without a branch for each.
+        let mut last = [(0, 0); MOST_IN_LAST_LAYERS + 1];
+        let mut count = 0;
+        for (i, &sample) in cells.iter().enumerate() {
+            last[count] = (sample, i as u16);
+            let is_last = |axis: usize| sample >> (4 * axis) & 15 == CELLS as u16 - 1;
+            count += usize::from(is_last(0) | is_last(1) | is_last(2));
+        }
         for (axis, range) in record.borders.iter_mut().enumerate() {
             range.start = self.borders.len() as u32;
-            for (i, &sample) in cells.iter().enumerate() {
+            for &(sample, i) in &last[..count] {
                 if sample >> (4 * axis) & 15 == CELLS as u16 - 1 {
-                    self.borders.push((sample, i as u16));
+                    self.borders.push((sample, i));
                 }
             }
             range.end = self.borders.len() as u32;
@@ -82,6 +90,9 @@ impl Part {
         self.bricks.push(record);
     }
 }
+
+/// The cells of a brick that are in the last layer along some axis.
+const MOST_IN_LAST_LAYERS: usize = CELLS.pow(3) - (CELLS - 1).pow(3);
 
 /// One brick's share of a [`Part`].
 #[derive(Clone, Debug)]
@@ -130,14 +141,36 @@ pub(super) struct PolygonCode(u16);
 impl PolygonCode {
     #[inline(always)]
     pub fn new(axis: usize, starts_inside: bool, surface_starts_inside: bool, sample: u16) -> Self {
-        let reversed = starts_inside != surface_starts_inside;
-        let flags = u16::from(reversed) << 3 | (axis as u16) << 1 | u16::from(starts_inside);
-        Self(flags << 12 | sample)
+        Self(Self::pack(
+            axis,
+            starts_inside.into(),
+            surface_starts_inside.into(),
+            sample,
+        ))
+    }
+
+    /// The same in bits, for many at a time.
+    #[inline(always)]
+    pub fn pack(axis: usize, starts_inside: u16, surface_starts_inside: u16, sample: u16) -> u16 {
+        let reversed = starts_inside ^ surface_starts_inside;
+        (reversed << 3 | (axis as u16) << 1 | starts_inside) << 12 | sample
+    }
+
+    /// From what [`Self::pack`] returned.
+    #[inline(always)]
+    pub fn unpack(bits: u16) -> Self {
+        Self(bits)
     }
 
     #[inline(always)]
     pub fn axis(self) -> usize {
         (self.0 >> 13 & 3) as usize
+    }
+
+    /// 2 axis + whether the lower sample is inside.
+    #[inline(always)]
+    pub fn axis_and_side(self) -> usize {
+        (self.0 >> 12 & 7) as usize
     }
 
     #[inline(always)]
@@ -165,6 +198,8 @@ pub(super) struct PolygonGroup {
     /// Whether the surface's gradient points into the solid there.
     pub reversed: bool,
     pub count: u32,
+    /// The entry in the mesh's table of surfaces, once that is made.
+    pub entry: u32,
 }
 
 /// Where the mesher had to make do.

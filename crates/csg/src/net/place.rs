@@ -9,11 +9,11 @@ mod vertices;
 use glam::{DVec3, UVec3};
 
 use self::vertices::{Candidate, Constraints};
-use super::brick::{self, Classified, Mask, Samples, WORDS};
+use super::brick::{self, Classified, List, Mask, Samples, WORDS};
 use super::lattice::{CELLS, Lattice, SAMPLES};
 use super::part::{Part, PolygonCode};
 use super::validity;
-use crate::program::{Cell, Origin, Surface};
+use crate::program::{Cell, Origin, Reach, Surface};
 
 const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
 
@@ -21,6 +21,8 @@ const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
 pub(super) struct Scene<'a> {
     /// The program's surfaces, in the local frame.
     pub surfaces: &'a [Surface],
+    /// How far each of them reaches.
+    pub reaches: &'a [Reach],
     pub lattice: Lattice,
     /// The primitives that literals come from.
     pub origins: &'a [Origin],
@@ -29,6 +31,11 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
+    /// What pruning needs to know of the surfaces.
+    pub fn table(&self) -> (&[Surface], &[Reach]) {
+        (self.surfaces, self.reaches)
+    }
+
     /// Whether two primitives have the same kind, name and colour.
     fn look_alike(&self, a: u32, b: u32) -> bool {
         a == b || self.origins[a as usize] == self.origins[b as usize]
@@ -47,13 +54,17 @@ pub(super) struct Placer {
     /// Edges with several transitions that are one point in truth (axis << 12
     /// | lower sample), and the surfaces that meet there.
     crowded: Vec<(u16, Constraints)>,
-    polygons: Vec<Vec<PolygonCode>>,
+    /// The polygons of one surface.
+    polygons: Vec<PolygonCode>,
+    /// The polygons on whose edges several surfaces change sign.
+    contested: Vec<(u16, PolygonCode)>,
     /// Starting points, then vertices, of the simple cells of one surface.
     x: Box<[f64; EDGES]>,
     y: Box<[f64; EDGES]>,
     z: Box<[f64; EDGES]>,
     /// The samples of a mask, one by one.
-    list: Box<[u16; EDGES]>,
+    list: Box<List>,
+    crossings: Option<Box<Crossings>>,
     /// Whether one surface alone crosses the brick: it causes everything.
     one_surface: bool,
     gates: Vec<u64>,
@@ -79,10 +90,12 @@ impl Default for Placer {
             cause: [(); 3].map(|()| Box::new([0; EDGES])),
             crowded: Vec::new(),
             polygons: Vec::new(),
+            contested: Vec::new(),
             x: Box::new([0.0; EDGES]),
             y: Box::new([0.0; EDGES]),
             z: Box::new([0.0; EDGES]),
-            list: Box::new([0; EDGES]),
+            list: Box::new([0; EDGES + 4]),
+            crossings: None,
             one_surface: false,
             gates: Vec::new(),
             signs: Vec::new(),
@@ -100,6 +113,15 @@ struct Crossings {
     /// Along x, y, z, and per cell.
     solid: [Mask; 4],
     several: [Mask; 4],
+}
+
+impl Default for Crossings {
+    fn default() -> Self {
+        Self {
+            solid: [[0; WORDS]; 4],
+            several: [[0; WORDS]; 4],
+        }
+    }
 }
 
 impl Placer {
@@ -122,23 +144,21 @@ impl Placer {
             self.report_unseen(scene, cell, part);
             return;
         }
-        let crossings = self.find_crossings(cell.surfaces.len());
+        let mut crossings = self.crossings.take().unwrap_or_default();
+        self.one_surface = cell.surfaces.len() == 1;
+        self.find_crossings(cell.surfaces.len(), &mut crossings);
         let record = part.open_brick(position);
-        self.find_causes(scene, cell, &crossings, part);
         self.place_simple(scene, cell, &crossings, part);
+        self.find_causes(scene, cell, &crossings, part);
         self.place_slow(scene, cell, &record, part);
         self.place_arcs(scene, cell, &crossings, &record, part);
         self.settle(scene, cell, part);
-        self.collect_polygons(scene, cell, part);
         part.close_brick(record);
+        self.crossings = Some(crossings);
     }
 
     #[inline(always)]
-    fn find_crossings(&mut self, surfaces: usize) -> Crossings {
-        let mut crossings = Crossings {
-            solid: [[0; WORDS]; 4],
-            several: [[0; WORDS]; 4],
-        };
+    fn find_crossings(&mut self, surfaces: usize, crossings: &mut Crossings) {
         let fill = |mask: &Mask, out: &mut [Mask; 4]| {
             let [x, y, z, cells] = out;
             brick::changes_along(0, mask, x);
@@ -147,13 +167,12 @@ impl Placer {
             brick::mixed_cells(mask, cells);
         };
         fill(&self.classified.solid, &mut crossings.solid);
-        self.changes.clear();
-        self.changes.resize(surfaces, [[0; WORDS]; 4]);
         if surfaces == 1 {
-            self.changes[0] = crossings.solid;
-            return crossings;
+            return;
         }
+        self.changes.resize(surfaces, [[0; WORDS]; 4]);
         let mut any = [[0u64; WORDS]; 4];
+        crossings.several = [[0; WORDS]; 4];
         for (signs, changes) in self.classified.signs.iter().zip(&mut self.changes) {
             fill(signs, changes);
             for ((any, several), changes) in
@@ -165,6 +184,19 @@ impl Placer {
                 }
             }
         }
-        crossings
+    }
+
+    /// Where the solid changes and one surface only, the given one. `which`
+    /// is x, y, z or the cells.
+    #[inline(always)]
+    fn sole_changes(&self, crossings: &Crossings, s: usize, which: usize) -> Mask {
+        let mut sole = crossings.solid[which];
+        if !self.one_surface {
+            let (changes, several) = (&self.changes[s][which], &crossings.several[which]);
+            for ((sole, changes), several) in sole.iter_mut().zip(changes).zip(several) {
+                *sole &= changes & !several;
+            }
+        }
+        sole
     }
 }

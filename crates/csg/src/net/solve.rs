@@ -11,7 +11,7 @@ use crate::program::Surface;
 
 /// How the search for a common point ended.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Solution {
+pub(super) struct Solution {
     pub point: DVec3,
     /// The largest distance to any of the surfaces, to first order.
     pub residual: f64,
@@ -35,7 +35,7 @@ fn distance(surface: &Surface, point: DVec3) -> (f64, DVec3) {
 }
 
 /// The distance of `point` to the farthest of the surfaces, to first order.
-pub(crate) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: DVec3) -> f64 {
+pub(super) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: DVec3) -> f64 {
     surfaces
         .map(|surface| distance(surface, point).0.abs())
         .fold(0.0, f64::max)
@@ -44,7 +44,7 @@ pub(crate) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: D
 /// Looks for a point on all of the surfaces near `start`, never taking a step
 /// longer than `reach`. Convergence is quadratic where the surfaces cross,
 /// linear where they touch.
-pub(crate) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
+pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
     const MOST_STEPS: usize = 60;
     /// A step whose square is nothing beside `reach` is the last.
     const LAST: f64 = 1e-8;
@@ -204,35 +204,66 @@ pub(super) fn project_all(
         }
         return true;
     }
-    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-    let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
-    let c = surface.constant;
+    // About the anchor until it is over.
+    let shift = |values: &mut [f64], by: f64| values.iter_mut().for_each(|v| *v += by);
+    shift(x, -anchor.x);
+    shift(y, -anchor.y);
+    shift(z, -anchor.z);
+    let has_cross_terms = surface.quadratic[3..] != [0.0; 3];
+    let mut converged = false;
     for _ in 0..5 {
-        let mut farthest = [0.0f64; 8];
-        let xs = x.chunks_mut(8);
-        for ((x, y), z) in xs.zip(y.chunks_mut(8)).zip(z.chunks_mut(8)) {
-            for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
-                let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
-                // Half the gradient of the quadratic part, so that f needs no
-                // more terms.
-                let hx = xx * dx + (xy * dy + zx * dz);
-                let hy = yy * dy + (yz * dz + xy * dx);
-                let hz = zz * dz + (zx * dx + yz * dy);
-                let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
-                let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
-                let square = gx * gx + gy * gy + gz * gz;
-                let t = f / (square + f64::MIN_POSITIVE);
-                *x -= t * gx;
-                *y -= t * gy;
-                *z -= t * gz;
-                let moved = t * t * square;
-                *farthest = if moved > *farthest { moved } else { *farthest };
-            }
-        }
-        let farthest = farthest.into_iter().fold(0.0, f64::max);
-        if farthest <= reach * reach {
-            return true;
+        let square = if has_cross_terms {
+            newton_step::<true>(surface, x, y, z)
+        } else {
+            newton_step::<false>(surface, x, y, z)
+        };
+        if square <= reach * reach {
+            converged = true;
+            break;
         }
     }
-    false
+    shift(x, anchor.x);
+    shift(y, anchor.y);
+    shift(z, anchor.z);
+    converged
+}
+
+/// One step of [`project_all`]; the square of the longest way.
+#[inline(always)]
+fn newton_step<const CROSS: bool>(
+    surface: &Surface,
+    x: &mut [f64],
+    y: &mut [f64],
+    z: &mut [f64],
+) -> f64 {
+    /// Longest ways kept apart, so that none waits for another.
+    const LANES: usize = 8;
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
+    let (g, c) = (surface.linear, surface.constant);
+    let mut farthest = [0.0f64; LANES];
+    let xs = x.chunks_mut(LANES);
+    for ((x, y), z) in xs.zip(y.chunks_mut(LANES)).zip(z.chunks_mut(LANES)) {
+        for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
+            let (dx, dy, dz) = (*x, *y, *z);
+            // Half the gradient of the quadratic part, so that f needs no
+            // more terms.
+            let (mut hx, mut hy, mut hz) = (xx * dx, yy * dy, zz * dz);
+            if CROSS {
+                hx += xy * dy + zx * dz;
+                hy += yz * dz + xy * dx;
+                hz += zx * dx + yz * dy;
+            }
+            let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
+            let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
+            let square = gx * gx + gy * gy + gz * gz;
+            let t = f / (square + f64::MIN_POSITIVE);
+            *x = dx - t * gx;
+            *y = dy - t * gy;
+            *z = dz - t * gz;
+            let moved = t * t * square;
+            *farthest = if moved > *farthest { moved } else { *farthest };
+        }
+    }
+    farthest.into_iter().fold(0.0, f64::max)
 }

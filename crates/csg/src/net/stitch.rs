@@ -5,11 +5,14 @@
 //! an ambiguous face the polygon takes in the vertex on its arc as well.
 
 use glam::{DVec3, UVec3};
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::lattice::CELLS;
 use super::loops;
 use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
+use super::quads::{LANES, Quads};
+use crate::pages;
 use crate::program::Surface;
 
 /// A brick's place in the list of parts.
@@ -30,14 +33,99 @@ pub(super) struct Stitcher<'a> {
     least_area: f64,
 }
 
-/// The triangles of one part.
+/// Where the triangles of one part go: two for every polygon, in order.
+pub(super) struct Output<'a> {
+    pub triangles: &'a mut [[u32; 3]],
+    /// The triangles' entries in the mesh's table of surfaces.
+    pub surfaces: &'a mut [u32],
+}
+
+/// What a part has beside two triangles for every polygon.
 #[derive(Debug, Default)]
-pub(super) struct Stitched {
-    pub triangles: Vec<[u32; 3]>,
-    /// Triangles, among these, that have no area or are folded over.
+pub(super) struct Leftovers {
+    /// Triangles, counted from the part's first, that may have no area or be
+    /// folded over.
     pub bad: Vec<u32>,
-    /// Triangles of each polygon group, in order.
-    pub group_triangles: Vec<u32>,
+    /// The further triangles of polygons with more than four corners, each
+    /// with its group's place in the part. They may be bad, too.
+    pub further: Vec<([u32; 3], u32)>,
+}
+
+/// The triangles of a whole mesh.
+#[derive(Debug)]
+pub(super) struct Stitched {
+    /// Two for every polygon, in order, then the further ones.
+    pub triangles: Vec<[u32; 3]>,
+    /// The triangles' entries in the mesh's table of surfaces.
+    pub surfaces: Vec<u32>,
+    /// Triangles that may have no area or be folded over.
+    pub bad: Vec<u32>,
+    /// Part and group of the further triangles.
+    pub further: Vec<(usize, u32)>,
+}
+
+/// The triangles of all parts, from `stitch`, which does one of them.
+pub(super) fn stitch_all(
+    parts: &[Part],
+    stitch: impl Fn(usize, &mut Output<'_>) -> Leftovers + Sync,
+) -> Stitched {
+    let polygons: usize = parts.iter().map(|part| part.polygons.len()).sum();
+    // Every ambiguous face is a corner more for four polygons.
+    let arcs: usize = parts.iter().map(|part| part.arcs.len()).sum();
+    let mut triangles: Vec<[u32; 3]> = pages::zeroed(2 * polygons + 4 * arcs);
+    let mut surfaces: Vec<u32> = pages::zeroed(2 * polygons + 4 * arcs);
+    let mut outputs = Vec::with_capacity(parts.len());
+    let (mut rest, mut rest_surfaces) = (triangles.as_mut_slice(), surfaces.as_mut_slice());
+    for part in parts {
+        let (triangles, surfaces);
+        (triangles, rest) = rest.split_at_mut(2 * part.polygons.len());
+        (surfaces, rest_surfaces) = rest_surfaces.split_at_mut(2 * part.polygons.len());
+        outputs.push(Output {
+            triangles,
+            surfaces,
+        });
+    }
+    let leftovers: Vec<Leftovers> = outputs
+        .into_par_iter()
+        .enumerate()
+        .map(|(part, mut out)| stitch(part, &mut out))
+        .collect();
+    let (mut bad, mut further) = (Vec::new(), Vec::new());
+    let (mut first, mut end) = (0, 2 * polygons);
+    for (p, (part, leftovers)) in parts.iter().zip(leftovers).enumerate() {
+        bad.extend(leftovers.bad.iter().map(|&triangle| first + triangle));
+        first += 2 * part.polygons.len() as u32;
+        for (triangle, group) in leftovers.further {
+            triangles[end] = triangle;
+            surfaces[end] = part.groups[group as usize].entry;
+            further.push((p, group));
+            end += 1;
+        }
+    }
+    bad.extend(2 * polygons as u32..end as u32);
+    triangles.truncate(end);
+    surfaces.truncate(end);
+    Stitched {
+        triangles,
+        surfaces,
+        bad,
+        further,
+    }
+}
+
+/// Scratch memory of one worker.
+#[derive(Default)]
+pub(super) struct Scratch {
+    table: Table,
+    quads: Quads,
+}
+
+/// A run of polygons of one group, and the first of their triangles.
+struct Run<'a> {
+    codes: &'a [PolygonCode],
+    surface: &'a Surface,
+    group: u32,
+    first: u32,
 }
 
 /// Marks a table entry as an index into the complex cells.
@@ -47,7 +135,7 @@ const COMPLEX: u32 = 1 << 31;
 const TABLE: usize = 4096;
 
 /// Vertex lookup around one brick: cells from -1 to 14 along each axis.
-pub(super) struct Table {
+struct Table {
     cells: Vec<u32>,
     complex: Vec<(ComplexCell, u32)>,
     arcs: Vec<(u16, u32, bool)>,
@@ -137,318 +225,198 @@ impl<'a> Stitcher<'a> {
 
     /// The triangles of all polygons that the bricks of `part` own.
     #[inline(always)]
-    pub fn part(&self, part: usize, table: &mut Table) -> Stitched {
+    pub fn part(&self, part: usize, scratch: &mut Scratch, out: &mut Output<'_>) -> Leftovers {
         let part = &self.parts[part];
-        let mut out = Stitched {
-            triangles: Vec::with_capacity(2 * part.polygons.len()),
-            ..Stitched::default()
-        };
+        let Scratch { table, quads } = scratch;
+        let mut leftovers = Leftovers::default();
+        let mut polygons = 0;
         for brick in &part.bricks {
             self.fill_table(brick.position, table);
-            let mut polygons = brick.polygons.start as usize;
-            for group in &part.groups[brick.groups.start as usize..brick.groups.end as usize] {
-                let surface = &self.surfaces[group.surface as usize];
-                let before = out.triangles.len();
+            for index in brick.groups.clone() {
+                let group = &part.groups[index as usize];
                 let end = polygons + group.count as usize;
-                self.polygons(&part.polygons[polygons..end], surface, table, &mut out);
+                let run = Run {
+                    codes: &part.polygons[polygons..end],
+                    surface: &self.surfaces[group.surface as usize],
+                    group: index,
+                    first: 2 * polygons as u32,
+                };
+                let triangles = 2 * polygons..2 * end;
+                out.surfaces[triangles.clone()].fill(group.entry);
+                let triangles = &mut out.triangles[triangles];
+                self.run(&run, table, quads, triangles, &mut leftovers);
                 polygons = end;
-                let count = (out.triangles.len() - before) as u32;
-                out.group_triangles.push(count);
             }
         }
-        out
+        leftovers
     }
 
-    /// Triangulates polygons of one surface, many at a time.
+    /// Triangulates polygons of one group, many at a time.
     #[inline(always)]
-    fn polygons(
+    fn run(
         &self,
-        codes: &[PolygonCode],
-        surface: &Surface,
+        run: &Run<'_>,
         table: &Table,
-        out: &mut Stitched,
+        quads: &mut Quads,
+        triangles: &mut [[u32; 3]],
+        leftovers: &mut Leftovers,
     ) {
-        let mut quads = Quads::default();
-        for codes in codes.chunks(LANES) {
-            let mut corners = [[0u32; 4]; LANES];
-            let mut complex = 0u32;
+        let chunks = run.codes.chunks(LANES).zip(triangles.chunks_mut(2 * LANES));
+        for (chunk, (codes, triangles)) in chunks.enumerate() {
+            let mut fans = 0u32;
             for (lane, &code) in codes.iter().enumerate() {
-                let (b, c) = loops::next_axes(code.axis());
-                let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
-                // Indices into the table are shifted by one cell along each
-                // axis.
-                let here = code.sample() + 0x111;
-                let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
-                let mut quad = [0; 4];
-                for (vertex, cell) in quad.iter_mut().zip(cells) {
-                    *vertex = table.cells[cell % TABLE];
+                let here = code.sample();
+                let mut corners =
+                    AROUND[code.axis_and_side()].map(|offset| table.cells[(here + offset) % TABLE]);
+                let [a, b, c, d] = corners;
+                if (a | b | c | d) & COMPLEX != 0 {
+                    match loops_around(code, table) {
+                        Around::Quad(quad) => corners = quad,
+                        Around::Fan => {
+                            fans |= 1 << lane;
+                            continue;
+                        }
+                    }
                 }
-                if (quad[0] | quad[1] | quad[2] | quad[3]) & COMPLEX != 0 {
-                    complex |= 1 << lane;
-                    continue;
-                }
-                if !code.starts_inside() {
-                    quad.swap(1, 3);
-                }
-                corners[lane] = quad;
-                let p = quad.map(|v| self.positions[v as usize]);
-                quads.set(lane, p, code.is_reversed());
+                quads.set(lane, corners, self.positions);
             }
-            let (even, bad) = quads.choose_diagonals(surface, self.least_area, codes.len());
-            if complex == 0 && bad == 0 && codes.len() == LANES {
-                let mut triangles = [[0; 3]; 2 * LANES];
-                for (lane, corners) in corners.into_iter().enumerate() {
-                    let [first, second] = split(corners, even >> lane & 1 == 1);
-                    triangles[2 * lane] = first;
-                    triangles[2 * lane + 1] = second;
-                }
-                out.triangles.extend_from_slice(&triangles);
+            let reversed = codes[0].is_reversed();
+            let any_bad = quads.judge(run.surface, reversed, self.least_area, codes.len());
+            quads.cut(triangles);
+            if fans == 0 && !any_bad {
                 continue;
             }
             for (lane, &code) in codes.iter().enumerate() {
-                if complex >> lane & 1 == 1 {
-                    self.complex_polygon(code, surface, table, out);
-                    continue;
+                let is_fan = fans >> lane & 1 == 1;
+                if is_fan {
+                    let fan = fan(code, table);
+                    triangles[2 * lane..2 * lane + 2].copy_from_slice(&fan[..2]);
+                    let further = fan[2..].iter().map(|&triangle| (triangle, run.group));
+                    leftovers.further.extend(further);
                 }
-                out.add(
-                    split(corners[lane], even >> lane & 1 == 1),
-                    bad >> lane & 1 == 1,
-                );
+                if is_fan || quads.bad[lane] != 0 {
+                    let first = run.first + 2 * (chunk * LANES + lane) as u32;
+                    leftovers.bad.extend([first, first + 1]);
+                }
             }
         }
     }
+}
 
-    /// A polygon with a complex cell: looks up which loop each corner is, and
-    /// takes in the vertices on ambiguous faces.
-    #[inline(never)]
-    fn complex_polygon(
-        &self,
-        code: PolygonCode,
-        surface: &Surface,
-        table: &Table,
-        out: &mut Stitched,
-    ) {
-        let axis = code.axis();
-        let (b, c) = loops::next_axes(axis);
-        let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
-        let here = code.sample() + 0x111;
-        let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
-        // The edge's place in each cell.
-        let edges = [4 * axis, 4 * axis + 1, 4 * axis + 3, 4 * axis + 2];
-        // The face from each cell to the next: normal, lowest sample, and the
-        // edge's place in its cyclic order.
-        let faces = [
-            (b, here, 3),
-            (c, here - step_b, 2),
-            (b, here - step_c, 1),
-            (c, here, 0),
-        ];
-        let mut corners = Vec::with_capacity(8);
-        let mut first_arc = None;
-        for i in 0..4 {
-            let entry = table.cells[cells[i]];
-            corners.push(if entry & COMPLEX == 0 {
-                entry
-            } else {
-                let (cell, vertex) = &table.complex[(entry & !COMPLEX) as usize];
-                vertex + loops::trace(cell.corners, cell.joined).of(edges[i]) as u32
-            });
-            let (normal, lowest, place) = faces[i];
-            let face = (normal << 12 | lowest) as u16;
-            if let Ok(found) = table.arcs.binary_search_by_key(&face, |&(face, ..)| face) {
-                let (_, vertex, joined) = table.arcs[found];
-                let first_inside = code.starts_inside() == (place == 0 || place == 3);
-                let partner = loops::ambiguous_partner(first_inside, joined, 0);
-                let on_first = place == 0 || place == partner;
-                first_arc.get_or_insert(corners.len());
-                corners.push(vertex + u32::from(!on_first));
-            }
-        }
-        let Some(apex) = first_arc else {
-            let mut quad = [corners[0], corners[1], corners[2], corners[3]];
-            if !code.starts_inside() {
-                quad.swap(1, 3);
-            }
-            self.quad(quad, surface, code.is_reversed(), out);
-            return;
+/// The table's entries around a lattice edge, from its sample, in the order
+/// that makes the polygon face out of the solid: by axis and by whether the
+/// edge starts inside. The table is shifted by one cell along each axis.
+const AROUND: [[usize; 4]; 8] = {
+    let mut around = [[0; 4]; 8];
+    let mut index = 0;
+    while index < 6 {
+        let (b, c) = loops::next_axes(index / 2);
+        let (step_b, step_c) = (1 << (4 * b), 1 << (4 * c));
+        around[index] = if index % 2 == 1 {
+            [
+                0x111,
+                0x111 - step_b,
+                0x111 - step_b - step_c,
+                0x111 - step_c,
+            ]
+        } else {
+            [
+                0x111,
+                0x111 - step_c,
+                0x111 - step_b - step_c,
+                0x111 - step_b,
+            ]
         };
-        // A fan around a vertex on a face: none of its diagonals can join the
-        // same vertices as another edge of the mesh.
-        corners.rotate_left(apex);
-        for pair in corners[1..].windows(2) {
-            let triangle = if code.starts_inside() {
-                [corners[0], pair[0], pair[1]]
-            } else {
-                [corners[0], pair[1], pair[0]]
-            };
-            out.add([triangle], true);
-        }
+        index += 1;
     }
+    around
+};
 
-    /// One quad on its own.
-    fn quad(&self, corners: [u32; 4], surface: &Surface, reversed: bool, out: &mut Stitched) {
-        let mut quads = Quads::default();
-        let points = corners.map(|v| self.positions[v as usize]);
-        quads.set(0, points, reversed);
-        let (even, bad) = quads.choose_diagonals(surface, self.least_area, 1);
-        out.add(split(corners, even & 1 == 1), bad & 1 == 1);
-    }
+/// The vertices around a polygon some of whose cells are complex.
+enum Around {
+    Quad([u32; 4]),
+    /// Five or more, one of them on an ambiguous face.
+    Fan,
 }
 
-impl Stitched {
-    /// Adds triangles; if one of them may be bad, all are looked at later.
-    fn add(&mut self, triangles: impl IntoIterator<Item = [u32; 3]>, may_be_bad: bool) {
-        let before = self.triangles.len() as u32;
-        self.triangles.extend(triangles);
-        if may_be_bad {
-            self.bad.extend(before..self.triangles.len() as u32);
-        }
+/// Which loop each corner of a polygon is, unless it takes in vertices on
+/// ambiguous faces.
+#[inline(never)]
+fn loops_around(code: PolygonCode, table: &Table) -> Around {
+    let (corners, arcs) = corners_and_arcs(code, table);
+    if arcs.iter().any(Option::is_some) {
+        return Around::Fan;
     }
-}
-
-/// The two triangles of a quad, cut along its even diagonal (0, 2) or its odd
-/// one (1, 3).
-#[inline(always)]
-fn split([a, b, c, d]: [u32; 4], even: bool) -> [[u32; 3]; 2] {
-    if even {
-        [[a, b, c], [a, c, d]]
+    let [a, b, c, d] = corners;
+    Around::Quad(if code.starts_inside() {
+        [a, b, c, d]
     } else {
-        [[b, c, d], [b, d, a]]
-    }
+        [a, d, c, b]
+    })
 }
 
-/// Quads handled together: so many that what is written coordinate by
-/// coordinate has left the store buffer when it is read in whole vectors.
-const LANES: usize = 32;
-
-/// The corners of many quads, coordinate by coordinate.
-struct Quads {
-    /// Corner, coordinate, lane.
-    corners: [[[f64; LANES]; 3]; 4],
-    /// 1 where the surface's gradient points out of the solid, else -1.
-    outward: [f64; LANES],
+/// The vertices of the four cells around an edge, and after each the one on
+/// the face to the next cell, if that face is ambiguous.
+fn corners_and_arcs(code: PolygonCode, table: &Table) -> ([u32; 4], [Option<u32>; 4]) {
+    let axis = code.axis();
+    let (b, c) = loops::next_axes(axis);
+    let (step_b, step_c) = (1usize << (4 * b), 1usize << (4 * c));
+    let here = code.sample() + 0x111;
+    let cells = [here, here - step_b, here - step_b - step_c, here - step_c];
+    // The edge's place in each cell.
+    let edges = [4 * axis, 4 * axis + 1, 4 * axis + 3, 4 * axis + 2];
+    // The face from each cell to the next: normal, lowest sample, and the
+    // edge's place in its cyclic order.
+    let faces = [
+        (b, here, 3),
+        (c, here - step_b, 2),
+        (b, here - step_c, 1),
+        (c, here, 0),
+    ];
+    let (mut corners, mut arcs) = ([0; 4], [None; 4]);
+    for i in 0..4 {
+        let entry = table.cells[cells[i]];
+        corners[i] = if entry & COMPLEX == 0 {
+            entry
+        } else {
+            let (cell, vertex) = &table.complex[(entry & !COMPLEX) as usize];
+            vertex + loops::trace(cell.corners, cell.joined).of(edges[i]) as u32
+        };
+        let (normal, lowest, place) = faces[i];
+        let face = (normal << 12 | lowest) as u16;
+        if let Ok(found) = table.arcs.binary_search_by_key(&face, |&(face, ..)| face) {
+            let (_, vertex, joined) = table.arcs[found];
+            let first_inside = code.starts_inside() == (place == 0 || place == 3);
+            let partner = loops::ambiguous_partner(first_inside, joined, 0);
+            let on_first = place == 0 || place == partner;
+            arcs[i] = Some(vertex + u32::from(!on_first));
+        }
+    }
+    (corners, arcs)
 }
 
-impl Default for Quads {
-    fn default() -> Self {
-        Self {
-            corners: [[[0.0; LANES]; 3]; 4],
-            outward: [0.0; LANES],
-        }
+/// The triangles of a polygon that takes in vertices on ambiguous faces: a fan
+/// around one of those. None of its diagonals can join the same vertices as
+/// another edge of the mesh.
+#[inline(never)]
+fn fan(code: PolygonCode, table: &Table) -> Vec<[u32; 3]> {
+    let (cells, arcs) = corners_and_arcs(code, table);
+    let mut corners = Vec::with_capacity(8);
+    for (cell, arc) in cells.into_iter().zip(arcs) {
+        corners.push(cell);
+        corners.extend(arc);
     }
-}
-
-impl Quads {
-    #[inline(always)]
-    fn set(&mut self, lane: usize, points: [DVec3; 4], reversed: bool) {
-        for (corner, point) in self.corners.iter_mut().zip(points) {
-            corner[0][lane] = point.x;
-            corner[1][lane] = point.y;
-            corner[2][lane] = point.z;
+    // No face comes before the first one with an arc.
+    let apex = arcs.iter().position(Option::is_some).map_or(0, |p| p + 1);
+    corners.rotate_left(apex);
+    let triangle = |pair: &[u32]| {
+        if code.starts_inside() {
+            [corners[0], pair[0], pair[1]]
+        } else {
+            [corners[0], pair[1], pair[0]]
         }
-        self.outward[lane] = if reversed { -1.0 } else { 1.0 };
-    }
-
-    /// For every quad a bit whether to cut it along its even diagonal, and one
-    /// whether a triangle is all the same folded over, or smaller than
-    /// `least_area`.
-    ///
-    /// The diagonal whose midpoint is nearer to the surface wins, unless only
-    /// the other leaves no fold; on a plane the one whose smaller triangle is
-    /// larger.
-    #[inline(always)]
-    fn choose_diagonals(&self, surface: &Surface, least_area: f64, count: usize) -> (u32, u32) {
-        let [p, q, r, s] = &self.corners;
-        let anchor = surface.anchor();
-        let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-        let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
-        let g = surface.linear;
-        let is_plane = surface.is_plane();
-        let (mut even_bits, mut bad_bits) = ([0u32; LANES], [0u32; LANES]);
-        // Whole vectors of whatever width.
-        for lane in 0..count.next_multiple_of(8).min(LANES) {
-            let at =
-                |corner: &[[f64; LANES]; 3]| (corner[0][lane], corner[1][lane], corner[2][lane]);
-            let (px, py, pz) = at(p);
-            let (qx, qy, qz) = at(q);
-            let (rx, ry, rz) = at(r);
-            let (sx, sy, sz) = at(s);
-            // f and half its gradient's quadratic part, about the anchor.
-            let half_gradient = |x: f64, y: f64, z: f64| {
-                (
-                    xx * x + (xy * y + zx * z),
-                    yy * y + (yz * z + xy * x),
-                    zz * z + (zx * x + yz * y),
-                )
-            };
-            let value = |x: f64, y: f64, z: f64| {
-                let (hx, hy, hz) = half_gradient(x, y, z);
-                (hx + g.x) * x + (hy + g.y) * y + (hz + g.z) * z + surface.constant
-            };
-            let middle = |a: f64, b: f64, anchor: f64| 0.5 * (a + b) - anchor;
-            let (ex, ey, ez) = (
-                middle(px, rx, anchor.x),
-                middle(py, ry, anchor.y),
-                middle(pz, rz, anchor.z),
-            );
-            let (ox, oy, oz) = (
-                middle(qx, sx, anchor.x),
-                middle(qy, sy, anchor.y),
-                middle(qz, sz, anchor.z),
-            );
-            let even_miss = value(ex, ey, ez).abs();
-            let odd_miss = value(ox, oy, oz).abs();
-            let (hx, hy, hz) = half_gradient(0.5 * (ex + ox), 0.5 * (ey + oy), 0.5 * (ez + oz));
-            let sign = self.outward[lane];
-            let (nx, ny, nz) = (
-                sign * (2.0 * hx + g.x),
-                sign * (2.0 * hy + g.y),
-                sign * (2.0 * hz + g.z),
-            );
-            // Twice the signed areas, seen from outside, on both sides of the
-            // diagonal a-c of a, b, c, d: (b - a)·((c - a) × n) and
-            // (a - d)·((c - a) × n).
-            let smaller = |ax: f64,
-                           ay: f64,
-                           az: f64,
-                           bx: f64,
-                           by: f64,
-                           bz: f64,
-                           cx: f64,
-                           cy: f64,
-                           cz: f64,
-                           dx: f64,
-                           dy: f64,
-                           dz: f64| {
-                let (ux, uy, uz) = (cx - ax, cy - ay, cz - az);
-                let (vx, vy, vz) = (uy * nz - uz * ny, uz * nx - ux * nz, ux * ny - uy * nx);
-                let before = (bx - ax) * vx + (by - ay) * vy + (bz - az) * vz;
-                let after = (ax - dx) * vx + (ay - dy) * vy + (az - dz) * vz;
-                if before < after { before } else { after }
-            };
-            let even = smaller(px, py, pz, qx, qy, qz, rx, ry, rz, sx, sy, sz);
-            let odd = smaller(qx, qy, qz, rx, ry, rz, sx, sy, sz, px, py, pz);
-            let prefer_even = if is_plane {
-                even >= odd
-            } else {
-                even_miss <= odd_miss
-            };
-            let take_even = if prefer_even {
-                even > 0.0 || odd <= 0.0
-            } else {
-                odd <= 0.0 && even > 0.0
-            };
-            let taken = if take_even { even } else { odd };
-            even_bits[lane] = u32::from(take_even) << lane;
-            // Areas carry the gradient's length.
-            let limit = 2.0 * least_area;
-            let square = nx * nx + ny * ny + nz * nz;
-            let is_bad = taken <= 0.0 || taken * taken <= limit * limit * square;
-            bad_bits[lane] = u32::from(is_bad) << lane;
-        }
-        let all = |bits: [u32; LANES]| bits.into_iter().fold(0, |all, bit| all | bit);
-        (all(even_bits), all(bad_bits))
-    }
+    };
+    corners[1..].windows(2).map(triangle).collect()
 }
 
 fn add_brick(part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3], table: &mut Table) {

@@ -6,7 +6,7 @@ use glam::{DVec3, UVec3};
 use super::lattice::{CELLS, SAMPLES};
 use super::loops::{self, PATTERNS};
 use super::part::{ComplexCell, FaceArcs, Part, PolygonCode, PolygonGroup};
-use super::stitch::{Stitcher, Table};
+use super::stitch::{self, Scratch, Stitcher};
 use crate::mesh::Mesh;
 use crate::program::{Program, Surface};
 use crate::solid::Solid;
@@ -221,6 +221,7 @@ impl Signs {
                 origin: 0,
                 reversed: false,
                 count: group.len() as u32,
+                entry: 0,
             });
         }
         part.close_brick(record);
@@ -230,11 +231,10 @@ impl Signs {
         let parts = self.parts(random, placement);
         let positions: Vec<DVec3> = parts.iter().flat_map(|p| p.vertices.clone()).collect();
         let stitcher = Stitcher::new(&parts, &positions, surfaces, 0.0);
-        let mut table = Table::default();
-        let triangles = (0..parts.len())
-            .flat_map(|part| stitcher.part(part, &mut table).triangles)
-            .collect();
-        Mesh::new(positions, triangles)
+        let stitched = stitch::stitch_all(&parts, |part, out| {
+            stitcher.part(part, &mut Scratch::default(), out)
+        });
+        Mesh::new(positions, stitched.triangles)
     }
 
     fn inside_samples(&self) -> usize {

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::Program;
 use super::cell::{Cell, Pruner, octant_offset};
-use super::formula::{Formula, Operand, Operation};
+use super::formula::{Formula, Operand, Operation, evaluate_assignments};
 use super::surface::{Side, Surface};
 use crate::error::Error;
 
@@ -328,7 +328,7 @@ fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
 }
 
 /// The box of f <= 0 of one surface, as far as it is easily told.
-fn half_space_bounds(surface: &Surface) -> Bounds {
+pub(super) fn half_space_bounds(surface: &Surface) -> Bounds {
     let mut bounds = Bounds {
         min: DVec3::NEG_INFINITY,
         max: DVec3::INFINITY,
@@ -365,6 +365,46 @@ fn half_space_bounds(surface: &Surface) -> Bounds {
     bounds
 }
 
+/// Which sides of a box (lower x, upper x, lower y, ...) the solid comes so
+/// near to that not even the thinnest slab there is empty; as far as a few
+/// points near each side tell.
+fn sides_reached(surfaces: &[Surface], root: &Cell, bounds: Bounds) -> [bool; 6] {
+    const POINTS: usize = 8;
+    const LANES: usize = 6 * POINTS;
+    let mut points = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let (side, index) = (lane / POINTS, lane % POINTS);
+        // The middle of the side, then the R2 sequence (Roberts 2018).
+        let along = |step: f64| (0.5 + index as f64 * step).fract();
+        let mut share = [0.0; 3];
+        share[side / 2] = 0.5 * FINEST_SLAB;
+        if side % 2 == 1 {
+            share[side / 2] = 1.0 - share[side / 2];
+        }
+        share[(side / 2 + 1) % 3] = along(0.754_877_666_246_693);
+        share[(side / 2 + 2) % 3] = along(0.569_840_290_998_053);
+        let point = bounds.min + DVec3::from_array(share) * bounds.size();
+        for (coordinates, value) in points.iter_mut().zip(point.to_array()) {
+            coordinates[lane] = value;
+        }
+    }
+    let signs: Vec<u64> = surfaces
+        .iter()
+        .map(|surface| {
+            let mut inside = [0u64; LANES];
+            for (lane, inside) in inside.iter_mut().enumerate() {
+                let point = DVec3::from_array([0, 1, 2].map(|a| points[a][lane]));
+                *inside = u64::from(surface.value(point) <= 0.0) << lane;
+            }
+            inside.into_iter().fold(0, |all, bit| all | bit)
+        })
+        .collect();
+    let inside = evaluate_assignments(&root.formula, &mut Vec::new(), |_, surface| {
+        signs[surface as usize]
+    });
+    [0, 1, 2, 3, 4, 5].map(|side| inside >> (side * POINTS) & ((1 << POINTS) - 1) != 0)
+}
+
 /// Takes slabs off a box as long as they are proven empty.
 struct Shaver<'a> {
     surfaces: &'a [Surface],
@@ -387,7 +427,9 @@ impl<'a> Shaver<'a> {
     }
 
     fn shave(&mut self, mut bounds: Bounds) -> Option<Bounds> {
-        if self.is_empty(bounds, SLAB_LEVELS / 2) {
+        // A side near which a point of the solid is known is not tried.
+        let reached = sides_reached(self.surfaces, self.root, bounds);
+        if !reached.contains(&true) && self.is_empty(bounds, SLAB_LEVELS / 2) {
             return None;
         }
         // Shares of the box, from coarse to fine: all sides at each before the
@@ -398,6 +440,9 @@ impl<'a> Shaver<'a> {
             let mut shaved = false;
             for axis in 0..3 {
                 for upper in [false, true] {
+                    if reached[2 * axis + usize::from(upper)] {
+                        continue;
+                    }
                     let mut slab = bounds;
                     let width = share * bounds.size()[axis];
                     if upper {

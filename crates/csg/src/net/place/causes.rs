@@ -4,13 +4,15 @@ use glam::DVec3;
 
 use super::vertices::Constraints;
 use super::{Crossings, EDGES, Placer, Scene};
-use crate::net::brick::{self, WORDS};
+use crate::net::brick::{self, Mask, WORDS};
 use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
 use crate::program::{Cell, Surface};
 
 impl Placer {
-    /// Finds the surface of every crossing, and collects the polygons of those
-    /// that the brick owns.
+    /// Finds the surface of every crossing, of those on which one surface alone
+    /// changes sign only around the cells that will ask for it (`self.slow`);
+    /// and hands the polygons of the edges that the brick owns to `part`,
+    /// surface by surface.
     #[inline(always)]
     pub(super) fn find_causes(
         &mut self,
@@ -19,55 +21,78 @@ impl Placer {
         crossings: &Crossings,
         part: &mut Part,
     ) {
-        self.polygons.iter_mut().for_each(Vec::clear);
-        if self.polygons.len() < cell.surfaces.len() {
-            self.polygons.resize_with(cell.surfaces.len(), Vec::new);
-        }
-        let several_surfaces = cell.surfaces.len() > 1;
-        self.one_surface = !several_surfaces;
+        self.contested.clear();
         self.crowded.clear();
-        let list = &mut *self.list;
-        for (s, changes) in self.changes.iter().enumerate() {
-            for (axis, changes) in changes[..3].iter().enumerate() {
-                let mut changed = [0; WORDS];
-                let mut any = 0;
-                for (word, changed) in changed.iter_mut().enumerate() {
-                    *changed = crossings.solid[axis][word]
-                        & changes[word]
-                        & !crossings.several[axis][word];
-                    any |= *changed;
-                }
-                if any == 0 {
-                    continue;
-                }
-                if several_surfaces {
-                    let count = brick::expand(&changed, list);
+        if !self.one_surface {
+            self.find_contested(scene, cell, crossings, part);
+        }
+        let mut slow = [0; WORDS];
+        for &sample in &self.slow {
+            slow[usize::from(sample >> 6) % WORDS] |= 1 << (sample & 63);
+        }
+        let causes_are_wanted = !self.one_surface && !self.slow.is_empty();
+        let mut wanted = [[0; WORDS]; 3];
+        for (axis, wanted) in wanted.iter_mut().enumerate() {
+            if causes_are_wanted {
+                brick::edges_of_cells(axis, &slow, wanted);
+            }
+        }
+        for s in 0..cell.surfaces.len() {
+            self.polygons.clear();
+            for axis in 0..3 {
+                let mut edges = self.sole_changes(crossings, s, axis);
+                if causes_are_wanted {
+                    let mut asked_for = edges;
+                    for (asked_for, wanted) in asked_for.iter_mut().zip(&wanted[axis]) {
+                        *asked_for &= wanted;
+                    }
+                    let list = &mut *self.list;
+                    let count = brick::expand(&asked_for, list, |_, _, sample| sample);
                     for &sample in &list[..count] {
                         self.cause[axis][usize::from(sample) % EDGES] = s as u16;
                     }
                 }
-                // All that a code says but the sample is constant for each
-                // combination of the two ends' sides.
-                for (inside, within) in [(false, false), (false, true), (true, false), (true, true)]
-                {
-                    let mut chosen = [0; WORDS];
-                    let mut any = 0;
-                    for (word, chosen) in chosen.iter_mut().enumerate() {
-                        let solid = self.classified.solid[word];
-                        let surface = self.classified.signs[s][word];
-                        let solid = if inside { solid } else { !solid };
-                        let surface = if within { surface } else { !surface };
-                        *chosen = changed[word] & solid & surface & brick::OWNED[word];
-                        any |= *chosen;
-                    }
-                    if any != 0 {
-                        let count = brick::expand(&chosen, list);
-                        let code = |&sample| PolygonCode::new(axis, inside, within, sample);
-                        self.polygons[s].extend(list[..count].iter().map(code));
-                    }
+                for (edges, owned) in edges.iter_mut().zip(&brick::OWNED) {
+                    *edges &= owned;
                 }
+                self.collect_edges(axis, s, &edges);
             }
+            if self
+                .contested
+                .iter()
+                .any(|&(cause, _)| usize::from(cause) == s)
+            {
+                let own = self.contested.iter();
+                let own = own.filter(|&&(cause, _)| usize::from(cause) == s);
+                self.polygons.extend(own.map(|&(_, code)| code));
+            }
+            self.hand_over_polygons(scene, cell, s, part);
         }
+    }
+
+    /// Adds the polygons of edges on one surface to `self.polygons`.
+    #[inline(always)]
+    fn collect_edges(&mut self, axis: usize, s: usize, edges: &Mask) {
+        let (solid, signs) = (&self.classified.solid, &self.classified.signs[s]);
+        let list = &mut *self.list;
+        let count = brick::expand(edges, list, |word, bit, sample| {
+            let inside = solid[word].wrapping_shr(bit) & 1;
+            let within = signs[word].wrapping_shr(bit) & 1;
+            PolygonCode::pack(axis, inside as u16, within as u16, sample)
+        });
+        let codes = list[..count].iter().map(|&code| PolygonCode::unpack(code));
+        self.polygons.extend(codes);
+    }
+
+    /// Decides about the edges on which several surfaces change sign.
+    #[inline(always)]
+    fn find_contested(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        crossings: &Crossings,
+        part: &mut Part,
+    ) {
         for axis in 0..3 {
             for word in 0..WORDS {
                 let mut bits = crossings.solid[axis][word] & crossings.several[axis][word];
@@ -89,17 +114,13 @@ impl Placer {
                             });
                         }
                     }
-                    if is_owned {
-                        let s = usize::from(s);
-                        let inside = brick::is_set(&self.classified.solid, sample);
-                        let within = brick::is_set(&self.classified.signs[s], sample);
-                        self.polygons[s].push(PolygonCode::new(
-                            axis,
-                            inside,
-                            within,
-                            sample as u16,
-                        ));
+                    if !is_owned {
+                        continue;
                     }
+                    let inside = brick::is_set(&self.classified.solid, sample);
+                    let within = brick::is_set(&self.classified.signs[usize::from(s)], sample);
+                    let code = PolygonCode::new(axis, inside, within, sample as u16);
+                    self.contested.push((s, code));
                 }
             }
         }

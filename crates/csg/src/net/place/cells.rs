@@ -9,7 +9,7 @@ use crate::net::lattice::CELLS;
 use crate::net::loops::{self, PATTERNS};
 use crate::net::part::{BrickRecord, ComplexCell, FaceArcs, Part};
 use crate::net::solve;
-use crate::program::Cell;
+use crate::program::{Cell, Surface};
 
 impl Placer {
     /// Places the vertices of cells that one surface crosses in one loop.
@@ -23,25 +23,29 @@ impl Placer {
     ) {
         let step = scene.lattice.step;
         self.slow.clear();
-        let mut several = crossings.several[3];
+        let mut several = if self.one_surface {
+            [0; WORDS]
+        } else {
+            crossings.several[3]
+        };
         self.mark_apexes(scene, cell, &crossings.solid[3], &mut several);
-        brick::for_each_set(&crossings.solid[3], |sample| {
-            if brick::is_set(&several, sample) {
-                self.slow.push(sample as u16);
-            }
-        });
+        let mut crossed_by_several = several;
+        for (several, solid) in crossed_by_several.iter_mut().zip(&crossings.solid[3]) {
+            *several &= solid;
+        }
+        brick::for_each_set(&crossed_by_several, |sample| self.slow.push(sample as u16));
         for s in 0..cell.surfaces.len() {
             let surface = &scene.surfaces[cell.surfaces[s] as usize];
-            let mut own = [0; WORDS];
+            let mut own = self.sole_changes(crossings, s, 3);
             let mut any = 0;
-            for (word, own) in own.iter_mut().enumerate() {
-                *own = crossings.solid[3][word] & self.changes[s][3][word] & !several[word];
+            for (own, several) in own.iter_mut().zip(&several) {
+                *own &= !several;
                 any |= *own;
             }
             if any == 0 {
                 continue;
             }
-            let count = brick::expand(&own, &mut self.list);
+            let count = brick::expand(&own, &mut self.list, |_, _, sample| sample);
             // Compacted in place: what is read lies ahead of what is written.
             let mut simple = 0;
             for i in 0..count {
@@ -59,41 +63,70 @@ impl Placer {
                 self.z[simple] = low.z + pattern.middle[2] * step;
                 simple += 1;
             }
-            let cells = &self.list[..simple];
-            let (x, y, z) = (
-                &mut self.x[..simple],
-                &mut self.y[..simple],
-                &mut self.z[..simple],
-            );
-            // The square of the last step, relative to the radius of curvature
-            // (hardly below a cell), is what remains.
-            let converged = solve::project_all(surface, 1e-8 * step, x, y, z);
-            let is_good = |(&sample, ((&x, &y), &z)): (&u16, ((&f64, &f64), &f64))| {
-                let point = DVec3::new(x, y, z);
-                let low = self.samples.point(usize::from(sample) % EDGES);
-                let near = (point - low - 0.5 * step).abs().max_element() <= step;
-                near && (converged
-                    || solve::residual(std::iter::once(surface), point) <= scene.tolerance)
-            };
-            let points = || x.iter().zip(&*y).zip(&*z);
-            // Nearly always all of them are.
-            let good = cells
-                .iter()
-                .zip(points())
-                .fold(true, |all, one| all & is_good(one));
-            if good {
-                part.cells.extend_from_slice(cells);
-                let points = points().map(|((&x, &y), &z)| DVec3::new(x, y, z));
-                part.vertices.extend(points);
-                continue;
-            }
-            for (&sample, ((&x, &y), &z)) in cells.iter().zip(points()) {
-                if is_good((&sample, ((&x, &y), &z))) {
-                    part.cells.push(sample);
-                    part.vertices.push(DVec3::new(x, y, z));
-                } else {
-                    self.slow.push(sample);
-                }
+            self.move_to_surface(scene, surface, simple, part);
+        }
+    }
+
+    /// Moves the starting points of so many simple cells to their surface, and
+    /// adds them to the part; those that do not get there become slow cells.
+    #[inline(always)]
+    fn move_to_surface(
+        &mut self,
+        scene: &Scene<'_>,
+        surface: &Surface,
+        simple: usize,
+        part: &mut Part,
+    ) {
+        let step = scene.lattice.step;
+        let Some(last) = simple.checked_sub(1) else {
+            return;
+        };
+        // Whole vectors: the last point fills up.
+        let padded = simple.next_multiple_of(8).min(EDGES);
+        let (x, y, z) = (&mut *self.x, &mut *self.y, &mut *self.z);
+        for i in simple..padded {
+            (x[i], y[i], z[i]) = (x[last], y[last], z[last]);
+        }
+        // The square of the last step, relative to the radius of curvature
+        // (hardly below a cell), is what remains.
+        let converged = solve::project_all(
+            surface,
+            1e-7 * step,
+            &mut x[..padded],
+            &mut y[..padded],
+            &mut z[..padded],
+        );
+        let (x, y, z) = (&x[..simple], &y[..simple], &z[..simple]);
+        let cells = &self.list[..simple];
+        let samples = &self.samples;
+        let points = || {
+            x.iter()
+                .zip(y)
+                .zip(z)
+                .map(|((&x, &y), &z)| DVec3::new(x, y, z))
+        };
+        let is_near = |(&sample, point): (&u16, DVec3)| {
+            let low = samples.point(usize::from(sample) % EDGES);
+            let off = (point - low - 0.5 * step).abs();
+            (off.x <= step) & (off.y <= step) & (off.z <= step)
+        };
+        // Nearly always all of them are.
+        let all_near = cells
+            .iter()
+            .zip(points())
+            .fold(true, |all, one| all & is_near(one));
+        if converged && all_near {
+            part.cells.extend_from_slice(cells);
+            part.vertices.extend(points());
+            return;
+        }
+        for (sample, point) in cells.iter().zip(points()) {
+            let residual = || solve::residual(std::iter::once(surface), point);
+            if is_near((sample, point)) && (converged || residual() <= scene.tolerance) {
+                part.cells.push(*sample);
+                part.vertices.push(point);
+            } else {
+                self.slow.push(*sample);
             }
         }
     }

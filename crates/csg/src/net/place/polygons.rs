@@ -6,57 +6,70 @@ use crate::net::part::{Part, PolygonCode, PolygonGroup};
 use crate::program::Cell;
 
 impl Placer {
-    /// Moves the collected polygons to the part, grouped by surface and by
-    /// the primitive that the surface belongs to there; the first of several
-    /// if they differ in nothing that can be seen.
-    pub(super) fn collect_polygons(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
-        for s in 0..cell.surfaces.len() {
-            let polygons = std::mem::take(&mut self.polygons[s]);
-            if polygons.is_empty() {
-                self.polygons[s] = polygons;
-                continue;
-            }
-            let mut own = cell
-                .formula
-                .literals()
-                .iter()
-                .filter(|l| l.surface as usize == s);
-            let first = own.next().map_or(0, |literal| literal.origin);
-            let several = own.any(|literal| !scene.look_alike(literal.origin, first));
-            let facing = polygons[0].is_reversed();
-            if several || polygons.iter().any(|code| code.is_reversed() != facing) {
-                let mut sorted: Vec<(u32, bool, PolygonCode)> = polygons
-                    .iter()
-                    .map(|&code| {
-                        let origin = if several {
-                            self.origin_at(cell, s as u32, code)
-                        } else {
-                            first
-                        };
-                        (origin, code.is_reversed(), code)
-                    })
-                    .collect();
-                sorted.sort_by_key(|&(origin, reversed, _)| (origin, reversed));
-                for run in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-                    part.polygons.extend(run.iter().map(|&(.., code)| code));
-                    part.groups.push(PolygonGroup {
-                        surface: cell.surfaces[s],
-                        origin: run[0].0,
-                        reversed: run[0].1,
-                        count: run.len() as u32,
-                    });
-                }
-            } else {
-                part.polygons.extend_from_slice(&polygons);
-                part.groups.push(PolygonGroup {
-                    surface: cell.surfaces[s],
-                    origin: first,
-                    reversed: facing,
-                    count: polygons.len() as u32,
-                });
-            }
-            self.polygons[s] = polygons;
+    /// Hands the collected polygons of a surface to the part, grouped by the
+    /// side they face to and by the primitive that the surface belongs to
+    /// there; the first of several if they differ in nothing that can be seen.
+    #[inline(always)]
+    pub(super) fn hand_over_polygons(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        s: usize,
+        part: &mut Part,
+    ) {
+        let Some(first) = self.polygons.first() else {
+            return;
+        };
+        let reversed = first.is_reversed();
+        let mut own = cell
+            .formula
+            .literals()
+            .iter()
+            .filter(|l| l.surface as usize == s);
+        let origin = own.next().map_or(0, |literal| literal.origin);
+        let several = own.any(|literal| !scene.look_alike(literal.origin, origin));
+        let differ = |codes: &[PolygonCode]| {
+            let differing = codes.iter().map(|code| code.is_reversed() != reversed);
+            differing.fold(false, |any, one| any | one)
+        };
+        if several || differ(&self.polygons) {
+            self.hand_over_sorted(cell, s, (!several).then_some(origin), part);
+            return;
         }
+        part.polygons.extend_from_slice(&self.polygons);
+        part.groups.push(PolygonGroup {
+            surface: cell.surfaces[s],
+            origin,
+            reversed,
+            count: self.polygons.len() as u32,
+            entry: 0,
+        });
+    }
+
+    /// The same polygon by polygon; `origin` is all polygons' primitive,
+    /// unless it is to be found for each.
+    #[inline(never)]
+    fn hand_over_sorted(&mut self, cell: &Cell, s: usize, origin: Option<u32>, part: &mut Part) {
+        let polygons = std::mem::take(&mut self.polygons);
+        let mut sorted: Vec<(u32, bool, PolygonCode)> = polygons
+            .iter()
+            .map(|&code| {
+                let origin = origin.unwrap_or_else(|| self.origin_at(cell, s as u32, code));
+                (origin, code.is_reversed(), code)
+            })
+            .collect();
+        sorted.sort_by_key(|&(origin, reversed, _)| (origin, reversed));
+        for run in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            part.polygons.extend(run.iter().map(|&(.., code)| code));
+            part.groups.push(PolygonGroup {
+                surface: cell.surfaces[s],
+                origin: run[0].0,
+                reversed: run[0].1,
+                count: run.len() as u32,
+                entry: 0,
+            });
+        }
+        self.polygons = polygons;
     }
 
     /// Of the primitives that share a surface, the first whose literal alone
