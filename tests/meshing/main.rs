@@ -8,3 +8,4 @@ mod moved_solids;
 mod random;
 mod random_solids;
 mod reference_scenes;
+mod tolerance;

@@ -15,6 +15,14 @@ pub(crate) struct MesherOptions {
     #[arg(long, value_name = "N", default_value_t = 128,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
     pub(crate) cells: u32,
+    /// The largest distance between mesh and solid, in the model's unit: as many
+    /// triangles as that takes
+    #[arg(long, value_name = "DISTANCE", conflicts_with = "draft")]
+    pub(crate) tolerance: Option<f64>,
+    /// With a tolerance, the largest angle in degrees that a surface may turn
+    /// along an edge of the mesh
+    #[arg(long, value_name = "DEGREES", requires = "tolerance")]
+    pub(crate) angle: Option<f64>,
     /// Mesh with plain surface nets: bevelled edges, perhaps not manifold
     #[arg(long)]
     pub(crate) draft: bool,
@@ -94,6 +102,12 @@ pub(crate) fn produce(
                 .cells(options.cells)
                 .unit(options.unit.length_unit())
                 .progress(progress.callback());
+            if let Some(tolerance) = options.tolerance {
+                mesher = mesher.tolerance(tolerance);
+            }
+            if let Some(angle) = options.angle {
+                mesher = mesher.angle(angle.to_radians());
+            }
             if options.draft {
                 mesher = mesher.draft();
             }

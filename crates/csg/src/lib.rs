@@ -10,6 +10,7 @@ mod mesher;
 mod net;
 mod pages;
 pub mod program;
+mod refine;
 mod report;
 pub mod solid;
 

@@ -4,14 +4,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::control::{CancelToken, Control};
 use crate::draft;
 use crate::error::Error;
 use crate::finish;
-use crate::mesh::{LengthUnit, Mesh};
+use crate::mesh::{LengthUnit, Mesh, MeshSurface};
 use crate::net;
 use crate::program::{Bounds, Program, Surface};
+use crate::refine::{self, Goal, Surfaced};
 use crate::report::Report;
 
 /// The most cells along one axis: indices and patience end there.
@@ -34,6 +37,8 @@ pub const MAX_CELLS: u32 = 1 << 16;
 pub struct Mesher {
     resolution: Resolution,
     method: Method,
+    tolerance: Option<f64>,
+    angle: Option<f64>,
     bounds: Option<Bounds>,
     unit: LengthUnit,
     check: bool,
@@ -93,6 +98,8 @@ impl Mesher {
         Self {
             resolution: Resolution::Cells(128),
             method: Method::Exact,
+            tolerance: None,
+            angle: None,
             bounds: None,
             unit: LengthUnit::default(),
             check: true,
@@ -112,6 +119,23 @@ impl Mesher {
     /// Cells of this side length, in model units.
     pub fn cell_size(mut self, size: f64) -> Self {
         self.resolution = Resolution::Size(size);
+        self
+    }
+
+    /// The largest distance between the mesh and the solid's boundary, both
+    /// ways, in model units: the mesh is brought to it with just enough
+    /// triangles, whatever the cells, which then only have to be fine enough
+    /// to see every feature. [`Report::deviation`] says what was reached. Not
+    /// for drafts.
+    pub fn tolerance(mut self, distance: f64) -> Self {
+        self.tolerance = Some(distance);
+        self
+    }
+
+    /// With a tolerance: the largest angle in radians, too, that a surface may
+    /// turn along an edge of the mesh.
+    pub fn angle(mut self, angle: f64) -> Self {
+        self.angle = Some(angle);
         self
     }
 
@@ -180,7 +204,8 @@ impl Mesher {
     ///
     /// # Errors
     /// [`Error::Unbounded`] for a solid that reaches infinitely far,
-    /// [`Error::InvalidOption`] for a resolution or a box out of range,
+    /// [`Error::InvalidOption`] for a resolution, a tolerance, an angle or a box
+    /// out of range,
     /// [`Error::TooLarge`] if the vertices outnumber an index,
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
@@ -202,6 +227,7 @@ impl Mesher {
             }
             None => program.bounds()?,
         };
+        let goal = self.goal()?;
         report.end_stage("bounds", start);
         report.bounds = bounds;
         let mut mesh = Mesh::default();
@@ -221,6 +247,12 @@ impl Mesher {
                 Method::Exact => net::mesh(&task, &mut report)?,
                 Method::Draft => draft::mesh(&task, &mut report)?,
             };
+            if let Some(goal) = goal {
+                self.refine(&mut mesh, &task, &goal, &mut report)?;
+            }
+            if matches!(self.method, Method::Exact) {
+                move_by(&mut mesh.positions, origin);
+            }
         }
         mesh.unit = self.unit;
         self.control.check()?;
@@ -254,6 +286,62 @@ impl Mesher {
         Ok(Meshed { mesh, report })
     }
 
+    fn goal(&self) -> Result<Option<Goal>, Error> {
+        let Some(tolerance) = self.tolerance else {
+            return Ok(None);
+        };
+        if matches!(self.method, Method::Draft) {
+            return Err(Error::InvalidOption(
+                "a tolerance for a draft: it keeps none".into(),
+            ));
+        }
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(Error::InvalidOption(format!(
+                "a tolerance of {tolerance}: give a positive distance"
+            )));
+        }
+        if let Some(angle) = self.angle
+            && !(angle > 0.0 && angle <= std::f64::consts::PI)
+        {
+            return Err(Error::InvalidOption(format!(
+                "an angle of {angle}: give radians from 0 to pi"
+            )));
+        }
+        Ok(Some(Goal {
+            tolerance,
+            angle: self.angle,
+        }))
+    }
+
+    /// Brings a mesh in the task's frame to the tolerance.
+    fn refine(
+        &self,
+        mesh: &mut Mesh,
+        task: &Task<'_>,
+        goal: &Goal,
+        report: &mut Report,
+    ) -> Result<(), Error> {
+        let start = Instant::now();
+        merge_alike(mesh, task.program);
+        let mut surfaced = Surfaced {
+            positions: std::mem::take(&mut mesh.positions),
+            triangles: std::mem::take(&mut mesh.triangles),
+            groups: std::mem::take(&mut mesh.triangle_surfaces),
+            surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
+        };
+        let outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &self.control)?;
+        mesh.positions = surfaced.positions;
+        mesh.triangles = surfaced.triangles;
+        mesh.triangle_surfaces = surfaced.groups;
+        report.deviation = Some(outcome.deviation);
+        report.farthest = Some(outcome.farthest + task.origin);
+        for (reason, place) in outcome.unkept {
+            report.add_fallback(reason.describe(), place + task.origin);
+        }
+        report.end_stage("refine", start);
+        Ok(())
+    }
+
     fn cell_size_for(&self, bounds: &Bounds) -> Result<f64, Error> {
         let longest = bounds.size().max_element();
         let range = format!("1 to {MAX_CELLS} cells along the longest side");
@@ -272,5 +360,39 @@ impl Mesher {
                 "a cell size of {size} for a solid {longest} long: ask for {range}"
             ))),
         }
+    }
+}
+
+/// Makes one entry of those of a mesh's surfaces that only differ in which of
+/// several primitives of the same kind, name and colour they come from: borders
+/// between them on one surface would keep vertices that nobody needs.
+fn merge_alike(mesh: &mut Mesh, program: &Program) {
+    let origin = |entry: &MeshSurface| &program.origins()[entry.primitive as usize];
+    let mut kept: Vec<MeshSurface> = Vec::new();
+    let mut of_surface: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
+    let mut merged = Vec::with_capacity(mesh.surfaces.len());
+    for entry in &mesh.surfaces {
+        let known = of_surface.entry(entry.surface).or_default();
+        let alike = known
+            .iter()
+            .find(|&&k| origin(&kept[k as usize]) == origin(entry));
+        merged.push(alike.copied().unwrap_or_else(|| {
+            kept.push(entry.clone());
+            known.push(kept.len() as u32 - 1);
+            kept.len() as u32 - 1
+        }));
+    }
+    for index in &mut mesh.triangle_surfaces {
+        *index = merged[*index as usize];
+    }
+    mesh.surfaces = kept;
+}
+
+/// Moves all points.
+fn move_by(positions: &mut [DVec3], by: DVec3) {
+    if by != DVec3::ZERO {
+        positions
+            .par_chunks_mut(4096)
+            .for_each(|chunk| chunk.iter_mut().for_each(|p| *p += by));
     }
 }

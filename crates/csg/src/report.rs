@@ -32,6 +32,12 @@ pub struct Report {
     pub largest_vertex_distance: f64,
     /// The same for the centroids of triangles: the chord error.
     pub largest_centroid_distance: f64,
+    /// With a tolerance asked for: the largest distance, in model units,
+    /// between the mesh and the solid's boundary, both ways; a bound, not a
+    /// sample. It holds where the mesh has the boundary's topology.
+    pub deviation: Option<f64>,
+    /// Where that is.
+    pub farthest: Option<DVec3>,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.

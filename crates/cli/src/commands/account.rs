@@ -46,6 +46,9 @@ struct ReportAccount {
     surface_cells: u64,
     largest_vertex_distance: f64,
     largest_centroid_distance: f64,
+    /// Null unless a tolerance was asked for.
+    deviation: Option<f64>,
+    farthest: Option<[f64; 3]>,
     fallbacks: Vec<FallbackAccount>,
 }
 
@@ -100,6 +103,9 @@ impl ReportAccount {
             surface_cells: report.surface_cells,
             largest_vertex_distance: report.largest_vertex_distance,
             largest_centroid_distance: report.largest_centroid_distance,
+            // JSON knows no infinity.
+            deviation: report.deviation.filter(|d| d.is_finite()),
+            farthest: report.farthest.map(|p| p.to_array()),
             fallbacks: report
                 .fallbacks
                 .iter()

@@ -21,7 +21,7 @@ mod loops;
 mod part;
 mod place;
 mod quads;
-mod solve;
+pub(crate) mod solve;
 mod stitch;
 #[cfg(test)]
 mod topology_tests;
@@ -56,7 +56,8 @@ struct Block {
     cell: Cell,
 }
 
-/// Meshes a program with one vertex a loop, on its surfaces to rounding.
+/// Meshes a program with one vertex a loop, on its surfaces to rounding; in the
+/// local frame, about the task's origin.
 pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
     let half = 0.5 * task.size;
@@ -139,11 +140,6 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     remove_marked(&mut triangles, &cleaned.removed);
     remove_marked(&mut triangle_surfaces, &cleaned.removed);
     remove_vertices(&mut positions, &mut triangles, &cleaned.merged);
-    if task.origin != DVec3::ZERO {
-        positions
-            .par_chunks_mut(4096)
-            .for_each(|chunk| chunk.iter_mut().for_each(|p| *p += task.origin));
-    }
     for part in &parts {
         report.surface_cells += part.surface_cells;
         report.cells_visited += part.bricks_sampled * (CELLS * CELLS * CELLS) as u64;

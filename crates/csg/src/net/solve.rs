@@ -11,7 +11,7 @@ use crate::program::Surface;
 
 /// How the search for a common point ended.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Solution {
+pub(crate) struct Solution {
     pub point: DVec3,
     /// The largest distance to any of the surfaces, to first order.
     pub residual: f64,
@@ -44,7 +44,7 @@ pub(super) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: D
 /// Looks for a point on all of the surfaces near `start`, never taking a step
 /// longer than `reach`. Convergence is quadratic where the surfaces cross,
 /// linear where they touch.
-pub(super) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
+pub(crate) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> Solution {
     const MOST_STEPS: usize = 60;
     /// A step whose square is nothing beside `reach` is the last.
     const LAST: f64 = 1e-8;

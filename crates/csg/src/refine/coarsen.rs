@@ -1,0 +1,338 @@
+//! Takes out every vertex that topology and the surfaces' bends can spare.
+//!
+//! A vertex on a face or along a curve is removed with its triangles, and the
+//! hole (along a curve, the two holes on both sides of the new chord) is filled
+//! by cutting off ears (after Schroeder, Zarge and Lorensen, *Decimation of Triangle
+//! Meshes*, 1992). Every new triangle must face the way its surface does at
+//! each of its corners, and no new edge may join vertices that an edge joins
+//! already, so that the mesh stays manifold and unfolded. On a plane this ends
+//! with no vertex inside a face. No tolerance is asked here: what is too coarse
+//! for it is cut up again, evenly, while the vertices of cells lie as chance
+//! would have it.
+
+use glam::DVec3;
+
+use super::half_edges::{HalfEdges, Kind, NONE, next};
+use super::regions::metric;
+use super::shape::faces_out;
+
+/// Of the angle between a triangle and its surface at a corner: 37°.
+const LEAST_COSINE: f64 = 0.8;
+
+/// Of the angle between a chord and its curve at an end, squared: 30°.
+const LEAST_CHORD_COSINE_SQUARED: f64 = 0.75;
+
+/// More neighbours than this are too many: ears are sought in quadratic time.
+const MOST_NEIGHBOURS: usize = 48;
+
+/// Holes of more corners are only filled ear by ear: all triangulations of one
+/// are compared in cubic time.
+const MOST_CORNERS: usize = 16;
+
+/// See [`Hole::try_all`].
+type Parts = [[(f64, usize); MOST_CORNERS]; MOST_CORNERS];
+
+/// A hole to be filled.
+#[derive(Default)]
+struct Hole {
+    /// Its corners counter-clockwise, and what lies beyond the edge from each
+    /// to the next: a half-edge of the mesh, or, along the new chord, [`NONE`].
+    corners: Vec<(u32, u32)>,
+    region: u32,
+    /// What of it is not filled yet.
+    rim: Vec<(u32, u32)>,
+    /// The triangles that fill it: their corners and what lies beyond each of
+    /// their sides.
+    ears: Vec<([u32; 3], [u32; 3])>,
+}
+
+/// Scratch memory.
+#[derive(Default)]
+struct Removal {
+    spokes: Vec<u32>,
+    slots: Vec<u32>,
+    holes: [Hole; 2],
+}
+
+/// Takes out vertices until none can be spared.
+pub(super) fn coarsen(mesh: &mut HalfEdges<'_>) {
+    const MOST_PASSES: usize = 12;
+    let mut removal = Removal::default();
+    let mut waiting = vec![true; mesh.positions.len()];
+    for _ in 0..MOST_PASSES {
+        let mut removed = false;
+        for vertex in 0..mesh.positions.len() as u32 {
+            let is_movable = matches!(mesh.kinds[vertex as usize], Kind::Face | Kind::Curve);
+            if !is_movable || !std::mem::take(&mut waiting[vertex as usize]) {
+                continue;
+            }
+            if removal.remove(mesh, vertex) {
+                removed = true;
+                for hole in &removal.holes {
+                    for &(corner, _) in &hole.corners {
+                        waiting[corner as usize] = true;
+                    }
+                }
+            }
+        }
+        if !removed {
+            break;
+        }
+    }
+}
+
+impl Removal {
+    /// Removes a vertex, if that may be.
+    fn remove(&mut self, mesh: &mut HalfEdges<'_>, vertex: u32) -> bool {
+        self.spokes.clear();
+        self.spokes.extend(mesh.around(vertex));
+        let count = self.spokes.len();
+        if count > MOST_NEIGHBOURS {
+            return false;
+        }
+        self.slots.clear();
+        self.slots.extend(self.spokes.iter().map(|spoke| spoke / 3));
+        let mut chord_twin = NONE;
+        match mesh.kinds[vertex as usize] {
+            Kind::Face => {
+                self.dig(mesh, 0, 0, count);
+                self.holes[1].corners.clear();
+                self.holes[1].ears.clear();
+                // The last two triangles of a tetrahedron stay apart.
+                if let [(_, beyond), _, (last, _)] = self.holes[0].corners[..]
+                    && mesh.apex(beyond) == last
+                {
+                    return false;
+                }
+            }
+            Kind::Curve => {
+                let mut features = (0..count).filter(|&i| mesh.is_feature(self.spokes[i]));
+                let (Some(i), Some(j)) = (features.next(), features.next()) else {
+                    return false;
+                };
+                if !chord_may_be(mesh, vertex, self.spokes[i], self.spokes[j]) {
+                    return false;
+                }
+                self.dig(mesh, 0, i, j - i);
+                self.dig(mesh, 1, j, count - (j - i));
+                let [first, second] = &self.holes;
+                // One triangle between both edges just goes; its far side is
+                // where the chord runs.
+                let beyond = |hole: &Hole| match hole.corners[..] {
+                    [(_, beyond), _] if !mesh.is_feature(beyond) => Some(beyond),
+                    [_, _] => Some(NONE),
+                    _ => None,
+                };
+                match (beyond(first), beyond(second)) {
+                    (None, None) => {
+                        let (from, to) = (first.corners[0].0, second.corners[0].0);
+                        if mesh.are_joined(from, to) {
+                            return false;
+                        }
+                    }
+                    (Some(twin), None) | (None, Some(twin)) if twin != NONE => chord_twin = twin,
+                    _ => return false,
+                }
+            }
+            Kind::Corner | Kind::Gone => return false,
+        }
+        let mut used = 0;
+        for hole in &mut self.holes {
+            if !hole.fill(mesh, &self.slots[used..]) {
+                return false;
+            }
+            used += hole.ears.len();
+        }
+        // Nothing was touched so far.
+        let mut slots = self.slots.iter();
+        for hole in &self.holes {
+            for ((corners, beyond), &triangle) in hole.ears.iter().zip(&mut slots) {
+                mesh.region_of[triangle as usize] = hole.region;
+                for (half, (&corner, &beyond)) in (3 * triangle..).zip(corners.iter().zip(beyond)) {
+                    mesh.halves[half as usize].origin = corner;
+                    mesh.leaving[corner as usize] = half;
+                    match beyond {
+                        LATER => {}
+                        NONE if chord_twin == NONE => chord_twin = half,
+                        NONE => mesh.join(half, chord_twin),
+                        twin => mesh.join(half, twin),
+                    }
+                }
+            }
+        }
+        for &triangle in &self.slots[used..] {
+            for half in 3 * triangle..3 * triangle + 3 {
+                mesh.halves[half as usize].origin = NONE;
+            }
+            mesh.free.push(triangle);
+        }
+        mesh.kinds[vertex as usize] = Kind::Gone;
+        mesh.leaving[vertex as usize] = NONE;
+        true
+    }
+
+    /// The hole that `count` triangles from spoke `from` on leave behind.
+    fn dig(&mut self, mesh: &HalfEdges<'_>, which: usize, from: usize, count: usize) {
+        let hole = &mut self.holes[which];
+        let spokes = &self.spokes;
+        hole.region = mesh.region_of[spokes[from] as usize / 3];
+        hole.ears.clear();
+        hole.corners.clear();
+        for i in 0..count {
+            let spoke = spokes[(from + i) % spokes.len()];
+            let rim = next(spoke);
+            hole.corners.push((mesh.origin(rim), mesh.twin(rim)));
+        }
+        if count < spokes.len() {
+            // Closed by the chord.
+            let last = spokes[(from + count) % spokes.len()];
+            hole.corners.push((mesh.target(last), NONE));
+        }
+    }
+}
+
+/// Whether a curve may be taken straight past a vertex, from the end of one of
+/// its two edges to the end of the other: a chord that still runs along the
+/// curve at both its ends.
+fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
+    let surfaces = [mesh.surface(on), mesh.surface(mesh.twin(on))];
+    let (p, q, r) = (
+        mesh.at(mesh.target(back)),
+        mesh.at(vertex),
+        mesh.at(mesh.target(on)),
+    );
+    let chord = r - p;
+    // The direction of the curve at an end, the way the old edge runs there.
+    let along = |at: DVec3, edge: DVec3| {
+        let [g1, g2] = surfaces.map(|s| s.gradient(at));
+        let tangent = g1.cross(g2);
+        let square = tangent.length_squared();
+        // Where the surfaces touch it has none, and the edge must do.
+        if square <= 1e-8 * g1.length_squared() * g2.length_squared() {
+            return chord.dot(edge) > 0.0;
+        }
+        let cosine = tangent.dot(chord) * tangent.dot(edge).signum();
+        cosine > 0.0
+            && cosine * cosine >= LEAST_CHORD_COSINE_SQUARED * square * chord.length_squared()
+    };
+    along(p, q - p) && along(r, r - q)
+}
+
+impl Hole {
+    /// Finds triangles for the hole; `slots` are those that they are going to
+    /// be.
+    fn fill(&mut self, mesh: &HalfEdges<'_>, slots: &[u32]) -> bool {
+        if self.corners.len() < 3 || self.cut_off_ears(mesh, slots) {
+            return true;
+        }
+        // Ears may leave corners in a line behind.
+        (4..=MOST_CORNERS).contains(&self.corners.len()) && self.try_all(mesh, slots)
+    }
+
+    fn may_be(&self, mesh: &HalfEdges<'_>, corners: [u32; 3]) -> bool {
+        let region = &mesh.regions[self.region as usize];
+        let surface = &mesh.surfaces[region.surface as usize];
+        faces_out(surface, region, corners.map(|v| mesh.at(v)), LEAST_COSINE)
+    }
+
+    /// Cuts off the ear with the shortest cut each time.
+    fn cut_off_ears(&mut self, mesh: &HalfEdges<'_>, slots: &[u32]) -> bool {
+        let region = &mesh.regions[self.region as usize];
+        let surface = &mesh.surfaces[region.surface as usize];
+        self.ears.clear();
+        self.rim.clear();
+        self.rim.extend_from_slice(&self.corners);
+        let triangle = |rim: &[(u32, u32)], i: usize| {
+            let n = rim.len();
+            [rim[(i + n - 1) % n].0, rim[i].0, rim[(i + 1) % n].0]
+        };
+        while self.rim.len() > 3 {
+            let n = self.rim.len();
+            let mut best = (f64::INFINITY, n);
+            for i in 0..n {
+                let [p, q, r] = triangle(&self.rim, i);
+                let cut = metric(surface, region.bend, mesh.at(r) - mesh.at(p));
+                if cut < best.0 && self.may_be(mesh, [p, q, r]) && !mesh.are_joined(p, r) {
+                    best = (cut, i);
+                }
+            }
+            let i = best.1;
+            if i == n {
+                return false;
+            }
+            let rim = &mut self.rim;
+            let before = (i + n - 1) % n;
+            let half = 3 * slots[self.ears.len()];
+            // Corners p, q, r: sides p → q, q → r, and r → p, beyond which the
+            // rest of the hole is.
+            self.ears
+                .push((triangle(rim, i), [rim[before].1, rim[i].1, LATER]));
+            rim[before].1 = half + 2;
+            rim.remove(i);
+        }
+        let corners = [0, 1, 2].map(|i| self.rim[i].0);
+        self.ears.push((corners, [0, 1, 2].map(|i| self.rim[i].1)));
+        self.may_be(mesh, corners)
+    }
+
+    /// Finds the triangulation of the least squared cuts, if there is any, by
+    /// dynamic programming over the parts that one cut leaves (Klincsek,
+    /// *Minimal Triangulations of Polygonal Domains*, 1980).
+    fn try_all(&mut self, mesh: &HalfEdges<'_>, slots: &[u32]) -> bool {
+        let region = &mesh.regions[self.region as usize];
+        let surface = &mesh.surfaces[region.surface as usize];
+        let n = self.corners.len();
+        let corner = |i: usize| self.corners[i].0;
+        // Of the part from corner i to corner j: the cost, and the apex over
+        // the cut.
+        let mut parts = [[(f64::INFINITY, 0); MOST_CORNERS]; MOST_CORNERS];
+        for i in 0..n - 1 {
+            parts[i][i + 1].0 = 0.0;
+        }
+        for length in 2..n {
+            for i in 0..n - length {
+                let j = i + length;
+                let is_cut = length < n - 1;
+                if is_cut && mesh.are_joined(corner(i), corner(j)) {
+                    continue;
+                }
+                let edge = mesh.at(corner(j)) - mesh.at(corner(i));
+                let cut = metric(surface, region.bend, edge);
+                for k in i + 1..j {
+                    let cost = parts[i][k].0 + parts[k][j].0 + cut;
+                    if cost < parts[i][j].0 && self.may_be(mesh, [i, k, j].map(corner)) {
+                        parts[i][j] = (cost, k);
+                    }
+                }
+            }
+        }
+        if parts[0][n - 1].0 == f64::INFINITY {
+            return false;
+        }
+        self.ears.clear();
+        self.emit(&parts, 0, n - 1, slots);
+        if let Some((_, beyond)) = self.ears.last_mut() {
+            beyond[2] = self.corners[n - 1].1;
+        }
+        true
+    }
+
+    /// Adds the triangles of the part from corner i to corner j; returns the
+    /// half-edge from j to i, or, where that is a side of the hole, what lies
+    /// beyond it.
+    fn emit(&mut self, parts: &Parts, i: usize, j: usize, slots: &[u32]) -> u32 {
+        if j == i + 1 {
+            return self.corners[i].1;
+        }
+        let k = parts[i][j].1;
+        let before = self.emit(parts, i, k, slots);
+        let after = self.emit(parts, k, j, slots);
+        let half = 3 * slots[self.ears.len()];
+        let corners = [i, k, j].map(|i| self.corners[i].0);
+        self.ears.push((corners, [before, after, LATER]));
+        half + 2
+    }
+}
+
+/// What lies beyond the side of an ear is another ear, which will know.
+const LATER: u32 = NONE - 1;

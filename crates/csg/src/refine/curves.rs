@@ -1,0 +1,120 @@
+//! Points along the curve in which two surfaces meet, as many as a tolerance
+//! asks for.
+//!
+//! A chord of length s strays from a curve of curvature κ by κ s² / 8. Points
+//! at equal steps of ∫ √(κ / 8 tol) ds, each at most 1, make all chords stray
+//! alike, and are as few as can be.
+
+use glam::DVec3;
+
+use super::Goal;
+use crate::net::solve;
+use crate::program::Surface;
+
+/// Steps in which a curve is measured between two vertices.
+const STEPS: usize = 16;
+
+/// A measured stretch of a curve between two points on it.
+pub(super) struct Stretch<'a> {
+    surfaces: [&'a Surface; 2],
+    /// Points along it, and the integral up to each.
+    points: [DVec3; STEPS + 1],
+    chords: [f64; STEPS + 1],
+    /// How near a point must come to both surfaces.
+    precision: f64,
+}
+
+/// The curvature of the curve at a point, and how fast the two surfaces turn
+/// along it; `None` where they touch.
+fn bends(surfaces: [&Surface; 2], at: DVec3) -> Option<(f64, f64)> {
+    let [g1, g2] = surfaces.map(|s| s.gradient(at));
+    let across = g1.cross(g2);
+    let determinant = across.length_squared();
+    let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
+    if determinant <= 1e-10 * g11 * g22 {
+        return None;
+    }
+    let tangent = across / determinant.sqrt();
+    // The acceleration a along the curve: ∇f·a = -tᵀ H t for both.
+    let [k1, k2] = surfaces.map(|s| s.curvature_along(tangent));
+    let alpha = (k2 * g12 - k1 * g22) / determinant;
+    let beta = (k1 * g12 - k2 * g11) / determinant;
+    let curvature = (alpha * g1 + beta * g2).length();
+    let turn = |s: &Surface, g: DVec3| {
+        // H t, from the gradient's change along t.
+        let change = s.gradient(at + tangent) - g;
+        change.reject_from(g).length() / g.length()
+    };
+    Some((curvature, turn(surfaces[0], g1).max(turn(surfaces[1], g2))))
+}
+
+impl<'a> Stretch<'a> {
+    /// `None` where the curve could not be followed.
+    pub fn new(
+        surfaces: [&'a Surface; 2],
+        from: DVec3,
+        to: DVec3,
+        goal: &Goal,
+        precision: f64,
+    ) -> Option<Self> {
+        let mut stretch = Self {
+            surfaces,
+            points: [from; STEPS + 1],
+            chords: [0.0; STEPS + 1],
+            precision,
+        };
+        let along = to - from;
+        // A straight line on both surfaces.
+        let is_straight = surfaces.iter().all(|s| {
+            let sag = 0.125 * s.curvature_along(along).abs();
+            s.is_plane() || sag <= precision * s.gradient(from).length()
+        });
+        if is_straight {
+            stretch.points[STEPS] = to;
+            return Some(stretch);
+        }
+        for i in 1..STEPS {
+            let start = from + i as f64 / STEPS as f64 * along;
+            stretch.points[i] = stretch.on_curve(start, 0.5 * along.length())?;
+        }
+        stretch.points[STEPS] = to;
+        let mut densities = [None; STEPS + 1];
+        for (density, &point) in densities.iter_mut().zip(&stretch.points) {
+            *density = bends(surfaces, point).map(|(curvature, turn)| {
+                let for_distance = (curvature / (8.0 * goal.tolerance)).sqrt();
+                let for_angle = goal.angle.map_or(0.0, |angle| turn / angle);
+                for_distance.max(for_angle)
+            });
+        }
+        let first = densities.iter().flatten().next().copied()?;
+        let mut before = densities[0].unwrap_or(first);
+        for (i, density) in densities.into_iter().enumerate().skip(1) {
+            let here = density.unwrap_or(before);
+            let step = stretch.points[i].distance(stretch.points[i - 1]);
+            stretch.chords[i] = stretch.chords[i - 1] + 0.5 * (before + here) * step;
+            before = here;
+        }
+        Some(stretch)
+    }
+
+    /// How many chords it takes, as a real number.
+    pub fn chords(&self) -> f64 {
+        self.chords[STEPS]
+    }
+
+    /// The point up to which it takes `share` of all chords.
+    pub fn point_at(&self, share: f64) -> Option<DVec3> {
+        let wanted = share * self.chords();
+        let i = self.chords.partition_point(|&c| c < wanted).clamp(1, STEPS);
+        let (low, high) = (self.chords[i - 1], self.chords[i]);
+        let (p, q) = (self.points[i - 1], self.points[i]);
+        let start = p.lerp(q, ((wanted - low) / (high - low)).clamp(0.0, 1.0));
+        self.on_curve(start, p.distance(q))
+    }
+
+    fn on_curve(&self, start: DVec3, reach: f64) -> Option<DVec3> {
+        let solution = solve::common_point(&self.surfaces, start, reach);
+        let is_near = solution.point.distance_squared(start) <= reach * reach;
+        (is_near && solution.residual <= self.precision).then_some(solution.point)
+    }
+}

@@ -1,0 +1,370 @@
+//! How far a triangle strays from its surface, and a chord from its curve:
+//! bounds, not samples.
+//!
+//! Along a chord or over a triangle a quadric f is a quadratic polynomial, and
+//! a component of its gradient a linear one: the extremes of their ratio are
+//! known in closed form, or nearly. From a point x the flow along the gradient
+//! comes to f = 0 within |f(x)| / g if |∇f| >= g on its way; that is so for
+//! g = |∇f(x)| - L D, where L is the gradient's Lipschitz constant, the norm of
+//! f's Hessian, and D any bound of the way. On fine triangles |f| is of second
+//! order and L D beside the gradient as well, so that the bound is tight but for
+//! a relative error of second order.
+//!
+//! # The other direction
+//! Where the gradient at no point of a triangle is at a right angle to its
+//! normal, the flow maps the triangle onto a patch of the surface one to one.
+//! The patches of neighbours meet along the images of their common edges, those
+//! at a curve within the sliver between the curve and its chords; as the mesh is
+//! closed, they cover the whole boundary. Every point of the boundary is then
+//! the image of a point of the mesh that is as near as the bound says, or lies
+//! in such a sliver, all of which is as near to the curve's chords as
+//! [`of_chord`] says. What this rests on is that the mesh has the boundary's
+//! topology.
+
+use glam::DVec3;
+
+use crate::program::Surface;
+
+/// The spectral norm of the Hessian of f, or a little more: its largest sum of
+/// magnitudes in a row, or its Frobenius norm.
+fn hessian_norm(surface: &Surface) -> f64 {
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic.map(f64::abs);
+    let rows = (2.0 * xx + xy + zx)
+        .max(2.0 * yy + xy + yz)
+        .max(2.0 * zz + yz + zx);
+    let squares = 4.0 * (xx * xx + yy * yy + zz * zz) + 2.0 * (xy * xy + yz * yz + zx * zx);
+    rows.min(squares.sqrt())
+}
+
+/// The largest |Σ 2 b_ij λ_i λ_j| over the triangle λ >= 0, Σ λ = 1, for
+/// b = (b01, b12, b20): the middles of the edges and, where it lies inside, the
+/// stationary point.
+#[inline]
+fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
+    let on_edges = 0.5 * a.abs().max(b.abs()).max(c.abs());
+    let weights = [b * (a + c - b), c * (a + b - c), a * (b + c - a)];
+    let sum: f64 = weights.iter().sum();
+    let is_inside = weights.iter().all(|w| w * sum >= 0.0) && sum != 0.0;
+    if is_inside {
+        on_edges.max((2.0 * a * b * c / sum).abs())
+    } else {
+        on_edges
+    }
+}
+
+/// A bound of the distance of any point of the triangle to the surface; of
+/// corners on it, or near it. Infinite where none could be proven: the
+/// triangle is too large for the surface's curvature.
+#[must_use]
+pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
+    let values = corners.map(|p| surface.value(p).abs());
+    let at_corners = values[0].max(values[1]).max(values[2]);
+    if surface.is_plane() {
+        return at_corners;
+    }
+    let [p, q, r] = corners;
+    let mut quarters = [q - p, r - q, p - r].map(|d| -0.25 * surface.curvature_along(d));
+    let mut gradients = corners.map(|p| surface.gradient(p));
+    if let Some(apex) = surface.apex()
+        && let Some(tip) = corners.iter().position(|&corner| corner == apex)
+    {
+        // f is homogeneous about the apex, and so is the distance: it is the
+        // largest on the opposite side.
+        let opposite = (tip + 1) % 3;
+        quarters = [quarters[opposite], 0.0, 0.0];
+        let (u, w) = (gradients[opposite], gradients[(tip + 2) % 3]);
+        gradients = [u, w, w];
+    }
+    // The gradient's component along any direction is linear.
+    let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
+    let slopes = gradients.map(|g| g.dot(mean));
+    let lipschitz = hessian_norm(surface);
+    // With f = Σ 2 b_ij λ_i λ_j and the slope Σ s_i λ_i >= (Σ √s_i λ_i)² by
+    // Cauchy and Schwarz: in terms of √s_i λ_i the ratio is one of quadratic
+    // forms again.
+    let ratio = |distance: f64| {
+        let [s0, s1, s2] = slopes.map(|s| s - lipschitz * distance);
+        let least = s0.min(s1).min(s2);
+        if least <= 0.0 {
+            return f64::INFINITY;
+        }
+        let [a, b, c] = quarters;
+        let scaled = [
+            a / (s0 * s1).sqrt(),
+            b / (s1 * s2).sqrt(),
+            c / (s2 * s0).sqrt(),
+        ];
+        largest_on_triangle(scaled) + at_corners / least
+    };
+    // A distance that the map shrinks is a bound, and so is its image.
+    let mut bound = 1.25 * ratio(1.25 * ratio(0.0));
+    if ratio(bound) > bound {
+        return f64::INFINITY;
+    }
+    for _ in 0..2 {
+        bound = ratio(bound);
+    }
+    bound
+}
+
+/// A bound of the distance of any point of the chord to the curve in which two
+/// surfaces meet; of ends on both.
+///
+/// With the equations scaled to unit gradients at the middle of a part of the
+/// chord, J their Jacobian there and F their values, |J⁺ F| is the distance to
+/// first order; along the path x' = -J(x)⁺ F the Jacobian changes by at most
+/// E = L · (distance from the middle), which lengthens the path by at most
+/// 1 / (1 - |J⁺| E). Near a point where the surfaces touch that proves nothing,
+/// but a part of the chord is at most as far from the curve as from the
+/// chord's end.
+#[must_use]
+pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
+    let at_ends = surfaces.map(|s| s.value(p).abs().max(s.value(q).abs()));
+    if surfaces.iter().all(|s| s.is_plane()) {
+        return at_ends[0].max(at_ends[1]);
+    }
+    let chord = Chord {
+        surfaces,
+        p,
+        along: q - p,
+        at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
+    };
+    let (bound, first_order) = chord.bound(0.0, 1.0);
+    if bound <= 1.02 * first_order {
+        return bound;
+    }
+    const DEPTH: u32 = 8;
+    bound.min(chord.bound_by_halves(0.0, 1.0, first_order, DEPTH))
+}
+
+/// A chord under examination.
+struct Chord<'a> {
+    surfaces: [&'a Surface; 2],
+    p: DVec3,
+    along: DVec3,
+    /// f and g in the middle; at share t of the chord they are 4t(1 - t) of
+    /// that.
+    at_middle: [f64; 2],
+}
+
+impl Chord<'_> {
+    /// A bound for the part between two shares of the chord, and the distance
+    /// to first order.
+    fn bound(&self, from: f64, to: f64) -> (f64, f64) {
+        let middle = self.p + 0.5 * (from + to) * self.along;
+        let gradients = self.surfaces.map(|s| s.gradient(middle));
+        let lengths = gradients.map(DVec3::length);
+        let cosine = gradients[0].dot(gradients[1]) / (lengths[0] * lengths[1]);
+        let [r1, r2] = [0, 1].map(|i| self.at_middle[i] / lengths[i]);
+        let [l1, l2] = [0, 1].map(|i| hessian_norm(self.surfaces[i]) / lengths[i]);
+        let nearest_half = 0.5f64.clamp(from, to);
+        let weight = 4.0 * nearest_half * (1.0 - nearest_half);
+        let first_order = weight
+            * ((r1 * r1 - 2.0 * cosine * r1 * r2 + r2 * r2) / (1.0 - cosine * cosine)).sqrt();
+        if first_order.is_nan() {
+            return (f64::INFINITY, 0.0);
+        }
+        // |J⁺| times the change of J per length.
+        let rate = ((l1 * l1 + l2 * l2) / (1.0 - cosine.abs())).sqrt();
+        let at_end = 0.5 * (to - from) * rate * self.along.length();
+        let is_whole = from == 0.0 && to == 1.0;
+        let longer = |distance: f64| {
+            let room = 1.0 - rate * distance;
+            let slope = at_end / room;
+            if room <= 0.0 || slope >= 1.0 {
+                f64::INFINITY
+            } else if is_whole {
+                // Away from the middle F shrinks as 1 - u² while J changes by
+                // slope u: the greatest of (1 - u²) / (1 - slope u).
+                first_order * 2.0 / (1.0 + (1.0 - slope * slope).sqrt()) / room
+            } else {
+                first_order / (1.0 - slope) / room
+            }
+        };
+        // A distance that the map shrinks is a bound, and so is its image.
+        let mut bound = 1.25 * longer(1.25 * first_order);
+        if bound == f64::INFINITY || longer(bound) > bound {
+            return (f64::INFINITY, first_order);
+        }
+        for _ in 0..3 {
+            bound = longer(bound);
+        }
+        (bound, first_order)
+    }
+
+    /// The same by smaller and smaller parts, until they are within `enough`.
+    fn bound_by_halves(&self, from: f64, to: f64, enough: f64, depth: u32) -> f64 {
+        let from_start = to * self.along.length();
+        let from_end = (1.0 - from) * self.along.length();
+        let (bound, _) = self.bound(from, to);
+        let bound = bound.min(from_start).min(from_end);
+        if bound <= 1.02 * enough || depth == 0 {
+            return bound;
+        }
+        let middle = 0.5 * (from + to);
+        let halves = [(from, middle), (middle, to)];
+        let [a, b] = halves.map(|(from, to)| self.bound_by_halves(from, to, enough, depth - 1));
+        a.max(b).min(bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Program, Solid};
+    use proptest::prelude::*;
+
+    fn surfaces(solid: &Solid) -> Vec<Surface> {
+        Program::lower(solid).expect("valid").surfaces().to_vec()
+    }
+
+    fn curved(solid: &Solid) -> Surface {
+        let mut all = surfaces(solid).into_iter();
+        all.find(|s| !s.is_plane()).expect("a quadric")
+    }
+
+    /// The points of a fine lattice on the triangle.
+    fn samples([p, q, r]: [DVec3; 3]) -> impl Iterator<Item = DVec3> {
+        const N: u32 = 60;
+        (0..=N).flat_map(move |i| {
+            (0..=N - i).map(move |j| {
+                let (a, b) = (f64::from(i) / f64::from(N), f64::from(j) / f64::from(N));
+                p + a * (q - p) + b * (r - p)
+            })
+        })
+    }
+
+    /// The bound holds, and exceeds the largest sampled distance at most
+    /// `slack` times.
+    fn assert_tight(
+        surface: &Surface,
+        corners: [DVec3; 3],
+        distance: impl Fn(DVec3) -> f64,
+        slack: f64,
+    ) {
+        let sampled = samples(corners).map(distance).fold(0.0, f64::max);
+        let bound = of_triangle(surface, corners);
+        assert!(sampled <= bound + 1e-15, "{sampled} > {bound}");
+        assert!(
+            bound <= slack * sampled + 1e-15,
+            "{bound}, sampled {sampled}"
+        );
+    }
+
+    #[test]
+    fn planes_have_none() {
+        let plane = surfaces(&Solid::cube(2.0))[0];
+        let normal = plane.gradient(DVec3::ZERO);
+        let (u, v) = normal.any_orthonormal_pair();
+        let o = plane.anchor();
+        let corners = [o, o + u, o + 0.3 * u + v];
+        assert!(of_triangle(&plane, corners) < 1e-15);
+    }
+
+    fn on_sphere(p: DVec3) -> DVec3 {
+        p.normalize()
+    }
+
+    proptest! {
+        #[test]
+        fn spheres(
+            centre in prop::array::uniform3(-1.0..1.0f64),
+            spread in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64)),
+            size in 1e-3..0.1f64,
+        ) {
+            let sphere = curved(&Solid::sphere(1.0));
+            let centre = DVec3::from(centre);
+            prop_assume!(centre.length() > 0.1);
+            let corners = spread.map(|s| on_sphere(on_sphere(centre) + size * DVec3::from(s)));
+            assert_tight(&sphere, corners, |p| 1.0 - p.length(), 1.05);
+        }
+
+        #[test]
+        fn cylinders(
+            angles in prop::array::uniform3(-0.1..0.1f64),
+            heights in prop::array::uniform3(-0.9..0.9f64),
+        ) {
+            let cylinder = curved(&Solid::cylinder(1.0, -1.0..1.0));
+            let corners = [0, 1, 2].map(|i| {
+                DVec3::new(angles[i].cos(), angles[i].sin(), heights[i])
+            });
+            assert_tight(&cylinder, corners, |p| 1.0 - p.truncate().length(), 1.05);
+        }
+
+        #[test]
+        fn cones_with_and_without_their_tip(
+            angles in prop::array::uniform3(-0.1..0.1f64),
+            heights in prop::array::uniform3(0.3..0.9f64),
+            tip in prop::bool::ANY,
+        ) {
+            // A cone of radius 1 at z = 0 and apex at z = 1.
+            let cone = curved(&Solid::frustum(1.0, 0.0, 0.0..1.0));
+            let mut corners = [0, 1, 2].map(|i| {
+                let r = 1.0 - heights[i];
+                DVec3::new(r * angles[i].cos(), r * angles[i].sin(), heights[i])
+            });
+            if tip {
+                corners[1] = DVec3::Z;
+            }
+            let distance = |p: DVec3| {
+                (1.0 - p.z - p.truncate().length()) * std::f64::consts::FRAC_1_SQRT_2
+            };
+            assert_tight(&cone, corners, distance, 1.3);
+        }
+
+        #[test]
+        fn saddles_are_bounded(
+            at in prop::array::uniform2(-0.5..0.5f64),
+            spread in prop::array::uniform3(prop::array::uniform2(-0.05..0.05f64)),
+        ) {
+            // z = x y, from the quadric x y - z = 0.
+            let coefficients = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0];
+            let saddle = surfaces(&Solid::quadric(coefficients))[0];
+            let corners = spread.map(|[x, y]| {
+                let (x, y) = (at[0] + x, at[1] + y);
+                DVec3::new(x, y, x * y)
+            });
+            let bound = of_triangle(&saddle, corners);
+            for p in samples(corners) {
+                // To first order, and the second is far below the slack.
+                let distance = saddle.value(p).abs() / saddle.gradient(p).length();
+                prop_assert!(distance <= 1.01 * bound + 1e-15, "{distance} > {bound}");
+            }
+        }
+
+        #[test]
+        fn chords_of_circles_and_ellipses(
+            start in 0.0..6.3f64,
+            angle in 1e-3..0.2f64,
+            tilt in 0.0..1.0f64,
+        ) {
+            // x² + y² = 1 cut by z = tilt x.
+            let cylinder = curved(&Solid::cylinder(1.0, -3.0..3.0));
+            let normal = DVec3::new(-tilt, 0.0, 1.0);
+            let plane = surfaces(&Solid::half_space(normal, 0.0))[0];
+            let on_curve = |t: f64| DVec3::new(t.cos(), t.sin(), tilt * t.cos());
+            let (p, q) = (on_curve(start), on_curve(start + angle));
+            let bound = of_chord([&cylinder, &plane], p, q);
+            let mut largest = 0.0f64;
+            for i in 1..40 {
+                let point = p + f64::from(i) / 40.0 * (q - p);
+                let nearest = (0..=400)
+                    .map(|j| on_curve(start + angle * f64::from(j) / 400.0).distance(point))
+                    .fold(f64::MAX, f64::min);
+                largest = largest.max(nearest);
+            }
+            // The nearest of the samples on the curve is a little off.
+            let step = 1.5 * angle / 400.0;
+            prop_assert!(largest * largest <= bound * bound + step * step);
+            prop_assert!(bound <= 1.1 * largest, "{bound}, sampled {largest}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_bounded_is_said() {
+        let sphere = curved(&Solid::sphere(1.0));
+        // Three points on a great circle: the centre is on the triangle.
+        let corners = [DVec3::X, DVec3::NEG_X, DVec3::Y];
+        assert_eq!(of_triangle(&sphere, corners), f64::INFINITY);
+    }
+}

@@ -1,0 +1,71 @@
+//! Edge flips: triangles as round as can be in the metric of how their surface
+//! bends.
+//!
+//! In a plane and on a sphere that is the Delaunay triangulation (Lawson,
+//! *Software for C1 Surface Interpolation*, 1977). On a cylinder, where only
+//! the way around counts, the vertices of two borders are joined to those
+//! nearest in angle, so that no triangle spans more of it than one chord does.
+
+use super::half_edges::{HalfEdges, next, previous};
+use super::regions::metric;
+use super::shape::faces_out_in_the_middle;
+
+/// Flips edges, those on the stack and the neighbours of what was flipped,
+/// until none would be better flipped.
+pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
+    // Flipping makes the smallest angles grow but for rounding: this many are
+    // never needed.
+    let mut left = 200 + 40 * stack.len();
+    while let Some(half) = stack.pop() {
+        if left == 0 {
+            stack.clear();
+            break;
+        }
+        if !mesh.is_feature(half) && is_better_flipped(mesh, half) && may_flip(mesh, half) {
+            left -= 1;
+            let twin = mesh.twin(half);
+            mesh.flip(half);
+            stack.extend([half, next(half), twin, next(twin)]);
+        }
+    }
+}
+
+/// Whether the angles across from the edge add up to more than π.
+#[inline]
+fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
+    let twin = mesh.twin(half);
+    let surface = mesh.surface(half);
+    let bend = mesh.region(half).bend;
+    let [a, b, c, d] =
+        [half, twin, previous(half), previous(twin)].map(|half| mesh.at(mesh.origin(half)));
+    let ab = metric(surface, bend, b - a);
+    // Twice the product of the sides and the cosine, and the sides' squares.
+    let angle = |ca: f64, cb: f64| (ca + cb - ab, 4.0 * ca * cb);
+    let (at_c, sides_c) = angle(metric(surface, bend, a - c), metric(surface, bend, b - c));
+    let (at_d, sides_d) = angle(metric(surface, bend, a - d), metric(surface, bend, b - d));
+    if at_c >= 0.0 && at_d >= 0.0 {
+        return false;
+    }
+    if at_c < 0.0 && at_d < 0.0 {
+        return true;
+    }
+    // One is obtuse: compare the cosines. A tie is no reason to flip.
+    const CLEARLY: f64 = 1e-9;
+    let (c2, d2) = (at_c * at_c * sides_d, at_d * at_d * sides_c);
+    if at_c < 0.0 {
+        c2 > d2 * (1.0 + CLEARLY)
+    } else {
+        d2 > c2 * (1.0 + CLEARLY)
+    }
+}
+
+/// Whether the flipped edge would leave the mesh manifold and unfolded.
+fn may_flip(mesh: &HalfEdges<'_>, half: u32) -> bool {
+    let twin = mesh.twin(half);
+    let vertices = [half, twin, previous(half), previous(twin)].map(|half| mesh.origin(half));
+    let [a, b, c, d] = vertices.map(|v| mesh.at(v));
+    let (surface, region) = (mesh.surface(half), mesh.region(half));
+    faces_out_in_the_middle(surface, region, [d, b, c])
+        && faces_out_in_the_middle(surface, region, [c, a, d])
+        && !mesh.are_joined(vertices[2], vertices[3])
+}

@@ -1,0 +1,354 @@
+//! The mesh while it changes: triangles as triples of half-edges.
+//!
+//! Half-edges 3t, 3t + 1 and 3t + 2 run around triangle t; each knows the
+//! vertex it leaves and its twin, which runs along the same edge the other way
+//! in the neighbouring triangle. Splitting, flipping and removing keep the mesh
+//! closed, oriented and manifold.
+
+use glam::DVec3;
+
+use super::regions::{Region, regions};
+use crate::program::Surface;
+
+/// No half-edge, no vertex, no curve.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// One side of an edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Half {
+    /// The vertex it leaves; [`NONE`] in a triangle that is gone.
+    pub origin: u32,
+    pub twin: u32,
+    /// The piece of a curve that the edge stands for, if there is any left to
+    /// be cut up.
+    pub piece: u32,
+}
+
+/// Where a vertex may go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Anywhere on its surface.
+    Face,
+    /// Along the curve in which its two surfaces meet.
+    Curve,
+    /// Nowhere: the end of a curve, or an apex.
+    Corner,
+    /// The vertex is gone.
+    Gone,
+}
+
+pub(super) struct HalfEdges<'a> {
+    pub surfaces: &'a [Surface],
+    pub regions: Vec<Region>,
+    pub positions: Vec<DVec3>,
+    pub kinds: Vec<Kind>,
+    /// For each vertex a half-edge that leaves it.
+    pub leaving: Vec<u32>,
+    pub halves: Vec<Half>,
+    /// For each triangle its region.
+    pub region_of: Vec<u32>,
+    /// For each piece of a curve its half-edge in the piece's direction.
+    pub piece_halves: Vec<u32>,
+    /// Triangles that are gone.
+    pub free: Vec<u32>,
+}
+
+#[inline(always)]
+pub(super) fn next(half: u32) -> u32 {
+    if half % 3 == 2 { half - 2 } else { half + 1 }
+}
+
+#[inline(always)]
+pub(super) fn previous(half: u32) -> u32 {
+    if half.is_multiple_of(3) {
+        half + 2
+    } else {
+        half - 1
+    }
+}
+
+/// Half-edges with their twins; `None` if the triangles are no closed, oriented
+/// 2-manifold.
+fn pair_up(vertices: usize, triangles: &[[u32; 3]]) -> Option<Vec<Half>> {
+    let origins = triangles.as_flattened();
+    // The half-edges of every vertex, by counting.
+    let mut starts = vec![0u32; vertices + 2];
+    for &origin in origins {
+        *starts.get_mut(origin as usize + 2)? += 1;
+    }
+    for v in 2..starts.len() {
+        starts[v] += starts[v - 1];
+    }
+    let mut leaving = vec![0u32; origins.len()];
+    for (half, &origin) in origins.iter().enumerate() {
+        let slot = &mut starts[origin as usize + 1];
+        leaving[*slot as usize] = half as u32;
+        *slot += 1;
+    }
+    let target = |half: u32| origins[next(half) as usize];
+    let mut halves: Vec<Half> = origins
+        .iter()
+        .map(|&origin| Half {
+            origin,
+            twin: NONE,
+            piece: NONE,
+        })
+        .collect();
+    for half in 0..origins.len() as u32 {
+        let (from, to) = (origins[half as usize], target(half));
+        if from >= to {
+            continue;
+        }
+        let back = &leaving[starts[to as usize] as usize..starts[to as usize + 1] as usize];
+        let mut twins = back.iter().copied().filter(|&other| target(other) == from);
+        let twin = twins.next()?;
+        if twins.next().is_some() || halves[twin as usize].twin != NONE {
+            return None;
+        }
+        halves[half as usize].twin = twin;
+        halves[twin as usize].twin = half;
+    }
+    halves.iter().all(|h| h.twin != NONE).then_some(halves)
+}
+
+impl<'a> HalfEdges<'a> {
+    /// `None` if the triangles are no closed, oriented 2-manifold.
+    pub fn new(
+        positions: Vec<DVec3>,
+        triangles: &[[u32; 3]],
+        groups: &[u32],
+        surface_of_group: &[u32],
+        surfaces: &'a [Surface],
+    ) -> Option<Self> {
+        let halves = pair_up(positions.len(), triangles)?;
+        let mut leaving = vec![NONE; positions.len()];
+        for (half, h) in halves.iter().enumerate() {
+            leaving[h.origin as usize] = half as u32;
+        }
+        let mut mesh = Self {
+            surfaces,
+            regions: Vec::new(),
+            kinds: vec![Kind::Gone; positions.len()],
+            positions,
+            leaving,
+            halves,
+            region_of: Vec::new(),
+            piece_halves: Vec::new(),
+            free: Vec::new(),
+        };
+        (mesh.regions, mesh.region_of) = regions(&mesh, groups, surface_of_group);
+        for vertex in 0..mesh.positions.len() as u32 {
+            if mesh.leaving[vertex as usize] != NONE {
+                mesh.kinds[vertex as usize] = mesh.kind_of(vertex);
+            }
+        }
+        Some(mesh)
+    }
+
+    fn kind_of(&self, vertex: u32) -> Kind {
+        let mut features = [NONE; 2];
+        let mut count = 0;
+        for half in self.around(vertex) {
+            if self.is_feature(half) {
+                if count == 2 {
+                    return Kind::Corner;
+                }
+                features[count] = half;
+                count += 1;
+            }
+        }
+        match count {
+            0 => {
+                let surface = self.surface(self.leaving[vertex as usize]);
+                let is_apex = surface.apex().is_some_and(|apex| {
+                    let at = self.positions[vertex as usize];
+                    apex.distance(at) <= 1e-12 * (at.length() + apex.length())
+                });
+                if is_apex { Kind::Corner } else { Kind::Face }
+            }
+            2 => {
+                let [first, second] = features.map(|half| {
+                    let twin = self.halves[half as usize].twin;
+                    let (a, b) = (self.surface_index(half), self.surface_index(twin));
+                    (a.min(b), a.max(b))
+                });
+                // A border within one surface, between primitives, is nobody's
+                // to move.
+                if first == second && first.0 != first.1 {
+                    Kind::Curve
+                } else {
+                    Kind::Corner
+                }
+            }
+            _ => Kind::Corner,
+        }
+    }
+
+    #[inline(always)]
+    pub fn origin(&self, half: u32) -> u32 {
+        self.halves[half as usize].origin
+    }
+
+    #[inline(always)]
+    pub fn target(&self, half: u32) -> u32 {
+        self.halves[next(half) as usize].origin
+    }
+
+    /// The vertex across from a half-edge in its triangle.
+    #[inline(always)]
+    pub fn apex(&self, half: u32) -> u32 {
+        self.halves[previous(half) as usize].origin
+    }
+
+    #[inline(always)]
+    pub fn twin(&self, half: u32) -> u32 {
+        self.halves[half as usize].twin
+    }
+
+    #[inline(always)]
+    pub fn at(&self, vertex: u32) -> DVec3 {
+        self.positions[vertex as usize]
+    }
+
+    #[inline(always)]
+    pub fn region(&self, half: u32) -> &Region {
+        &self.regions[self.region_of[half as usize / 3] as usize]
+    }
+
+    #[inline(always)]
+    pub fn surface_index(&self, half: u32) -> u32 {
+        self.region(half).surface
+    }
+
+    #[inline(always)]
+    pub fn surface(&self, half: u32) -> &'a Surface {
+        &self.surfaces[self.surface_index(half) as usize]
+    }
+
+    /// Whether an edge separates two regions.
+    #[inline(always)]
+    pub fn is_feature(&self, half: u32) -> bool {
+        let twin = self.twin(half);
+        self.region_of[half as usize / 3] != self.region_of[twin as usize / 3]
+    }
+
+    pub fn triangle(&self, triangle: u32) -> [u32; 3] {
+        [0, 1, 2].map(|i| self.origin(3 * triangle + i))
+    }
+
+    pub fn is_gone(&self, triangle: u32) -> bool {
+        self.origin(3 * triangle) == NONE
+    }
+
+    pub fn triangle_count(&self) -> u32 {
+        (self.halves.len() / 3) as u32
+    }
+
+    /// The half-edges that leave a vertex, counter-clockwise.
+    #[inline]
+    pub fn around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        let first = self.leaving[vertex as usize];
+        let mut half = first;
+        let mut done = first == NONE;
+        std::iter::from_fn(move || {
+            if done {
+                return None;
+            }
+            let here = half;
+            half = self.twin(previous(here));
+            done = half == first;
+            Some(here)
+        })
+    }
+
+    /// Whether an edge joins two vertices.
+    pub fn are_joined(&self, from: u32, to: u32) -> bool {
+        self.around(from).any(|half| self.target(half) == to)
+    }
+
+    /// Makes two half-edges twins.
+    #[inline(always)]
+    pub fn join(&mut self, a: u32, b: u32) {
+        self.halves[a as usize].twin = b;
+        self.halves[b as usize].twin = a;
+    }
+
+    /// Gives the twin and the piece of one half-edge to another.
+    #[inline(always)]
+    fn hand_over(&mut self, from: u32, to: u32) {
+        let Half { twin, piece, .. } = self.halves[from as usize];
+        self.join(to, twin);
+        self.halves[to as usize].piece = piece;
+        self.halves[from as usize].piece = NONE;
+        if piece != NONE && self.piece_halves[piece as usize] == from {
+            self.piece_halves[piece as usize] = to;
+        }
+    }
+
+    /// Splits an edge at a new vertex: two triangles become four.
+    ///
+    /// ```text
+    ///      c               c
+    ///     / \            / | \
+    ///    u - w    →     u- x -w
+    ///     \ /            \ | /
+    ///      d               d
+    /// ```
+    /// `half`, u → w, becomes u → x. Returns x and the half-edge x → w.
+    pub fn split(&mut self, half: u32, position: DVec3, kind: Kind) -> (u32, u32) {
+        let x = self.positions.len() as u32;
+        self.positions.push(position);
+        self.kinds.push(kind);
+        let twin = self.twin(half);
+        let (n, p) = (next(half), previous(half));
+        let (tn, tp) = (next(twin), previous(twin));
+        let (c, w, d) = (self.origin(p), self.origin(n), self.origin(tp));
+        let (b, e) = (self.halves.len() as u32, self.halves.len() as u32 + 3);
+        let fresh = |origin| Half {
+            origin,
+            twin: NONE,
+            piece: NONE,
+        };
+        self.halves
+            .extend([fresh(x), fresh(w), fresh(c), fresh(w), fresh(x), fresh(d)]);
+        self.region_of.push(self.region_of[half as usize / 3]);
+        self.region_of.push(self.region_of[twin as usize / 3]);
+        self.hand_over(n, b + 1);
+        self.hand_over(tp, e + 2);
+        self.halves[n as usize].origin = x;
+        self.halves[twin as usize].origin = x;
+        self.join(n, b + 2);
+        self.join(tp, e + 1);
+        self.join(b, e);
+        self.leaving.push(b);
+        self.leaving[w as usize] = b + 1;
+        debug_assert!(self.origin(tn) == self.target(twin));
+        (x, b)
+    }
+
+    /// Turns the edge between two triangles: a → b becomes d → c.
+    ///
+    /// ```text
+    ///      c               c
+    ///     / \            / | \
+    ///    a - b    →     a  |  b
+    ///     \ /            \ | /
+    ///      d               d
+    /// ```
+    /// Whether that may be is for the caller to know.
+    pub fn flip(&mut self, half: u32) {
+        let twin = self.twin(half);
+        let (n, p) = (next(half), previous(half));
+        let (tn, tp) = (next(twin), previous(twin));
+        let (a, b) = (self.origin(half), self.origin(twin));
+        let (c, d) = (self.origin(p), self.origin(tp));
+        self.hand_over(tp, half);
+        self.hand_over(p, twin);
+        self.halves[half as usize].origin = d;
+        self.halves[twin as usize].origin = c;
+        self.join(p, tp);
+        self.leaving[a as usize] = tn;
+        self.leaving[b as usize] = n;
+        debug_assert!(self.target(p) == d && self.target(tp) == c);
+    }
+}

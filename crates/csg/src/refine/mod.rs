@@ -1,0 +1,198 @@
+//! From a mesh whose topology is right to one with just enough triangles: no
+//! point of it is farther than the tolerance from the boundary, nor the
+//! reverse.
+//!
+//! 1. [`coarsen`] takes out what vertices can be spared.
+//! 2. [`curves`] finds for every curve between two faces the points that it
+//!    needs, and [`grow`] puts them in, coarse to fine, and those that the
+//!    faces need; [`flips`] keeps triangles in shape.
+//! 3. [`deviation`] bounds how far the result strays.
+//!
+//! Vertices never leave their surfaces. One thread does all of this, in a
+//! fixed order.
+
+mod coarsen;
+mod curves;
+pub(crate) mod deviation;
+mod flips;
+mod grow;
+mod half_edges;
+mod regions;
+mod shape;
+
+use glam::DVec3;
+
+use self::grow::Grower;
+use self::half_edges::{HalfEdges, NONE};
+use crate::control::Control;
+use crate::error::Error;
+use crate::program::Surface;
+
+/// What is asked of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// The largest distance between mesh and boundary, both ways.
+    pub tolerance: f64,
+    /// The largest angle that a surface may turn along an edge, in radians.
+    pub angle: Option<f64>,
+}
+
+impl Goal {
+    /// The distance to aim for, so that what is found by curvature meets the
+    /// tolerance as it is bounded.
+    fn aim(&self) -> f64 {
+        0.98 * self.tolerance
+    }
+}
+
+/// A mesh whose triangles know their surfaces.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surfaced {
+    /// In the frame of the surfaces.
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle its group. Groups are kept apart.
+    pub groups: Vec<u32>,
+    /// For each group its surface.
+    pub surface_of_group: Vec<u32>,
+}
+
+/// Why a promise could not be kept at some place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unkept {
+    /// The mesh is no closed manifold.
+    NotManifold,
+    /// A curve between two faces could not be followed.
+    Lost,
+    /// A vertex could not be brought to its surfaces without a fold.
+    Folded,
+    /// A triangle or a chord for which the tolerance could not be proven.
+    Far,
+}
+
+impl Unkept {
+    pub(crate) const fn describe(self) -> &'static str {
+        match self {
+            Self::NotManifold => "mesh that is not manifold: left as it is, whatever the tolerance",
+            Self::Lost => "curve between two faces that could not be followed: not cut up",
+            Self::Folded => "vertex that could not be put on its surfaces without a fold",
+            Self::Far => "place where the tolerance could not be proven to be kept",
+        }
+    }
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Outcome {
+    /// The largest distance between mesh and boundary, a bound; and where.
+    pub deviation: f64,
+    pub farthest: DVec3,
+    /// In the frame of the surfaces.
+    pub unkept: Vec<(Unkept, DVec3)>,
+}
+
+/// A point nearer to a surface than this share of the mesh's size lies on it.
+const ON_SURFACE: f64 = 1e-12;
+
+/// Brings a mesh to the tolerance with as few triangles as it knows how.
+///
+/// `surfaces` are in the frame of the positions. The mesh must be closed,
+/// oriented and manifold, its vertices on the surfaces of their triangles to
+/// rounding. Some hundred nanoseconds a triangle, of the mesh given or that
+/// returned.
+pub(crate) fn to_tolerance(
+    surfaced: &mut Surfaced,
+    surfaces: &[Surface],
+    goal: &Goal,
+    control: &Control,
+) -> Result<Outcome, Error> {
+    let size = surfaced
+        .positions
+        .iter()
+        .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+    let positions = std::mem::take(&mut surfaced.positions);
+    let mesh = HalfEdges::new(
+        positions.clone(),
+        &surfaced.triangles,
+        &surfaced.groups,
+        &surfaced.surface_of_group,
+        surfaces,
+    );
+    let Some(mut mesh) = mesh else {
+        surfaced.positions = positions;
+        let place = surfaced.positions.first().copied().unwrap_or_default();
+        return Ok(Outcome {
+            deviation: f64::INFINITY,
+            farthest: place,
+            unkept: vec![(Unkept::NotManifold, place)],
+        });
+    };
+    coarsen::coarsen(&mut mesh);
+    control.check()?;
+    let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
+    grower.run(control)?;
+    let unkept = grower.unkept;
+    let mut outcome = measure(&mesh, goal);
+    outcome.unkept.splice(0..0, unkept);
+    hand_back(&mesh, surfaced);
+    Ok(outcome)
+}
+
+/// Bounds how far the mesh strays.
+fn measure(mesh: &HalfEdges<'_>, goal: &Goal) -> Outcome {
+    let mut outcome = Outcome::default();
+    let mut note = |bound: f64, place: DVec3| {
+        if bound > outcome.deviation {
+            (outcome.deviation, outcome.farthest) = (bound, place);
+        }
+        if bound > goal.tolerance {
+            outcome.unkept.push((Unkept::Far, place));
+        }
+    };
+    for triangle in 0..mesh.triangle_count() {
+        if mesh.is_gone(triangle) {
+            continue;
+        }
+        let half = 3 * triangle;
+        let surface = mesh.surface(half);
+        let corners = mesh.triangle(triangle).map(|v| mesh.at(v));
+        if !surface.is_plane() {
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            note(deviation::of_triangle(surface, corners), middle);
+        }
+        for side in half..half + 3 {
+            let twin = mesh.twin(side);
+            let other = mesh.surface(twin);
+            if side < twin && !std::ptr::eq(surface, other) {
+                let [p, q] = [side, twin].map(|side| mesh.at(mesh.origin(side)));
+                let bound = deviation::of_chord([surface, other], p, q);
+                note(bound, 0.5 * (p + q));
+            }
+        }
+    }
+    outcome
+}
+
+/// The mesh without what is gone.
+fn hand_back(mesh: &HalfEdges<'_>, surfaced: &mut Surfaced) {
+    surfaced.triangles.clear();
+    surfaced.groups.clear();
+    let mut places = vec![NONE; mesh.positions.len()];
+    let mut positions = Vec::with_capacity(mesh.positions.len());
+    for triangle in 0..mesh.triangle_count() {
+        if mesh.is_gone(triangle) {
+            continue;
+        }
+        let corners = mesh.triangle(triangle).map(|vertex| {
+            let place = &mut places[vertex as usize];
+            if *place == NONE {
+                *place = positions.len() as u32;
+                positions.push(mesh.at(vertex));
+            }
+            *place
+        });
+        surfaced.triangles.push(corners);
+        surfaced.groups.push(mesh.region(3 * triangle).group);
+    }
+    surfaced.positions = positions;
+}

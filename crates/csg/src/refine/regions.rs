@@ -1,0 +1,136 @@
+//! The faces of a mesh: connected triangles on one surface, and how far a
+//! surface bends along an edge.
+
+use glam::DVec3;
+
+use super::half_edges::HalfEdges;
+use crate::program::{Surface, eigen_symmetric};
+
+/// How a surface bends, which says what triangles suit it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bend {
+    /// A plane.
+    Flat,
+    /// A developable surface: cylinders and cones, with a ruling along which
+    /// nothing bends.
+    Single,
+    /// Ellipsoids, paraboloids, hyperboloids of two sheets.
+    Double,
+    /// Hyperboloids of one sheet and hyperbolic paraboloids, with two rulings.
+    Saddle,
+}
+
+/// A connected face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Region {
+    pub surface: u32,
+    pub group: u32,
+    pub bend: Bend,
+    /// 1 where the surface's gradient points out of the solid, else -1.
+    pub outward: f64,
+}
+
+impl Bend {
+    /// A quadric is developable if its 4 by 4 matrix is singular, and else
+    /// curved one way or both by the sign of its determinant.
+    pub fn of(surface: &Surface) -> Self {
+        /// What rounding leaves of a zero, and more.
+        const NEGLIGIBLE: f64 = 1e-11;
+        if surface.is_plane() {
+            return Self::Flat;
+        }
+        let (values, axes) = eigen_symmetric(surface.quadratic);
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        // About the centre as far as there is one: Σ value d² + slope + rest.
+        let mut rest = surface.constant;
+        let mut terms = surface.constant.abs();
+        let mut slope = 0.0f64;
+        let mut sign = 1.0;
+        let mut rank = 0;
+        for (value, axis) in values
+            .into_iter()
+            .zip([axes.x_axis, axes.y_axis, axes.z_axis])
+        {
+            let along = surface.linear.dot(axis);
+            if value.abs() > NEGLIGIBLE * largest {
+                rank += 1;
+                sign *= value.signum();
+                let depth = along * along / (4.0 * value);
+                rest -= depth;
+                terms += depth.abs();
+            } else if along.abs() > NEGLIGIBLE * surface.linear.length() {
+                slope = along;
+            }
+        }
+        // The determinant's sign: Π values · rest, or -Π values · slope² / 4.
+        let determinant = match rank {
+            3 if rest.abs() > NEGLIGIBLE * terms => sign * rest,
+            2 if slope != 0.0 => -sign,
+            _ => return Self::Single,
+        };
+        if determinant < 0.0 {
+            Self::Double
+        } else {
+            Self::Saddle
+        }
+    }
+}
+
+/// The squared length of an edge in the metric in which triangles on a surface
+/// should be well shaped: by how far the surface bends along it, and a little
+/// by its length, so that no direction counts for nothing.
+#[inline(always)]
+pub(super) fn metric(surface: &Surface, bend: Bend, edge: DVec3) -> f64 {
+    /// Rulings count as a thousandth of their length.
+    const ALONG_RULINGS: f64 = 1e-6;
+    match bend {
+        Bend::Flat | Bend::Saddle => edge.length_squared(),
+        Bend::Single | Bend::Double => {
+            0.5 * surface.curvature_along(edge).abs() + ALONG_RULINGS * edge.length_squared()
+        }
+    }
+}
+
+/// The connected faces of a mesh, and for each triangle its face.
+pub(super) fn regions(
+    mesh: &HalfEdges<'_>,
+    groups: &[u32],
+    surface_of_group: &[u32],
+) -> (Vec<Region>, Vec<u32>) {
+    const UNSEEN: u32 = u32::MAX;
+    let mut region_of = vec![UNSEEN; groups.len()];
+    let mut regions = Vec::new();
+    let mut pending = Vec::new();
+    for seed in 0..groups.len() as u32 {
+        if region_of[seed as usize] != UNSEEN {
+            continue;
+        }
+        let group = groups[seed as usize];
+        let surface_index = surface_of_group[group as usize];
+        let surface = &mesh.surfaces[surface_index as usize];
+        let index = regions.len() as u32;
+        // Folded triangles are outvoted by area.
+        let mut facing = 0.0;
+        region_of[seed as usize] = index;
+        pending.push(seed);
+        while let Some(triangle) = pending.pop() {
+            let [p, q, r] = mesh.triangle(triangle).map(|v| mesh.at(v));
+            let gradient = surface.gradient((p + q + r) / 3.0).normalize_or_zero();
+            facing += (q - p).cross(r - p).dot(gradient);
+            for half in 3 * triangle..3 * triangle + 3 {
+                let other = mesh.twin(half) / 3;
+                if region_of[other as usize] == UNSEEN && groups[other as usize] == group {
+                    region_of[other as usize] = index;
+                    pending.push(other);
+                }
+            }
+        }
+        regions.push(Region {
+            surface: surface_index,
+            group,
+            bend: Bend::of(surface),
+            outward: if facing < 0.0 { -1.0 } else { 1.0 },
+        });
+    }
+    (regions, region_of)
+}

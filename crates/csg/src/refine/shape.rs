@@ -1,0 +1,77 @@
+//! Which triangles may be: those that face the way their surface does.
+
+use glam::DVec3;
+
+use super::regions::{Bend, Region};
+use crate::program::Surface;
+
+/// A triangle whose height is less than this share of its longest side has no
+/// area to speak of.
+const FLAT: f64 = 1e-10;
+
+/// Whether the triangle's normal is within the angle of the given cosine of
+/// the outward normal of its surface at each of its corners.
+pub(super) fn faces_out(
+    surface: &Surface,
+    region: &Region,
+    corners: [DVec3; 3],
+    least_cosine: f64,
+) -> bool {
+    let Some(normal) = normal(corners) else {
+        return false;
+    };
+    if region.bend == Bend::Flat {
+        return region.outward * normal.dot(surface.linear) > 0.0;
+    }
+    corners.into_iter().all(|corner| {
+        agree(
+            normal,
+            region.outward * surface.gradient(corner),
+            least_cosine,
+        )
+    })
+}
+
+/// The same with the normal at the triangle's middle alone, which is enough
+/// where triangles are small.
+#[inline(always)]
+pub(super) fn faces_out_in_the_middle(
+    surface: &Surface,
+    region: &Region,
+    corners: [DVec3; 3],
+) -> bool {
+    /// Far from folded.
+    const LEAST_COSINE: f64 = 0.2;
+    let Some(normal) = normal(corners) else {
+        return false;
+    };
+    if region.bend == Bend::Flat {
+        return region.outward * normal.dot(surface.linear) > 0.0;
+    }
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    agree(
+        normal,
+        region.outward * surface.gradient(middle),
+        LEAST_COSINE,
+    )
+}
+
+/// Twice the area times the unit normal, if there is an area.
+#[inline(always)]
+fn normal([p, q, r]: [DVec3; 3]) -> Option<DVec3> {
+    let normal = (q - p).cross(r - p);
+    let longest = (q - p)
+        .length_squared()
+        .max((r - q).length_squared())
+        .max((p - r).length_squared());
+    let limit = FLAT * longest;
+    (normal.length_squared() > limit * limit).then_some(normal)
+}
+
+#[inline(always)]
+fn agree(normal: DVec3, gradient: DVec3, least_cosine: f64) -> bool {
+    let along = normal.dot(gradient);
+    let lengths = normal.length_squared() * gradient.length_squared();
+    // At an apex the gradient says nothing.
+    along >= 0.0 && along * along >= least_cosine * least_cosine * lengths
+}
