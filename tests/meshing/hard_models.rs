@@ -130,6 +130,11 @@ const MODELS: [&str; 23] = [
     "wedge",
 ];
 
+/// All models by name.
+pub fn all() -> impl Iterator<Item = (&'static str, Solid)> {
+    MODELS.into_iter().map(|name| (name, model(name)))
+}
+
 #[test]
 fn manifold_in_every_pose_at_every_grid() {
     for name in MODELS {

@@ -1,6 +1,7 @@
 //! The exact mesher held against programs, closed forms and itself.
 #![allow(missing_docs, reason = "a test")]
 
+mod adaptive;
 mod defects;
 mod hard_models;
 mod measures;

@@ -1,5 +1,6 @@
 //! Solids as Boolean combinations of half-spaces.
 
+mod adapt;
 pub mod color;
 mod control;
 mod draft;

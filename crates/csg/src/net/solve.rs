@@ -35,7 +35,7 @@ fn distance(surface: &Surface, point: DVec3) -> (f64, DVec3) {
 }
 
 /// The distance of `point` to the farthest of the surfaces, to first order.
-pub(super) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: DVec3) -> f64 {
+pub(crate) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: DVec3) -> f64 {
     surfaces
         .map(|surface| distance(surface, point).0.abs())
         .fold(0.0, f64::max)

@@ -131,6 +131,35 @@ impl Formula {
         self.operand_value(self.root, inside, gates)
     }
 
+    /// The values under 64 assignments at once, a bit each: `inside` gives the
+    /// bits of f <= 0 for a literal, named by its index and its surface.
+    pub(crate) fn evaluate_words(
+        &self,
+        gates: &mut Vec<u64>,
+        inside: impl Fn(u32, u32) -> u64,
+    ) -> u64 {
+        let value = |operand: Operand, gates: &[u64]| match operand {
+            Operand::Constant(false) => 0,
+            Operand::Constant(true) => u64::MAX,
+            Operand::Literal(i) => {
+                let literal = self.literals[i as usize];
+                let inside = inside(i, literal.surface);
+                if literal.outside { !inside } else { inside }
+            }
+            Operand::Gate(i) => gates[i as usize],
+        };
+        gates.clear();
+        for gate in &self.gates {
+            let operands = self.operands_of(gate).iter();
+            let result = match gate.operation {
+                Operation::And => operands.fold(u64::MAX, |all, &o| all & value(o, gates)),
+                Operation::Or => operands.fold(0, |all, &o| all | value(o, gates)),
+            };
+            gates.push(result);
+        }
+        value(self.root, gates)
+    }
+
     fn operand_value(&self, operand: Operand, inside: &[bool], gates: &[bool]) -> bool {
         match operand {
             Operand::Constant(value) => value,

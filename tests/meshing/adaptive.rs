@@ -1,0 +1,176 @@
+//! Adaptive cells: the topology is right at whatever size the cells come to,
+//! walls thinner than a cell are two sheets, and every vertex is on the
+//! surfaces that its triangles claim.
+
+use csg::{Mesh, Meshed, Mesher, Program, Solid};
+use stereotomy::{csg, scenes};
+
+use super::defects::{largest_miss, size};
+use super::hard_models;
+use super::random::Random;
+
+fn mesh(solid: &Solid, smallest: f64) -> (Program, Meshed) {
+    let program = Program::lower(solid).expect("a valid solid");
+    let meshed = Mesher::new().adaptive(smallest).mesh(&program);
+    (program, meshed.expect("a mesh"))
+}
+
+/// Handles, summed over the parts.
+fn genus(meshed: &Meshed) -> i64 {
+    let check = &meshed.report.check;
+    let euler = check.vertices as i64 - check.edges as i64 + meshed.mesh.triangles.len() as i64;
+    check.components as i64 - euler / 2
+}
+
+fn turned(solid: &Solid) -> Solid {
+    solid.rotate_xyz(0.3, 0.5, 0.7)
+}
+
+fn assert_sound(name: &str, program: &Program, meshed: &Meshed) {
+    let check = &meshed.report.check;
+    assert!(check.is_manifold(), "{name}: {check}");
+    if meshed.report.fallbacks.is_empty() && !meshed.mesh.triangles.is_empty() {
+        let miss = largest_miss(program, &meshed.mesh) / size(&meshed.mesh);
+        assert!(
+            miss < 1e-12,
+            "{name}: a vertex misses its surface by {miss:e}"
+        );
+    }
+}
+
+#[test]
+fn reference_scenes_have_their_topology() {
+    let all = [
+        ("sphere", scenes::sphere(), 0, 1, None),
+        ("drilled", scenes::drilled(), 5, 1, None),
+        ("tricylinder", scenes::tricylinder(), 0, 1, None),
+        (
+            "menger 1",
+            scenes::menger(1),
+            5,
+            1,
+            Some(scenes::menger_volume(1)),
+        ),
+        (
+            "menger 2",
+            scenes::menger(2),
+            81,
+            1,
+            Some(scenes::menger_volume(2)),
+        ),
+        ("rotated box", scenes::rotated_box(), 0, 1, Some(1.44)),
+        ("shell", scenes::shell(0.1), 0, 2, None),
+        ("flange", scenes::flange(), 9, 1, None),
+    ];
+    for (name, solid, handles, parts, volume) in all {
+        for solid in [turned(&solid), solid] {
+            let (program, meshed) = mesh(&solid, 1e-3);
+            assert_sound(name, &program, &meshed);
+            assert_eq!(genus(&meshed), handles, "{name}");
+            assert_eq!(meshed.report.check.components, parts, "{name}");
+            if let Some(volume) = volume {
+                let error = meshed.mesh.volume() / volume - 1.0;
+                assert!(error.abs() < 1e-12, "{name}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_box_is_eight_cells() {
+    let (_, meshed) = mesh(&Solid::cube(1.0), 1e-3);
+    assert_eq!(meshed.report.surface_cells, 8);
+    assert_eq!(meshed.mesh.triangles.len(), 12);
+}
+
+/// The signed volumes of a mesh's parts, ascending.
+fn volumes(mesh: &Mesh) -> Vec<f64> {
+    let parts = mesh.components();
+    let mut volumes = vec![0.0; parts.count];
+    for (triangle, part) in parts.of_triangles.iter().enumerate() {
+        let [a, b, c] = mesh.corners(triangle);
+        volumes[part.expect("a usable triangle") as usize] += a.dot(b.cross(c)) / 6.0;
+    }
+    volumes.sort_by(f64::total_cmp);
+    volumes
+}
+
+#[test]
+fn walls_thinner_than_any_cell_are_two_sheets() {
+    for thickness in [1e-2, 1e-4, 1e-6] {
+        let solid = Solid::sphere(1.0) - Solid::sphere(1.0 - thickness);
+        let (program, meshed) = mesh(&solid, 0.01);
+        assert_sound("shell", &program, &meshed);
+        assert_eq!(meshed.report.check.components, 2, "{thickness}");
+        // Both are the same mesh but for their radii.
+        let [inner, outer] = volumes(&meshed.mesh)[..] else {
+            panic!("two parts");
+        };
+        let ratio = (-inner / outer).cbrt();
+        assert!(
+            (ratio - (1.0 - thickness)).abs() < 0.02 * thickness,
+            "{thickness}: {ratio}"
+        );
+
+        let solid = turned(&(Solid::cube(1.0) - Solid::cube(1.0 - 2.0 * thickness)));
+        let (program, meshed) = mesh(&solid, 0.01);
+        assert_sound("box", &program, &meshed);
+        assert_eq!(
+            meshed.report.check.components, 2,
+            "{thickness}: {:?}",
+            meshed.report.fallbacks
+        );
+        let volume = 1.0 - (1.0 - 2.0 * thickness).powi(3);
+        assert!((meshed.mesh.volume() - volume).abs() < 1e-14, "{thickness}");
+    }
+}
+
+#[test]
+fn wires_slots_and_pin_holes_are_found() {
+    let wire = Solid::cylinder(0.5e-3, -0.7..0.7).rotate_xyz(0.3, 0.4, 0.0);
+    let (program, meshed) = mesh(&(Solid::cube(1.0) | wire), 1e-4);
+    assert_sound("wire", &program, &meshed);
+    assert_eq!(meshed.report.check.components, 1);
+    let (low, high) = meshed.mesh.bounds().expect("a box");
+    assert!(
+        (high - low).max_element() > 1.2,
+        "the wire's ends stick out"
+    );
+
+    let slot = Solid::cuboid([1e-4, 3.0, 3.0]).translate([0.123, 0.0, 0.0]);
+    let (program, meshed) = mesh(&(Solid::cube(1.0) - slot), 1e-3);
+    assert_sound("slot", &program, &meshed);
+    assert_eq!(meshed.report.check.components, 2);
+    assert!((meshed.mesh.volume() - (1.0 - 1e-4)).abs() < 1e-14);
+
+    let mut random = Random::new(1);
+    let holes = 60;
+    let pins = (0..holes).map(|i| {
+        let jitter = 0.1 * random.unit();
+        let place = [f64::from(i % 10), f64::from(i / 10), 0.0].map(|k| 0.09 * (k + jitter) - 0.42);
+        Solid::cylinder(0.5e-3, -1.0..1.0).translate(place)
+    });
+    let plate = Solid::cuboid([1.0, 1.0, 0.01]) - Solid::union(pins.collect::<Vec<_>>());
+    let (program, meshed) = mesh(&plate, 1e-4);
+    assert_sound("plate", &program, &meshed);
+    assert_eq!(genus(&meshed), i64::from(holes));
+}
+
+#[test]
+fn hard_models_are_manifold_in_every_pose() {
+    for (name, solid) in hard_models::all() {
+        for solid in [turned(&solid), solid] {
+            let (program, meshed) = mesh(&solid, 4e-3);
+            assert_sound(name, &program, &meshed);
+        }
+    }
+}
+
+#[test]
+fn random_solids_are_manifold() {
+    for seed in 0..120 {
+        let solid = Random::new(seed).solid();
+        let (program, meshed) = mesh(&solid, 0.02);
+        assert_sound(&format!("seed {seed}"), &program, &meshed);
+    }
+}
