@@ -79,7 +79,7 @@ pub fn measure(program: &Program, mesh: &Mesh) -> Measures {
             .fold(0.0, f64::max);
         if normal.length() <= 1e-13 * size * longest {
             measures.add("without area", centroid);
-        } else if sides.outward(index).dot(normal) < 0.0 {
+        } else if sides.is_folded(index, normal) {
             measures.add("folded", centroid);
         }
         let mut points = corners.map(|p| (p + 0.0).to_array().map(f64::to_bits));
@@ -157,15 +157,17 @@ impl<'a> Sides<'a> {
         }
     }
 
-    /// The direction out of the solid at the centroid of a triangle, of any
-    /// length; none if that cannot be told.
-    fn outward(&self, triangle: usize) -> DVec3 {
-        let entry = self.mesh.triangle_surfaces[triangle] as usize;
-        let side = match self.outward[entry] {
-            0.0 => self.ask(triangle),
-            known => known,
-        };
+    /// Whether a triangle of the given normal faces into the solid. One whose
+    /// centroid lies beyond an edge is judged by most of its surface.
+    fn is_folded(&self, triangle: usize, normal: DVec3) -> bool {
         let centroid = self.mesh.corners(triangle).iter().sum::<DVec3>() / 3.0;
-        side * self.surface(triangle).gradient(centroid)
+        let facing = self.surface(triangle).gradient(centroid).dot(normal);
+        let usual = self.outward[self.mesh.triangle_surfaces[triangle] as usize];
+        let against = facing * usual < 0.0;
+        // Whoever seems folded may be where the solid is on the other side.
+        (against || usual == 0.0) && {
+            let own = self.ask(triangle);
+            own * facing < 0.0 || (own == 0.0 && against)
+        }
     }
 }

@@ -74,7 +74,7 @@ fn reference_scenes() -> Vec<Scene> {
             scenes::menger_volume(3),
             Some(1409),
             Some(1),
-            75,
+            90,
             true,
         ),
         // Some of its walls are thinner than any cell.
@@ -202,19 +202,27 @@ fn vertices_are_on_the_surfaces_that_their_triangles_claim() {
 }
 
 #[test]
-fn no_folded_or_doubled_triangles() {
+fn no_folded_flat_or_doubled_triangles_and_no_fallbacks_where_resolved() {
     for scene in reference_scenes() {
-        for cells in [32, 75] {
-            if cells < scene.resolved {
-                continue;
+        for (pose, solid) in [
+            ("home", scene.solid.clone()),
+            ("turned", turned(&scene.solid)),
+        ] {
+            for cells in [32, 75, 110] {
+                if cells < scene.resolved {
+                    continue;
+                }
+                let (program, Meshed { mesh, report, .. }) = mesh(&solid, cells);
+                let name = format!("{} {pose} at {cells}", scene.name);
+                let found = measure(&program, &mesh);
+                let defects = found.folded + found.without_area + found.duplicates;
+                assert!(defects == 0, "{name}: {found:?}");
+                assert!(
+                    report.fallbacks.is_empty(),
+                    "{name}: {:?}",
+                    report.fallbacks
+                );
             }
-            let (program, Meshed { mesh, .. }) = mesh(&scene.solid, cells);
-            let found = measure(&program, &mesh);
-            assert!(
-                found.folded + found.duplicates == 0,
-                "{} at {cells}: {found:?}",
-                scene.name
-            );
         }
     }
 }

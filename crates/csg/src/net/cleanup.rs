@@ -19,6 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
+use super::solve;
 use crate::program::Surface;
 
 /// A run of consecutive triangles on one surface.
@@ -42,6 +43,8 @@ pub(super) struct Cleaner<'a> {
     pub surfaces: &'a [Surface],
     /// A triangle of less area than this is to be taken out.
     pub least_area: f64,
+    /// Distance to a surface below which a vertex lies on it.
+    pub tolerance: f64,
 }
 
 /// What came of it.
@@ -364,7 +367,12 @@ impl Cleaner<'_> {
             return false;
         };
         let (star, kept_star) = (&star.faces, &kept_star.faces);
-        let is_kept = |surface: u32| kept_star.iter().any(|face| face.surface == surface);
+        let place = self.positions[kept as usize];
+        let is_kept = |surface: u32| {
+            let known = || kept_star.iter().any(|face| face.surface == surface);
+            let surface = &self.surfaces[surface as usize];
+            known() || solve::residual(std::iter::once(surface), place) <= self.tolerance
+        };
         if !star.iter().all(|face| is_kept(face.surface)) {
             return false;
         }

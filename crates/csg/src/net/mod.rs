@@ -125,6 +125,9 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         near: &near,
         surfaces: &task.surfaces,
         least_area,
+        // Of the rounding that vertices are allowed most is spent on their
+        // own surfaces.
+        tolerance: 0.25 * scene.tolerance,
     }
     .clean(&stitched.bad);
     let Stitched {
