@@ -4,9 +4,10 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::camera::View;
-use crate::deferred::weights_at;
+
 use crate::frame::FrameMatrix;
 use crate::image::Image;
+use crate::interpolate::weights_at;
 use crate::pipeline::Renderer;
 use crate::scene::Scene;
 use crate::section::Section;

@@ -1,6 +1,6 @@
 //! The matrix of one frame, in the forms that the stages need.
 
-use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
 use crate::camera::View;
 use crate::fixed::SUBPIXELS;
@@ -11,6 +11,17 @@ use crate::fixed::SUBPIXELS;
 /// every edge vector within 2^24.
 pub(crate) const GUARD: f32 = (16_384 * SUBPIXELS) as f32;
 
+/// See [`FrameMatrix::towards_viewer`]. A ray leaves the eye in the direction
+/// d with (X, Y, W) of d = (x, y, 1).
+fn towards_viewer([x, y, _, w]: [DVec4; 4], viewer: DVec4) -> [Vec3; 3] {
+    if viewer.w == 0.0 {
+        return [viewer.truncate().as_vec3(), Vec3::ZERO, Vec3::ZERO];
+    }
+    let to_window = DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+    let rays = to_window.inverse();
+    [rays.z_axis, rays.x_axis, rays.y_axis].map(|ray| -ray.as_vec3())
+}
+
 /// World (relative to a scene's centre) to *raster space*: homogeneous
 /// (X, Y, Z, W) with X/W, Y/W in sub-pixels from the middle of the picture, y
 /// downwards, and Z/W the reversed depth, 1 at the near plane and 0 at the far
@@ -19,6 +30,8 @@ pub(crate) const GUARD: f32 = (16_384 * SUBPIXELS) as f32;
 pub(crate) struct FrameMatrix {
     /// The four rows, in single precision.
     pub rows: [Vec4; 4],
+    /// The same before rounding.
+    pub precise: [DVec4; 4],
     /// The middle of the picture, in sub-pixels from its top left corner.
     pub middle: [i32; 2],
     pub width: u32,
@@ -27,6 +40,10 @@ pub(crate) struct FrameMatrix {
     pub orientation: i32,
     /// Centre of projection relative to the scene's centre, homogeneous.
     pub viewer: Vec4,
+    /// The direction towards the viewer, of some length, from what the sample
+    /// (x, y) shows: the first plus x times the second plus y times the third
+    /// (sub-pixels from the middle of the picture).
+    pub towards_viewer: [Vec3; 3],
 }
 
 impl FrameMatrix {
@@ -40,10 +57,12 @@ impl FrameMatrix {
             DVec4::new(0.0, 0.0, 0.5, 1.0),
         );
         let rows = (to_raster * from_scene).transpose();
+        let precise = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
         let viewer = view.centre_of_projection();
         let relative = viewer.truncate() - centre * viewer.w;
         Self {
-            rows: [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(DVec4::as_vec4),
+            rows: precise.map(DVec4::as_vec4),
+            precise,
             middle: [width, height].map(|side| side.cast_signed() * SUBPIXELS / 2),
             width,
             height,
@@ -53,6 +72,7 @@ impl FrameMatrix {
                 -1
             },
             viewer: relative.extend(viewer.w).as_vec4(),
+            towards_viewer: towards_viewer(precise, viewer),
         }
     }
 

@@ -143,6 +143,7 @@ mod ground;
 mod hatch;
 pub mod hidden_surface;
 mod image;
+mod interpolate;
 mod line;
 mod normals;
 mod occlusion;

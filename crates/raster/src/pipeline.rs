@@ -22,7 +22,7 @@ use crate::ground::draw_ground_shadow;
 use crate::image::Image;
 use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
-use crate::resolve::{ResolveTile, tile_rows};
+use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::scene::Scene;
 use crate::section::{Caps, cap_tile};
 use crate::shade::Material;
@@ -289,13 +289,14 @@ impl Renderer {
             .par_iter_mut()
             .zip(&self.tiles)
             .enumerate()
-            .map(|(index, (rows, tile))| {
+            .map_init(Scratch::default, |scratch, (index, (rows, tile))| {
                 self.level.run(ResolveTile {
                     context,
                     tile,
                     origin: [index % columns * TILE, index / columns * TILE],
                     rows,
                     background,
+                    scratch,
                 })
             })
             .sum()

@@ -2,8 +2,9 @@
 
 use csg::Color;
 
-use crate::deferred::{Batch, Job, ShadeContext, Triple16, shade};
-use crate::simd::math::linear_to_srgb;
+use crate::deferred::{Batch, Job, ShadeContext, shade};
+use crate::simd::math::linear_to_srgb_byte;
+use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE, Tile};
 
@@ -15,33 +16,27 @@ pub(crate) struct ResolveTile<'a, 'p> {
     pub origin: [usize; 2],
     pub rows: &'a mut [&'p mut [[u8; 4]]],
     pub background: Color,
+    pub scratch: &'a mut Scratch,
+}
+
+/// Memory that goes from tile to tile.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    batch: Batch,
+    /// For each job of the batch, the share of each pixel that it colours.
+    shares: Vec<[f32; LANES]>,
 }
 
 /// What is known of the 16 pixels of a block before they are encoded.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Block {
-    /// Linear colour, times `share`.
-    sum: Triple16,
-    /// The part of each pixel that triangles cover.
-    share: [f32; LANES],
-    /// Bits of the pixels of which `share` is not 0.
+    /// Its jobs in the batch.
+    first_job: usize,
+    jobs: usize,
+    /// Bits of the pixels that triangles cover, at least in part.
     covered: u32,
-    /// Bits of the pixels of which it is neither 0 nor 1.
-    partial: u32,
-}
-
-const EMPTY: Block = Block {
-    sum: [[0.0; LANES]; 3],
-    share: [0.0; LANES],
-    covered: 0,
-    partial: 0,
-};
-
-/// The job of shading a part of a block.
-struct Part {
-    block: usize,
-    /// The share of each pixel that the job colours.
-    share: [f32; LANES],
+    /// Whether there may be pixels of several triangles, or covered in part.
+    mixed: bool,
 }
 
 impl Kernel for ResolveTile<'_, '_> {
@@ -59,27 +54,25 @@ impl Kernel for ResolveTile<'_, '_> {
         let mut shaded = 0;
         let height = self.rows.len();
         let width = self.rows.first().map_or(0, |row| row.len());
-        let mut batch = Batch::default();
-        let mut parts = Vec::new();
-        let mut pixels = [[0i32; LANES]; BLOCKS];
+        let Scratch { batch, shares } = self.scratch;
+        batch.cache.clear();
+        let mut blocks = [Block::default(); BLOCKS];
         for by in 0..height.div_ceil(BLOCK) {
             batch.jobs.clear();
-            parts.clear();
-            let mut blocks = [EMPTY; BLOCKS];
+            shares.clear();
             let columns = width.div_ceil(BLOCK);
             for (bx, block) in blocks[..columns].iter_mut().enumerate() {
                 let at = [self.origin[0] + bx * BLOCK, self.origin[1] + by * BLOCK];
-                self.find_jobs(s, by * BLOCKS + bx, bx, at, block, &mut batch, &mut parts);
+                *block = find_jobs(s, self.tile, by * BLOCKS + bx, at, batch, shares);
                 shaded += u64::from(block.covered.count_ones());
             }
-            shade(s, self.context, &mut batch);
-            add_up(s, &batch, &parts, &mut blocks);
-            self.encode_blocks(s, &blocks[..columns], &mut pixels, background);
-            for (y, row) in self.rows[by * BLOCK..].iter_mut().take(BLOCK).enumerate() {
-                for (to, from) in row.chunks_mut(BLOCK).zip(&pixels) {
-                    for (pixel, lane) in to.iter_mut().zip(&from[y * BLOCK..]) {
-                        *pixel = lane.to_le_bytes();
-                    }
+            shade(s, self.context, batch);
+            for (bx, block) in blocks[..columns].iter().enumerate() {
+                let colours = &batch.colours[block.first_job..];
+                let shares = &shares[block.first_job..];
+                let pixels = encode_block(s, block, colours, shares, self.background, background);
+                for (y, row) in self.rows[by * BLOCK..].iter_mut().take(BLOCK).enumerate() {
+                    copy_row(&pixels[y * BLOCK..], &mut row[bx * BLOCK..]);
                 }
             }
         }
@@ -87,141 +80,143 @@ impl Kernel for ResolveTile<'_, '_> {
     }
 }
 
-impl ResolveTile<'_, '_> {
-    /// Lists what is to be shaded in one block: one job where every pixel
-    /// shows one triangle, up to one for each sample elsewhere.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "the state of one loop")]
-    fn find_jobs<S: Lanes>(
-        &self,
-        s: S,
-        index: usize,
-        bx: usize,
-        at: [usize; 2],
-        block: &mut Block,
-        batch: &mut Batch,
-        parts: &mut Vec<Part>,
-    ) {
-        let planes = &self.tile.planes;
-        let none = s.i(NO_TRIANGLE);
-        let first_lanes = &planes[0].triangle[index];
-        let first = s.load_i(first_lanes);
-        let mut alike = 0xffff;
-        let mut covered = !first.eq(none).bits() & 0xffff;
-        for plane in &planes[1..] {
-            let other = s.load_i(&plane.triangle[index]);
-            alike &= other.eq(first).bits();
-            covered |= !other.eq(none).bits() & 0xffff;
+/// Copies a row of a block, as far as it is inside the picture.
+#[inline(always)]
+fn copy_row(from: &[i32], to: &mut [[u8; 4]]) {
+    if let (Some(to), Some(from)) = (to.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>()) {
+        *to = from.map(i32::to_le_bytes);
+    } else {
+        for (pixel, lane) in to.iter_mut().zip(from) {
+            *pixel = lane.to_le_bytes();
         }
-        block.covered = covered;
-        if covered == 0 {
-            return;
+    }
+}
+
+/// Lists what is to be shaded in one block: one job where every pixel shows
+/// one triangle, up to one for each sample elsewhere.
+#[inline(always)]
+fn find_jobs<S: Lanes>(
+    s: S,
+    tile: &Tile,
+    index: usize,
+    at: [usize; 2],
+    batch: &mut Batch,
+    shares: &mut Vec<[f32; LANES]>,
+) -> Block {
+    let planes = &tile.planes;
+    let none = s.i(NO_TRIANGLE);
+    let first_lanes = &planes[0].triangle[index];
+    let first = s.load_i(first_lanes);
+    let mut alike = 0xffff;
+    let mut covered = !first.eq(none).bits() & 0xffff;
+    for plane in &planes[1..] {
+        let other = s.load_i(&plane.triangle[index]);
+        alike &= other.eq(first).bits();
+        covered |= !other.eq(none).bits() & 0xffff;
+    }
+    let mut block = Block {
+        first_job: batch.jobs.len(),
+        jobs: 0,
+        covered,
+        mixed: alike != 0xffff,
+    };
+    if covered == 0 {
+        return block;
+    }
+    if !block.mixed {
+        block.jobs = 1;
+        batch.jobs.push(Job {
+            triangles: *first_lanes,
+            wanted: covered,
+            at,
+        });
+        shares.push([1.0; LANES]);
+        return block;
+    }
+    // Each triangle of a pixel is shaded once, and counts for as many samples
+    // as show it.
+    let zero = s.f(0.0);
+    let weight = s.f(1.0 / planes.len() as f32);
+    for (k, plane) in planes.iter().enumerate() {
+        let lanes = &plane.triangle[index];
+        let triangle = s.load_i(lanes);
+        let mut fresh = !triangle.eq(none).bits() & 0xffff;
+        let mut samples = zero;
+        for (other_k, other) in planes.iter().enumerate() {
+            let same = s.load_i(&other.triangle[index]).eq(triangle);
+            if other_k < k {
+                fresh &= !same.bits();
+            }
+            samples = samples + same.select_f(weight, zero);
         }
-        let (zero, one) = (s.f(0.0), s.f(1.0));
+        if fresh == 0 {
+            continue;
+        }
         let mut share = [0.0; LANES];
-        if alike == 0xffff {
-            s.mask(covered).select_f(one, zero).store(&mut share);
-            block.share = share;
-            batch.jobs.push(Job {
-                triangles: *first_lanes,
-                wanted: covered,
-                at,
-            });
-            parts.push(Part { block: bx, share });
-            return;
-        }
-        // Each triangle of a pixel is shaded once, and counts for as many
-        // samples as show it.
-        let weight = s.f(1.0 / planes.len() as f32);
-        let mut total = zero;
-        for (k, plane) in planes.iter().enumerate() {
-            let lanes = &plane.triangle[index];
-            let triangle = s.load_i(lanes);
-            let mut fresh = !triangle.eq(none).bits() & 0xffff;
-            let mut samples = zero;
-            for (other_k, other) in planes.iter().enumerate() {
-                let same = s.load_i(&other.triangle[index]).eq(triangle);
-                if other_k < k {
-                    fresh &= !same.bits();
-                }
-                samples = samples + same.select_f(weight, zero);
-            }
-            if fresh == 0 {
-                continue;
-            }
-            let part = s.mask(fresh).select_f(samples, zero);
-            total = total + part;
-            part.store(&mut share);
-            batch.jobs.push(Job {
-                triangles: *lanes,
-                wanted: fresh,
-                at,
-            });
-            parts.push(Part { block: bx, share });
-        }
-        total.store(&mut block.share);
-        block.partial = covered & total.lt(one).bits();
+        s.mask(fresh).select_f(samples, zero).store(&mut share);
+        block.jobs += 1;
+        batch.jobs.push(Job {
+            triangles: *lanes,
+            wanted: fresh,
+            at,
+        });
+        shares.push(share);
     }
-
-    /// Puts the background behind the blocks of a row and encodes them as
-    /// little-endian RGBA.
-    #[inline(always)]
-    fn encode_blocks<S: Lanes>(
-        &self,
-        s: S,
-        blocks: &[Block],
-        pixels: &mut [[i32; LANES]; BLOCKS],
-        background: [u8; 4],
-    ) {
-        let (zero, one) = (s.f(0.0), s.f(1.0));
-        let plain = s.i(i32::from_le_bytes(background));
-        let opaque = s.i(255).shl::<24>();
-        for (block, pixels) in blocks.iter().zip(pixels) {
-            if block.covered == 0 {
-                plain.store(pixels);
-                continue;
-            }
-            let mut linear = [
-                s.load_f(&block.sum[0]),
-                s.load_f(&block.sum[1]),
-                s.load_f(&block.sum[2]),
-            ];
-            let mut alpha = opaque;
-            if block.partial != 0 {
-                let share = s.load_f(&block.share);
-                let behind = s.f(self.background.alpha) * (one - share).max(zero);
-                let opacity = share + behind;
-                let divisor = zero.lt(opacity).select_f(opacity, one);
-                let rgb = splat3(s, self.background.rgb);
-                linear = triple!(|K| (linear[K] + rgb[K] * behind) / divisor);
-                alpha = (opacity.min(one) * s.f(255.0)).round().shl::<24>();
-            }
-            let byte = triple!(|K| (linear_to_srgb(s, linear[K]) * s.f(255.0)).round());
-            let pixel = (byte[0] | byte[1].shl::<8>()) | (byte[2].shl::<16>() | alpha);
-            // Uncovered pixels keep the exact background.
-            s.mask(block.covered).select_i(pixel, plain).store(pixels);
-        }
-    }
+    block
 }
 
 #[inline(always)]
-fn splat3<S: Lanes>(s: S, [r, g, b]: [f32; 3]) -> [S::F; 3] {
-    [s.f(r), s.f(g), s.f(b)]
-}
-
-/// Adds the colours of the jobs to the blocks they belong to.
-#[inline(always)]
-fn add_up<S: Lanes>(s: S, batch: &Batch, parts: &[Part], blocks: &mut [Block; BLOCKS]) {
+fn clamped<S: Lanes>(s: S, colour: &Triple16) -> Triple<S> {
     let (zero, one) = (s.f(0.0), s.f(1.0));
-    for (part, colour) in parts.iter().zip(&batch.colours) {
-        let share = s.load_f(&part.share);
-        let here = zero.lt(share);
-        for (sum, c) in blocks[part.block].sum.iter_mut().zip(colour) {
-            let light = s.load_f(c).max(zero).min(one);
-            let added = here.select_f(light * share, zero);
-            (s.load_f(sum) + added).store(sum);
-        }
+    let colour = load(s, colour);
+    triple!(|K| colour[K].max(zero).min(one))
+}
+
+/// Adds up the colours of a block's jobs, puts the background behind them,
+/// and encodes the pixels as little-endian RGBA.
+#[inline(always)]
+fn encode_block<S: Lanes>(
+    s: S,
+    block: &Block,
+    colours: &[Triple16],
+    shares: &[[f32; LANES]],
+    background: Color,
+    encoded_background: [u8; 4],
+) -> [i32; LANES] {
+    let plain = s.i(i32::from_le_bytes(encoded_background));
+    let mut pixels = [0; LANES];
+    if block.covered == 0 {
+        plain.store(&mut pixels);
+        return pixels;
     }
+    let (zero, one) = (s.f(0.0), s.f(1.0));
+    let mut alpha = s.i(255).shl::<24>();
+    let linear = if block.mixed {
+        let mut sum = [zero; 3];
+        let mut total = zero;
+        for (colour, share) in colours.iter().zip(shares).take(block.jobs) {
+            let share = s.load_f(share);
+            let here = zero.lt(share);
+            let colour = clamped(s, colour);
+            sum = triple!(|K| sum[K] + here.select_f(colour[K] * share, zero));
+            total = total + share;
+        }
+        let behind = s.f(background.alpha) * (one - total).max(zero);
+        let opacity = total + behind;
+        let divisor = zero.lt(opacity).select_f(opacity, one);
+        let rgb = splat(s, background.rgb.into());
+        alpha = (opacity.min(one) * s.f(255.0)).round().shl::<24>();
+        triple!(|K| (sum[K] + rgb[K] * behind) / divisor)
+    } else {
+        load(s, &colours[0])
+    };
+    let byte = triple!(|K| linear_to_srgb_byte(s, linear[K]).round());
+    let pixel = (byte[0] | byte[1].shl::<8>()) | (byte[2].shl::<16>() | alpha);
+    // Uncovered pixels keep the exact background.
+    s.mask(block.covered)
+        .select_i(pixel, plain)
+        .store(&mut pixels);
+    pixels
 }
 
 /// A linear colour as an 8-bit sRGB pixel.

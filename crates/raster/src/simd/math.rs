@@ -46,27 +46,21 @@ pub fn pow<S: Lanes>(s: S, x: S::F, y: S::F) -> S::F {
     x.lt(tiny).select_f(s.f(0.0), power)
 }
 
-/// Encodes linear light in 0..=1 (clamped) as sRGB in 0..=1, to 1e-5: a
-/// fortieth of what would be seen in 8 bits. The power is 2^(log2(x) / 2.4)
-/// as above, with polynomials of fewer terms.
+/// Encodes linear light in 0..=1 (clamped) as sRGB in 0..=255, to 0.02: a
+/// minimax polynomial of the square root, which is far smoother at the dark
+/// end than the curve itself.
 #[inline(always)]
-pub fn linear_to_srgb<S: Lanes>(s: S, linear: S::F) -> S::F {
+pub fn linear_to_srgb_byte<S: Lanes>(s: S, linear: S::F) -> S::F {
     let x = linear.max(s.f(0.0)).min(s.f(1.0));
-    let bits = x.max(s.f(1e-6)).to_bits();
-    let exponent = (bits - s.i(0x3f35_04f3)).shr::<23>();
-    let t = (bits - exponent.shl::<23>()).bits_to_float() - s.f(1.0);
-    let t2 = t * t;
-    let p = (s.f(1.442_578) - s.f(0.720_241_84) * t)
-        + ((s.f(0.486_686_47) - s.f(0.394_575_1) * t) + s.f(0.252_658_07) * t2) * t2;
-    let y = (p * t + exponent.to_float()) * s.f(1.0 / 2.4);
-    let whole = y.round();
-    let t = y - whole.to_float();
-    let t2 = t * t;
-    let p = (s.f(0.999_999_3) + s.f(0.693_121_8) * t)
-        + ((s.f(0.240_247_44) + s.f(0.055_917_86) * t) + s.f(0.009_570_097) * t2) * t2;
-    let power = p * (whole + s.i(127)).shl::<23>().bits_to_float();
-    let curve = power * s.f(1.055) - s.f(0.055);
-    x.le(s.f(0.003_130_8)).select_f(x * s.f(12.92), curve)
+    let u = x.sqrt();
+    let u2 = u * u;
+    let low =
+        (s.f(-11.164_588) + s.f(414.098_75) * u) + (s.f(-618.554_44) + s.f(1_664.618) * u) * u2;
+    let high =
+        (s.f(-3_011.993_4) + s.f(3_274.842_8) * u) + (s.f(-1_926.990_6) + s.f(470.162_05) * u) * u2;
+    let curve = low + high * (u2 * u2);
+    x.le(s.f(0.003_130_8))
+        .select_f(x * s.f(12.92 * 255.0), curve)
 }
 
 #[cfg(test)]
@@ -85,7 +79,7 @@ mod tests {
             exp2(s, x).store(&mut out[0]);
             log2(s, x.max(s.f(1e-30))).store(&mut out[1]);
             pow(s, x.max(s.f(0.0)), s.f(self.1)).store(&mut out[2]);
-            linear_to_srgb(s, x).store(&mut out[3]);
+            linear_to_srgb_byte(s, x).store(&mut out[3]);
             out
         }
     }
@@ -115,8 +109,8 @@ mod tests {
                     );
                 }
                 if (0.0..=1.0).contains(&x) {
-                    let exact = csg::color::linear_to_srgb(x);
-                    assert!((expected[3][k] - exact).abs() < 1e-5, "sRGB {x}");
+                    let exact = csg::color::linear_to_srgb(x) * 255.0;
+                    assert!((expected[3][k] - exact).abs() < 0.02, "sRGB {x}");
                 }
             }
             for level in Level::all() {

@@ -13,6 +13,7 @@
 
 pub mod math;
 mod portable;
+pub mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
