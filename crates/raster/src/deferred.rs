@@ -1,6 +1,6 @@
 //! Deferred shading: visibility is settled, and each pixel is shaded once.
 //!
-//! [`interpolate`] says what each pixel of a block shows; here that is lit by
+//! [`interpolate`](crate::interpolate) says what each pixel of a block shows; here that is lit by
 //! the Phong reflection model (see [`shade`](crate::shade)), 16 pixels at a
 //! time. Vectors are not normalised first: their scalar products are divided
 //! by their lengths, which takes fewer operations.
@@ -12,7 +12,9 @@ use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
 use crate::hatch::hatch;
-use crate::interpolate::{Cache, Corners, interpolate, sample_positions};
+use crate::interpolate::{
+    Cache, Corners, interpolate_few, interpolate_scattered, sample_positions, scattered,
+};
 use crate::scene::Scene;
 use crate::section::Caps;
 use crate::shade::{Incident, Interpolation, Light, Material, phong};
@@ -42,7 +44,7 @@ pub(crate) struct ShadeContext<'a> {
     /// Whether shading depends on where on the surface a pixel lies, not only
     /// on where it is seen.
     pub positional: bool,
-    caps: Caps,
+    pub caps: Caps,
 }
 
 impl<'a> ShadeContext<'a> {
@@ -214,15 +216,14 @@ pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
         batch.fragments.resize(count, Fragments::default());
         batch.colours.resize(count, [[0.0; LANES]; 3]);
     }
+    // Lane by lane only where all is interpolated in the plain way.
+    let plain = context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
     for (job, fragments) in batch.jobs.iter().zip(&mut batch.fragments) {
-        interpolate(
-            s,
-            context,
-            &mut batch.cache,
-            &mut batch.corners,
-            job,
-            fragments,
-        );
+        if plain && scattered(&job.triangles) {
+            interpolate_scattered(s, context, &mut batch.corners, job, fragments);
+        } else {
+            interpolate_few(s, context, &mut batch.cache, job, fragments);
+        }
     }
     let found = batch.jobs.iter().zip(&batch.fragments);
     if context.interpolation == Interpolation::Phong {

@@ -3,26 +3,35 @@
 //! An edge function (see [`fixed`](crate::fixed)) is linear, and samples are
 //! 256 sub-pixels apart, so at the sample (i, j) of a tile it is
 //! `c + 256 (dx j - dy i)`. It is not negative exactly if
-//! `floor(c / 256) + dx j - dy i` is not: shifting c right by 8 bits loses nothing, and leaves numbers
-//! that fit 32 bits for triangles of any size within the guard band. c itself
-//! is computed in 32 bits for triangles of less than 64 pixels, in 64 for
-//! larger ones. The top-left rule subtracts 1 from c beforehand at the edges
-//! that do not own their samples.
+//! `floor(c / 256) + dx j - dy i` is not: shifting c right by 8 bits loses
+//! nothing, and leaves numbers that fit 32 bits for triangles of any size
+//! within the guard band; c itself may need 64. The top-left rule subtracts 1
+//! from c beforehand at the edges that do not own their samples.
 
 use crate::fixed::SUBPIXEL_BITS;
 use crate::simd::{FloatLanes, IntLanes, Lanes, MaskLanes, triple};
 use crate::tile::{BLOCK, BLOCKS, Plane, SQUARES, TILE, Tile};
 
-/// A triangle set up for filling: oriented clockwise as seen (y downwards).
+/// A triangle set up for filling, its corners taken clockwise as seen (y
+/// downwards).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Record {
-    /// Corners in sub-pixels from the picture's top left corner.
-    pub x: [i32; 3],
-    pub y: [i32; 3],
-    /// Reversed depth at the first corner.
+    /// Edge functions at the top left corner of its first pixel, less 1 where
+    /// the edge does not own its samples.
+    pub c: [i64; 3],
+    /// Their changes for one sub-pixel right and down.
+    pub right: [i32; 3],
+    pub down: [i32; 3],
+    /// First and last pixel with a sample in its box, within the picture.
+    pub x: [i16; 2],
+    pub y: [i16; 2],
+    /// A point near it, in sub-pixels from the top left corner of its first
+    /// pixel.
+    pub anchor: [f32; 2],
+    /// Reversed depth there.
     pub z: f32,
     /// Its change for one sub-pixel right and down.
-    pub dz: [f32; 2],
+    pub slope: [f32; 2],
     /// Least and greatest depth of the corners.
     pub z_low: f32,
     pub z_high: f32,
@@ -30,9 +39,43 @@ pub(crate) struct Record {
     pub triangle: i32,
 }
 
-/// Extents below this many sub-pixels keep edge functions inside a tile
-/// within 32 bits.
-pub(crate) const SMALL: i32 = (TILE as i32) << SUBPIXEL_BITS;
+impl Record {
+    /// Whether every sample of a tile is inside, its first pixel being so many
+    /// pixels from the record's.
+    fn covers_tile(&self, from_first: [i32; 2]) -> bool {
+        let start = from_first.map(|pixels| i64::from(pixels) << SUBPIXEL_BITS);
+        let side = (TILE as i64) << SUBPIXEL_BITS;
+        (0..3).all(|k| {
+            let (right, down) = (i64::from(self.right[k]), i64::from(self.down[k]));
+            let corner = self.c[k] + right * start[0] + down * start[1];
+            corner + (right * side).min(0) + (down * side).min(0) >= 0
+        })
+    }
+}
+
+/// One pixel that a triangle covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelOfTriangle {
+    /// Sixteen times its block in the tile, plus its lane in the block.
+    pub pixel: u32,
+    pub depth: f32,
+    pub triangle: i32,
+}
+
+/// Draws single pixels into the first plane of a tile.
+pub(crate) fn fill_pixels(plane: &mut Plane, pixels: &[PixelOfTriangle]) {
+    let depths = plane.depth.as_flattened_mut();
+    let triangles = plane.triangle.as_flattened_mut();
+    for p in pixels {
+        let at = p.pixel as usize % (TILE * TILE);
+        let old = depths[at];
+        // Equal depths go to the triangle drawn first.
+        if old < p.depth || (old == p.depth && p.triangle < triangles[at]) {
+            depths[at] = p.depth;
+            triangles[at] = p.triangle;
+        }
+    }
+}
 
 /// The sub-pixel positions, from a pixel's corner, of its samples.
 pub(crate) const CENTRE_SAMPLE: [[i32; 2]; 1] = [[128, 128]];
@@ -44,55 +87,58 @@ pub(crate) struct FillCounts {
     pub hidden: u64,
     /// Blocks of 4x4 samples looked at.
     pub blocks: u64,
+    /// Pixels shaded afterwards.
+    pub shaded: u64,
+    /// Whether there was anything to fill.
+    pub any: bool,
 }
 
-/// What the filler needs of the three edges: c >> 8 at the tile's first
-/// pixel, and the change for one pixel right and down.
-struct Edges {
-    c: [i32; 3],
-    right: [i32; 3],
-    down: [i32; 3],
+impl FillCounts {
+    /// The counts of two tiles together.
+    pub fn add(self, other: Self) -> Self {
+        Self {
+            hidden: self.hidden + other.hidden,
+            blocks: self.blocks + other.blocks,
+            shaded: self.shaded + other.shaded,
+            any: self.any | other.any,
+        }
+    }
 }
+
+/// Column and row of each lane in its block.
+pub(crate) const LANE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
+pub(crate) const LANE_Y: [i32; 16] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
 /// Fills one triangle into every sample plane of a tile whose first pixel is
-/// `origin`, a picture of `size`.
+/// `origin`.
 #[inline(always)]
 pub(crate) fn fill<S: Lanes>(
     s: S,
     tile: &mut Tile,
     origin: [i32; 2],
-    size: [i32; 2],
     record: &Record,
     samples: &[[i32; 2]],
     counts: &mut FillCounts,
 ) {
-    // The pixels that may have a sample inside, within the tile.
+    // Its box of pixels within the tile.
     let last = TILE as i32 - 1;
-    let (first_sample, last_sample) = if samples.len() == 1 {
-        (128, 128)
-    } else {
-        (0, 255)
+    let range = |v: [i16; 2], axis: usize| {
+        let [low, high] = v.map(|v| i32::from(v) - origin[axis]);
+        (low.max(0), high.min(last))
     };
-    let range = |v: [i32; 3], axis: usize| {
-        let low = v[0].min(v[1]).min(v[2]);
-        let high = v[0].max(v[1]).max(v[2]);
-        let limit = last.min(size[axis] - 1 - origin[axis]);
-        (
-            (((low - last_sample + 255) >> SUBPIXEL_BITS) - origin[axis]).max(0),
-            (((high - first_sample) >> SUBPIXEL_BITS) - origin[axis]).min(limit),
-            high - low,
-        )
-    };
-    let (x0, x1, width) = range(record.x, 0);
-    let (y0, y1, height) = range(record.y, 1);
-    if x0 > x1 || y0 > y1 {
-        return;
+    let (x0, x1) = range(record.x, 0);
+    let (y0, y1) = range(record.y, 1);
+    let from_first = [0, 1].map(|axis| origin[axis] - i32::from([record.x[0], record.y[0]][axis]));
+    let whole = (x0, y0) == (0, 0) && (x1, y1) == (last, last) && record.covers_tile(from_first);
+    let fresh = !tile.drawn;
+    if fresh {
+        tile.begin(samples.len(), whole);
     }
     // Hierarchical depth: hidden if every 8x8 square it touches is nearer.
     let mut hidden = true;
     for square_y in y0 >> 3..=y1 >> 3 {
         for square_x in x0 >> 3..=x1 >> 3 {
-            let square = square_y as usize * SQUARES + square_x as usize;
+            let square = (square_y as usize * SQUARES + square_x as usize) % (SQUARES * SQUARES);
             hidden &= record.z_high < tile.farthest[square];
         }
     }
@@ -100,129 +146,117 @@ pub(crate) fn fill<S: Lanes>(
         counts.hidden += 1;
         return;
     }
-    let small = width < SMALL && height < SMALL;
-    let (z_low, z_high) = (s.f(record.z_low), s.f(record.z_high));
+    if whole {
+        for (plane, sample) in tile.planes.iter_mut().zip(samples) {
+            let start = [0, 1].map(|axis| (from_first[axis] << SUBPIXEL_BITS) + sample[axis]);
+            fill_whole(s, plane, record, start, fresh);
+        }
+        counts.blocks += (tile.planes.len() * BLOCKS * BLOCKS) as u64;
+        return;
+    }
+    let block = BLOCK as i32;
+    let blocks = [x0 / block, x1 / block, y0 / block, y1 / block];
+    // The first block in pixels from the record's first pixel.
+    let first = [
+        from_first[0] + blocks[0] * block,
+        from_first[1] + blocks[2] * block,
+    ];
     for (plane, sample) in tile.planes.iter_mut().zip(samples) {
         let start = [
-            (origin[0] << SUBPIXEL_BITS) + sample[0],
-            (origin[1] << SUBPIXEL_BITS) + sample[1],
+            (first[0] << SUBPIXEL_BITS) + sample[0],
+            (first[1] << SUBPIXEL_BITS) + sample[1],
         ];
-        let edges = set_up(record, start, small);
-        fill_plane(
-            s,
-            plane,
-            &edges,
-            [x0, x1, y0, y1],
-            DepthPlane {
-                z: s.f(record.z),
-                dx: s.f(record.dz[0]),
-                dy: s.f(record.dz[1]),
-                x: (start[0] - record.x[0]) as f32,
-                y: (start[1] - record.y[0]) as f32,
-                low: z_low,
-                high: z_high,
-            },
-            record.triangle,
-            counts,
-        );
+        fill_plane(s, plane, record, start, blocks, counts);
     }
 }
 
-/// Depth over a tile: z at a corner, slopes, and the distance of the tile's
-/// first sample from that corner.
-#[derive(Clone, Copy)]
-struct DepthPlane<S: Lanes> {
-    z: S::F,
-    dx: S::F,
-    dy: S::F,
-    x: f32,
-    y: f32,
-    low: S::F,
-    high: S::F,
-}
-
-#[inline(always)]
-fn set_up(record: &Record, start: [i32; 2], small: bool) -> Edges {
-    let mut edges = Edges {
-        c: [0; 3],
-        right: [0; 3],
-        down: [0; 3],
-    };
-    for (k, next) in [1, 2, 0].into_iter().enumerate() {
-        let dx = record.x[next] - record.x[k];
-        let dy = record.y[next] - record.y[k];
-        let (px, py) = (start[0] - record.x[k], start[1] - record.y[k]);
-        let own = dy < 0 || (dy == 0 && dx > 0);
-        let bias = i32::from(!own);
-        edges.c[k] = if small {
-            (dx * py - dy * px - bias) >> SUBPIXEL_BITS
-        } else {
-            let c = i64::from(dx) * i64::from(py) - i64::from(dy) * i64::from(px);
-            let c = (c - i64::from(bias)) >> SUBPIXEL_BITS;
-            // Beyond this the sign cannot change within a tile.
-            c.clamp(-(1 << 30), 1 << 30) as i32
-        };
-        edges.right[k] = -dy;
-        edges.down[k] = dx;
-    }
-    edges
-}
-
-/// Column and row of each lane in its block.
-pub(crate) const LANE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
-pub(crate) const LANE_Y: [i32; 16] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
-
+/// Fills the blocks of a plane (first and last column, first and last row);
+/// the first sample of the first one is `start` sub-pixels from the record's
+/// first pixel.
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
     plane: &mut Plane,
-    edges: &Edges,
-    [x0, x1, y0, y1]: [i32; 4],
-    depth: DepthPlane<S>,
-    triangle: i32,
+    record: &Record,
+    start: [i32; 2],
+    [bx0, bx1, by0, by1]: [i32; 4],
     counts: &mut FillCounts,
 ) {
     let block = BLOCK as i32;
-    let (bx0, bx1, by0, by1) = (x0 / block, x1 / block, y0 / block, y1 / block);
     let (lane_x, lane_y) = (s.load_i(&LANE_X), s.load_i(&LANE_Y));
-    let (right, down) = (edges.right, edges.down);
+    let (right, down) = (record.right, record.down);
     let zero = s.i(0);
-    let id = s.i(triangle);
+    let id = s.i(record.triangle);
     let mut row = triple!(|K| {
-        let c = edges.c[K]
-            .wrapping_add(right[K].wrapping_mul(bx0 * block))
-            .wrapping_add(down[K].wrapping_mul(by0 * block));
-        s.i(c) + s.i(right[K]) * lane_x + s.i(down[K]) * lane_y
+        let at =
+            i64::from(right[K]) * i64::from(start[0]) + i64::from(down[K]) * i64::from(start[1]);
+        // Beyond the limits the sign cannot change within a tile.
+        let c = ((record.c[K] + at) >> SUBPIXEL_BITS).clamp(-(1 << 30), 1 << 30) as i32;
+        (s.i(c) + s.i(right[K]) * lane_x) + s.i(down[K]) * lane_y
     });
     let step = triple!(|K| s.i(right[K] * block));
     let step_down = triple!(|K| s.i(down[K] * block));
-    let sub_x = (lane_x.shl::<8>()).to_float() + s.f(depth.x);
-    let sub_y = (lane_y.shl::<8>()).to_float() + s.f(depth.y);
+    let (slope_x, slope_y) = (s.f(record.slope[0]), s.f(record.slope[1]));
+    let (z, low, high) = (s.f(record.z), s.f(record.z_low), s.f(record.z_high));
+    let mut sub_y = lane_y.shl::<8>().to_float() + s.f(start[1] as f32 - record.anchor[1]);
+    let first_x = lane_x.shl::<8>().to_float() + s.f(start[0] as f32 - record.anchor[0]);
+    let block_step = s.f((BLOCK as i32 * 256) as f32);
     for by in by0..=by1 {
         let mut e = row;
-        let zy = depth.dy * (sub_y + s.f((by * block * 256) as f32));
+        let zy = slope_y * sub_y;
+        let mut sub_x = first_x;
         for bx in bx0..=bx1 {
             counts.blocks += 1;
             let outside = (e[0] | e[1] | e[2]).lt(zero);
             if outside.bits() != 0xffff {
-                let index = by as usize * BLOCKS + bx as usize;
-                let zx = depth.dx * (sub_x + s.f((bx * block * 256) as f32));
-                let z = (depth.z + (zx + zy)).max(depth.low).min(depth.high);
+                let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
+                let z = (z + (slope_x * sub_x + zy)).max(low).min(high);
                 let (depths, triangles) = (&mut plane.depth[index], &mut plane.triangle[index]);
                 let old = s.load_f(depths);
                 let old_id = s.load_i(triangles);
                 // Equal depths go to the triangle drawn first.
                 let nearer = old.lt(z) | (old.eq(z) & id.lt(old_id));
                 let pass = nearer & !outside;
-                pass.select_f(z, old).store(depths);
-                pass.select_i(id, old_id).store(triangles);
+                pass.update_f(z, old).store(depths);
+                pass.update_i(id, old_id).store(triangles);
             }
-            e = [e[0] + step[0], e[1] + step[1], e[2] + step[2]];
+            e = triple!(|K| e[K] + step[K]);
+            sub_x = sub_x + block_step;
         }
-        row = [
-            row[0] + step_down[0],
-            row[1] + step_down[1],
-            row[2] + step_down[2],
-        ];
+        row = triple!(|K| row[K] + step_down[K]);
+        sub_y = sub_y + block_step;
+    }
+}
+
+/// Fills a whole plane, whose first sample is `start` sub-pixels from the
+/// record's first pixel. What is there does not matter if `fresh`.
+#[inline(always)]
+fn fill_whole<S: Lanes>(s: S, plane: &mut Plane, record: &Record, start: [i32; 2], fresh: bool) {
+    let (slope_x, slope_y) = (s.f(record.slope[0]), s.f(record.slope[1]));
+    let (z, low, high) = (s.f(record.z), s.f(record.z_low), s.f(record.z_high));
+    let id = s.i(record.triangle);
+    let block_step = s.f((BLOCK as i32 * 256) as f32);
+    let mut sub_y =
+        s.load_i(&LANE_Y).shl::<8>().to_float() + s.f(start[1] as f32 - record.anchor[1]);
+    let first_x = s.load_i(&LANE_X).shl::<8>().to_float() + s.f(start[0] as f32 - record.anchor[0]);
+    let rows = plane.depth.chunks_exact_mut(BLOCKS);
+    for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(BLOCKS)) {
+        let zy = slope_y * sub_y;
+        let mut sub_x = first_x;
+        for (depth, triangle) in depths.iter_mut().zip(triangles) {
+            let z = (z + (slope_x * sub_x + zy)).max(low).min(high);
+            if fresh {
+                z.store(depth);
+                id.store(triangle);
+            } else {
+                let old = s.load_f(depth);
+                let old_id = s.load_i(triangle);
+                let nearer = old.lt(z) | (old.eq(z) & id.lt(old_id));
+                nearer.update_f(z, old).store(depth);
+                nearer.update_i(id, old_id).store(triangle);
+            }
+            sub_x = sub_x + block_step;
+        }
+        sub_y = sub_y + block_step;
     }
 }

@@ -83,6 +83,13 @@ impl FrameMatrix {
         let r = self.rows[row];
         (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
     }
+
+    /// The same in double precision.
+    #[inline(always)]
+    pub fn precise_row(&self, row: usize, p: Vec3) -> f64 {
+        let (r, p) = (self.precise[row], p.as_dvec3());
+        (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
+    }
 }
 
 impl FrameMatrix {

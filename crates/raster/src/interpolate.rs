@@ -22,9 +22,11 @@ use crate::deferred::{Fragments, Job, MIXED, ShadeContext};
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
+use crate::scene::{CLUSTER_VERTICES, Scene};
 use crate::shade::Interpolation;
 use crate::simd::vector::{Triple, load, splat, store};
 use crate::simd::{FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
+use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, TILE, decode};
 
 /// So many changes of triangle from one lane of a block to the next are worth
@@ -210,32 +212,19 @@ fn blend<S: Lanes>(here: S::M, new: Triple<S>, old: Triple<S>) -> Triple<S> {
     triple!(|K| here.select_f(new[K], old[K]))
 }
 
-/// Interpolates what the pixels of a job show. `points` are found only where
-/// shading asks for them; with Gouraud and flat shading the "normals" are
-/// finished colours.
+/// Whether a block shows so many triangles that it is better interpolated lane
+/// by lane.
 #[inline(always)]
-pub(crate) fn interpolate<S: Lanes>(
-    s: S,
-    context: &ShadeContext,
-    cache: &mut Cache,
-    corners: &mut Corners,
-    job: &Job,
-    to: &mut Fragments,
-) {
-    let changes = job.triangles.windows(2).filter(|pair| pair[0] != pair[1]);
-    let scattered = context.interpolation == Interpolation::Phong
-        && context.scene.sections.is_empty()
-        && changes.count() as u32 >= SCATTERED;
-    if scattered {
-        interpolate_scattered(s, context, corners, job, to);
-    } else {
-        interpolate_few(s, context, cache, job, to);
-    }
+pub(crate) fn scattered(triangles: &[i32; LANES]) -> bool {
+    let changes = (1..LANES).map(|k| u32::from(triangles[k - 1] != triangles[k]));
+    changes.sum::<u32>() >= SCATTERED
 }
 
-/// [`interpolate`], one triangle after the other.
+/// Interpolates what the pixels of a job show, one triangle after the other.
+/// Points are found only where shading asks for them; with Gouraud and flat
+/// shading the "normals" are finished colours.
 #[inline(always)]
-fn interpolate_few<S: Lanes>(
+pub(crate) fn interpolate_few<S: Lanes>(
     s: S,
     context: &ShadeContext,
     cache: &mut Cache,
@@ -316,9 +305,37 @@ pub(crate) struct Corners {
     normal: [[[f32; LANES]; 3]; 3],
 }
 
-/// [`interpolate`] for Phong shading, each lane with its own triangle.
+impl Corners {
+    /// Fetches a triangle from its cluster, where what belongs together lies
+    /// together: neighbouring pixels show triangles of few clusters.
+    #[inline(always)]
+    fn gather(&mut self, scene: &Scene, cluster: &ClusterView, triangle: usize, lane: usize) {
+        let Some(local) = scene.local.get(triangle) else {
+            return;
+        };
+        for c in 0..3 {
+            let vertex = usize::from(local[c]) % CLUSTER_VERTICES;
+            for axis in 0..3 {
+                self.position[c][axis][lane] = cluster.positions[axis][vertex];
+                self.normal[c][axis][lane] = cluster.normals[axis][vertex];
+            }
+        }
+        if cluster.smooth {
+            return;
+        }
+        if let Some(normals) = scene.normals.get(triangle) {
+            for (to, normal) in self.normal.iter_mut().zip(normals) {
+                for axis in 0..3 {
+                    to[axis][lane] = normal[axis];
+                }
+            }
+        }
+    }
+}
+
+/// The same for Phong shading, each lane with its own triangle.
 #[inline(always)]
-fn interpolate_scattered<S: Lanes>(
+pub(crate) fn interpolate_scattered<S: Lanes>(
     s: S,
     context: &ShadeContext,
     corners: &mut Corners,
@@ -328,21 +345,19 @@ fn interpolate_scattered<S: Lanes>(
     let (scene, matrix) = (context.scene, context.matrix);
     let mut wanted = job.wanted;
     let mut material = None;
+    let mut cluster: Option<ClusterView> = None;
     while wanted != 0 {
         let lane = wanted.trailing_zeros() as usize % LANES;
         wanted &= wanted - 1;
         let triangle = job.triangles[lane] as usize;
-        let (Some(vertices), Some(normals)) =
-            (scene.triangles.get(triangle), scene.normals.get(triangle))
-        else {
-            continue;
-        };
-        for c in 0..3 {
-            let p = scene.positions[vertices[c] as usize];
-            for axis in 0..3 {
-                corners.position[c][axis][lane] = p[axis];
-                corners.normal[c][axis][lane] = normals[c][axis];
-            }
+        if !cluster
+            .as_ref()
+            .is_some_and(|c| c.triangles.contains(&triangle))
+        {
+            cluster = scene.cluster_view(triangle);
+        }
+        if let Some(cluster) = &cluster {
+            corners.gather(scene, cluster, triangle, lane);
         }
         let own = context.material(triangle);
         material = match material {

@@ -7,7 +7,7 @@
 //! order the filler meets them in, so pictures depend neither on the number
 //! of threads nor on the batches.
 
-use csg::{Color, Mesh};
+use csg::Mesh;
 use rayon::prelude::*;
 
 use crate::camera::View;
@@ -15,7 +15,7 @@ use crate::cull::{Visibility, cluster_visibility};
 use crate::deferred::ShadeContext;
 use crate::edges::draw_edges;
 use crate::error::{MAX_SIZE, RasterError};
-use crate::fill::{FillCounts, fill};
+use crate::fill::{FillCounts, fill, fill_pixels};
 use crate::frame::FrameMatrix;
 use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
 use crate::ground::draw_ground_shadow;
@@ -24,7 +24,7 @@ use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::scene::Scene;
-use crate::section::{Caps, cap_tile};
+use crate::section::cap_tile;
 use crate::shade::Material;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
@@ -134,7 +134,6 @@ impl Renderer {
             .pixels
             .resize(width as usize * height as usize, [0; 4]);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
-        let mut stats = self.settle_visibility(scene, &matrix, options);
         let materials = scene
             .colors
             .iter()
@@ -149,100 +148,46 @@ impl Renderer {
             options.interpolation,
             options.two_sided,
         );
-        stats.pixels_shaded = self.resolve(&context, options.background, image);
-        Ok(stats)
-    }
-
-    /// Fills the visibility buffer.
-    fn settle_visibility(
-        &mut self,
-        scene: &Scene,
-        matrix: &FrameMatrix,
-        options: &RenderOptions,
-    ) -> Stats {
-        let columns = (matrix.width as usize).div_ceil(TILE);
-        let rows = (matrix.height as usize).div_ceil(TILE);
+        let columns = (width as usize).div_ceil(TILE);
+        let rows = (height as usize).div_ceil(TILE);
         self.tiles.resize_with(columns * rows, Tile::default);
         self.tiles.iter_mut().for_each(|tile| tile.drawn = false);
-        let facing = Facing {
-            front: true,
-            back: !options.cull_back_faces || !scene.sections.is_empty(),
-        };
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
             tiles: self.tiles.len() as u64,
             ..Stats::default()
         };
-        self.order_clusters(scene, matrix, facing, &mut stats);
-        let samples = options.anti_aliasing.samples();
-        let sample_range = match options.anti_aliasing {
-            AntiAliasing::Msaa4 | AntiAliasing::Msaa8 => [0, 255],
-            _ => [128, 128],
+        let facing = Facing {
+            front: true,
+            back: !options.cull_back_faces || !scene.sections.is_empty(),
         };
+        self.order_clusters(scene, &matrix, facing, &mut stats);
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
+        let sizes = batches(order.len());
         let mut rest = &order[..];
-        for share in batches(order.len()) {
+        let mut pieces = tile_rows(&mut image.pixels, width as usize);
+        for (number, &share) in sizes.iter().enumerate() {
             let (batch, later) = rest.split_at(share);
             rest = later;
-            let context = GeometryContext {
-                scene,
-                matrix,
-                facing,
-                tiles: &self.tiles,
-                columns,
-                sample_range,
+            self.set_up(scene, &matrix, facing, options, batch, columns);
+            let counts = if number + 1 < sizes.len() {
+                self.fill_tiles(columns, options)
+            } else {
+                self.finish_tiles(columns, options, &context, &mut pieces)
             };
-            let level = self.level;
-            let part = batch.len().div_ceil(tasks).max(1);
-            self.bins.par_iter_mut().enumerate().for_each(|(k, bins)| {
-                bins.clear(columns * rows);
-                let first = (k * part).min(batch.len());
-                let end = (first + part).min(batch.len());
-                level.run(SetUpClusters {
-                    context,
-                    clusters: &batch[first..end],
-                    bins,
-                });
-            });
-            let bins = &self.bins;
-            let size = [matrix.width, matrix.height].map(u32::cast_signed);
-            let counts = self
-                .tiles
-                .par_iter_mut()
-                .enumerate()
-                .map(|(index, tile)| {
-                    let origin = [index % columns, index / columns].map(|t| (t * TILE) as i32);
-                    level.run(FillTile {
-                        tile,
-                        index,
-                        bins,
-                        origin,
-                        size,
-                        samples,
-                    })
-                })
-                .reduce(FillCounts::default, |a, b| FillCounts {
-                    hidden: a.hidden + b.hidden,
-                    blocks: a.blocks + b.blocks,
-                });
             stats.bin_entries_hidden += counts.hidden;
             stats.blocks += counts.blocks;
-            for bins in &mut self.bins {
+            stats.pixels_shaded += counts.shaded;
+            for bins in &self.bins {
                 stats.triangles_set_up += bins.records.len() as u64;
                 stats.bin_entries += bins.tiles.iter().map(|t| t.len() as u64).sum::<u64>();
+                stats.tiny_pixels += bins.pixels.iter().map(|t| t.len() as u64).sum::<u64>();
             }
         }
         self.order = order;
-        if !scene.sections.is_empty() {
-            let caps = Caps::new(&scene.sections, matrix);
-            self.tiles.par_iter_mut().enumerate().for_each(|(k, tile)| {
-                let origin = [k % columns, k / columns].map(|t| (t * TILE) as i32);
-                cap_tile(tile, origin, samples, scene, matrix, &caps);
-            });
-        }
         for bins in &mut self.bins {
             let counts = std::mem::take(&mut bins.counts);
             stats.clusters_hidden += counts.clusters_hidden;
@@ -251,9 +196,107 @@ impl Renderer {
             stats.triangles_facing_away += counts.facing_away;
             stats.triangles_without_sample += counts.no_sample;
             stats.triangles_clipped += counts.clipped;
+            stats.triangles_tiny += counts.tiny;
         }
         stats.tiles_empty = self.tiles.iter().filter(|tile| !tile.drawn).count() as u64;
-        stats
+        Ok(stats)
+    }
+
+    /// Sets up the triangles of a batch of clusters, sorted into bins.
+    fn set_up(
+        &mut self,
+        scene: &Scene,
+        matrix: &FrameMatrix,
+        facing: Facing,
+        options: &RenderOptions,
+        batch: &[(f32, u32)],
+        columns: usize,
+    ) {
+        let sample_range = match options.anti_aliasing {
+            AntiAliasing::Msaa4 | AntiAliasing::Msaa8 => [0, 255],
+            _ => [128, 128],
+        };
+        let context = GeometryContext {
+            scene,
+            matrix,
+            facing,
+            tiles: &self.tiles,
+            columns,
+            sample_range,
+        };
+        let (level, tiles) = (self.level, self.tiles.len());
+        let part = batch.len().div_ceil(self.bins.len()).max(1);
+        self.bins.par_iter_mut().enumerate().for_each(|(k, bins)| {
+            bins.clear(tiles);
+            let first = (k * part).min(batch.len());
+            let end = (first + part).min(batch.len());
+            level.run(SetUpClusters {
+                context,
+                clusters: &batch[first..end],
+                bins,
+            });
+        });
+    }
+
+    /// Fills what is in the bins into the tiles.
+    fn fill_tiles(&mut self, columns: usize, options: &RenderOptions) -> FillCounts {
+        let (level, bins) = (self.level, &self.bins);
+        let samples = options.anti_aliasing.samples();
+        let tiles = self.tiles.par_iter_mut().enumerate();
+        tiles
+            .map(|(index, tile)| {
+                let counts = level.run(FillTile {
+                    tile,
+                    index,
+                    bins,
+                    origin: origin(index, columns),
+                    samples,
+                });
+                if counts.any {
+                    tile.update_farthest();
+                }
+                counts
+            })
+            .reduce(FillCounts::default, FillCounts::add)
+    }
+
+    /// Fills the last bins, caps sections and shades, one tile after the
+    /// other, while it is at hand.
+    fn finish_tiles(
+        &mut self,
+        columns: usize,
+        options: &RenderOptions,
+        context: &ShadeContext,
+        pieces: &mut [Vec<&mut [[u8; 4]]>],
+    ) -> FillCounts {
+        let (level, bins) = (self.level, &self.bins);
+        let samples = options.anti_aliasing.samples();
+        let background = options.background;
+        let tiles = self.tiles.par_iter_mut().zip(pieces).enumerate();
+        tiles
+            .map_init(Scratch::default, |scratch, (index, (tile, rows))| {
+                let origin = origin(index, columns);
+                let mut counts = level.run(FillTile {
+                    tile,
+                    index,
+                    bins,
+                    origin,
+                    samples,
+                });
+                if !context.scene.sections.is_empty() {
+                    cap_tile(tile, origin, samples, context);
+                }
+                counts.shaded = level.run(ResolveTile {
+                    context,
+                    tile,
+                    origin: origin.map(|v| v as usize),
+                    rows,
+                    background,
+                    scratch,
+                });
+                counts
+            })
+            .reduce(FillCounts::default, FillCounts::add)
     }
 
     /// Leaves in `self.order` the clusters that may be seen, with their
@@ -276,31 +319,11 @@ impl Renderer {
         self.order
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     }
+}
 
-    /// Shades every tile.
-    fn resolve(&self, context: &ShadeContext, background: Color, image: &mut Image) -> u64 {
-        let width = image.width as usize;
-        if image.pixels.is_empty() {
-            return 0;
-        }
-        let columns = width.div_ceil(TILE);
-        let mut pieces = tile_rows(&mut image.pixels, width);
-        pieces
-            .par_iter_mut()
-            .zip(&self.tiles)
-            .enumerate()
-            .map_init(Scratch::default, |scratch, (index, (rows, tile))| {
-                self.level.run(ResolveTile {
-                    context,
-                    tile,
-                    origin: [index % columns * TILE, index / columns * TILE],
-                    rows,
-                    background,
-                    scratch,
-                })
-            })
-            .sum()
-    }
+/// The first pixel of a tile.
+fn origin(index: usize, columns: usize) -> [i32; 2] {
+    [index % columns, index / columns].map(|t| (t * TILE) as i32)
 }
 
 /// Sizes of the batches that so many clusters are taken in: few enough that
@@ -321,7 +344,6 @@ struct FillTile<'a> {
     index: usize,
     bins: &'a [Bins],
     origin: [i32; 2],
-    size: [i32; 2],
     samples: &'static [[i32; 2]],
 }
 
@@ -330,27 +352,20 @@ impl Kernel for FillTile<'_> {
     #[inline(always)]
     fn run<S: Lanes>(self, s: S) -> FillCounts {
         let mut counts = FillCounts::default();
-        let mut any = false;
         for bins in self.bins {
-            for &entry in &bins.tiles[self.index] {
+            let pixels = &bins.pixels[self.index];
+            if !pixels.is_empty() {
                 if !self.tile.drawn {
-                    self.tile.begin(self.samples.len());
+                    self.tile.begin(self.samples.len(), false);
                 }
-                any = true;
-                let record = &bins.records[entry as usize];
-                fill(
-                    s,
-                    self.tile,
-                    self.origin,
-                    self.size,
-                    record,
-                    self.samples,
-                    &mut counts,
-                );
+                counts.any = true;
+                fill_pixels(&mut self.tile.planes[0], pixels);
             }
-        }
-        if any {
-            self.tile.update_farthest();
+            for &entry in &bins.tiles[self.index] {
+                counts.any = true;
+                let record = &bins.records[entry as usize];
+                fill(s, self.tile, self.origin, record, self.samples, &mut counts);
+            }
         }
         counts
     }

@@ -31,6 +31,8 @@ pub(crate) struct Cluster {
     /// sine is above 1 where there is no such cone.
     pub axis: Vec3,
     pub sine: f32,
+    /// Whether the corners at each vertex share their normal.
+    pub smooth: bool,
 }
 
 /// A mesh made ready for drawing, any number of times. Building one costs
@@ -50,6 +52,10 @@ pub struct Scene {
     pub(crate) colors: Vec<Option<Color>>,
     pub(crate) clusters: Vec<Cluster>,
     pub(crate) cluster_vertices: [Vec<f32>; 3],
+    /// Their normals, where the cluster is smooth.
+    pub(crate) cluster_normals: [Vec<f32>; 3],
+    /// The cluster of every so manieth triangle (see `cluster_of`).
+    pub(crate) cluster_starts: Vec<u32>,
     /// For each triangle the numbers of its vertices within the cluster.
     pub(crate) local: Vec<[u8; 4]>,
     /// Planes that cut the mesh before it was made ready.
@@ -103,6 +109,7 @@ impl Scene {
             let _ = scene.feature_edges.set(mesh.feature_edges.clone());
         }
         scene.build_clusters();
+        scene.gather_normals();
         scene
     }
 
@@ -221,6 +228,7 @@ impl Scene {
             centre,
             axis,
             sine,
+            smooth: false,
         });
     }
 }

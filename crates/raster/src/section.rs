@@ -12,6 +12,7 @@ use csg::Mesh;
 use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
 
 use crate::RasterError;
+use crate::deferred::ShadeContext;
 use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
 use crate::scene::Scene;
@@ -257,10 +258,9 @@ pub(crate) fn cap_tile(
     tile: &mut Tile,
     origin: [i32; 2],
     samples: &[[i32; 2]],
-    scene: &Scene,
-    matrix: &FrameMatrix,
-    caps: &Caps,
+    context: &ShadeContext,
 ) {
+    let (scene, matrix, caps) = (context.scene, context.matrix, &context.caps);
     if !tile.drawn {
         return;
     }

@@ -26,8 +26,12 @@ pub struct Stats {
     pub triangles_without_sample: u64,
     /// Of these, clipped at the near or far plane or the guard band.
     pub triangles_clipped: u64,
-    /// Triangles set up for filling (pieces count, after clipping).
+    /// Larger triangles set up for filling (pieces count, after clipping).
     pub triangles_set_up: u64,
+    /// Triangles of up to 4x4 pixels, filled as they were set up.
+    pub triangles_tiny: u64,
+    /// The pixels they cover.
+    pub tiny_pixels: u64,
     /// Pairs of a triangle and a tile it may touch.
     pub bin_entries: u64,
     /// Of these pairs, behind what was already drawn.
@@ -56,6 +60,8 @@ impl fmt::Display for Stats {
             ("  without a sample", self.triangles_without_sample),
             ("  clipped", self.triangles_clipped),
             ("  set up", self.triangles_set_up),
+            ("  tiny", self.triangles_tiny),
+            ("pixels of tiny ones", self.tiny_pixels),
             ("bin entries", self.bin_entries),
             ("  hidden", self.bin_entries_hidden),
             ("blocks filled", self.blocks),

@@ -37,21 +37,21 @@ pub(crate) fn decode(number: i32) -> (usize, Option<usize>) {
 #[derive(Clone, Debug)]
 pub(crate) struct Plane {
     /// By block, row by row; 16 pixels a block, row by row.
-    pub depth: Vec<[f32; BLOCK_PIXELS]>,
-    pub triangle: Vec<[i32; BLOCK_PIXELS]>,
+    pub depth: Box<[[f32; BLOCK_PIXELS]; BLOCKS * BLOCKS]>,
+    pub triangle: Box<[[i32; BLOCK_PIXELS]; BLOCKS * BLOCKS]>,
 }
 
 impl Plane {
     fn new() -> Self {
         Self {
-            depth: vec![[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS],
-            triangle: vec![[NO_TRIANGLE; BLOCK_PIXELS]; BLOCKS * BLOCKS],
+            depth: Box::new([[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]),
+            triangle: Box::new([[NO_TRIANGLE; BLOCK_PIXELS]; BLOCKS * BLOCKS]),
         }
     }
 }
 
 /// The visibility buffer of one tile.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Tile {
     /// One for each sample; none while nothing was drawn.
     pub planes: Vec<Plane>,
@@ -59,7 +59,7 @@ pub(crate) struct Tile {
     pub drawn: bool,
     /// A depth at or in front of which every sample of each 8x8 pixel square
     /// lies: what is farther is hidden (hierarchical depth).
-    pub farthest: Vec<f32>,
+    pub farthest: [f32; SQUARES * SQUARES],
     /// The same for the whole tile.
     pub farthest_of_all: f32,
 }
@@ -67,25 +67,37 @@ pub(crate) struct Tile {
 /// Squares of hierarchical depth along a side of a tile.
 pub(crate) const SQUARES: usize = TILE / 8;
 
+impl Default for Tile {
+    fn default() -> Self {
+        Self {
+            planes: Vec::new(),
+            drawn: false,
+            farthest: [0.0; SQUARES * SQUARES],
+            farthest_of_all: 0.0,
+        }
+    }
+}
+
 impl Tile {
-    /// Makes the tile ready for its first triangle of a frame.
-    pub fn begin(&mut self, samples: usize) {
-        if self.planes.len() == samples {
+    /// Makes the tile ready for its first triangle of a frame, which leaves
+    /// nothing of what is there if `covered`.
+    pub fn begin(&mut self, samples: usize, covered: bool) {
+        if self.planes.len() != samples {
+            self.planes.clear();
+            self.planes.resize_with(samples, Plane::new);
+        } else if !covered {
             for plane in &mut self.planes {
                 plane.depth.fill([0.0; BLOCK_PIXELS]);
                 plane.triangle.fill([NO_TRIANGLE; BLOCK_PIXELS]);
             }
-        } else {
-            self.planes.clear();
-            self.planes.resize_with(samples, Plane::new);
         }
-        self.farthest.clear();
-        self.farthest.resize(SQUARES * SQUARES, 0.0);
+        self.farthest = [0.0; SQUARES * SQUARES];
         self.farthest_of_all = 0.0;
         self.drawn = true;
     }
 
     /// Brings the hierarchical depth up to date.
+    #[inline(always)]
     pub fn update_farthest(&mut self) {
         for (square, farthest) in self.farthest.iter_mut().enumerate() {
             let (sx, sy) = (square % SQUARES, square / SQUARES);

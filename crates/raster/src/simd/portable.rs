@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::{FloatLanes, IntLanes, LANES, Lanes, MaskLanes};
+use super::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes};
 
 /// The level without instruction set extensions.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +11,8 @@ pub struct Portable;
 
 #[derive(Clone, Copy)]
 pub struct Floats([f32; LANES]);
+#[derive(Clone, Copy)]
+pub struct Doubles([f64; LANES]);
 #[derive(Clone, Copy)]
 pub struct Ints([i32; LANES]);
 /// -1 or 0 a lane, which compilers vectorise better than bits.
@@ -20,6 +22,7 @@ pub struct Masks([i32; LANES]);
 impl Lanes for Portable {
     type F = Floats;
     type I = Ints;
+    type D = Doubles;
     type M = Masks;
 
     #[inline(always)]
@@ -33,6 +36,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load_f(self, values: &[f32; LANES]) -> Floats {
         Floats(*values)
+    }
+    #[inline(always)]
+    fn d(self, value: f64) -> Doubles {
+        Doubles([value; LANES])
+    }
+    #[inline(always)]
+    fn load_d(self, values: &[f64; LANES]) -> Doubles {
+        Doubles(*values)
     }
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> Ints {
@@ -63,6 +74,10 @@ operator!(Floats, Add, add, |a, b| a + b);
 operator!(Floats, Sub, sub, |a, b| a - b);
 operator!(Floats, Mul, mul, |a, b| a * b);
 operator!(Floats, Div, div, |a, b| a / b);
+operator!(Doubles, Add, add, |a, b| a + b);
+operator!(Doubles, Sub, sub, |a, b| a - b);
+operator!(Doubles, Mul, mul, |a, b| a * b);
+operator!(Doubles, Div, div, |a, b| a / b);
 operator!(Ints, Add, add, |a, b| a.wrapping_add(b));
 operator!(Ints, Sub, sub, |a, b| a.wrapping_sub(b));
 operator!(Ints, Mul, mul, |a, b| a.wrapping_mul(b));
@@ -129,6 +144,25 @@ impl FloatLanes<Portable> for Floats {
     fn to_bits(self) -> Ints {
         Ints(self.0.map(|v| v.to_bits().cast_signed()))
     }
+    #[inline(always)]
+    fn to_double(self) -> Doubles {
+        Doubles(self.0.map(f64::from))
+    }
+}
+
+impl DoubleLanes<Portable> for Doubles {
+    #[inline(always)]
+    fn store(self, values: &mut [f64; LANES]) {
+        *values = self.0;
+    }
+    #[inline(always)]
+    fn round(self) -> Ints {
+        Ints(self.0.map(|v| v.round_ties_even() as i32))
+    }
+    #[inline(always)]
+    fn to_single(self) -> Floats {
+        Floats(self.0.map(|v| v as f32))
+    }
 }
 
 impl IntLanes<Portable> for Ints {
@@ -163,6 +197,10 @@ impl IntLanes<Portable> for Ints {
     #[inline(always)]
     fn to_float(self) -> Floats {
         Floats(self.0.map(|v| v as f32))
+    }
+    #[inline(always)]
+    fn to_double(self) -> Doubles {
+        Doubles(self.0.map(f64::from))
     }
     #[inline(always)]
     fn bits_to_float(self) -> Floats {

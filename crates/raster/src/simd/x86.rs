@@ -1,12 +1,15 @@
 //! Lanes in AVX-512 registers, and in pairs of AVX2 registers.
 
-use std::arch::x86_64::{__m256, __m256i, __m512, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ, _CMP_LT_OQ};
+use std::arch::x86_64::{
+    __m128, __m128i, __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_EQ_OQ, _CMP_LE_OQ,
+    _CMP_LT_OQ,
+};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use pulp::x86::{V3, V4};
 use pulp::{NullaryFnOnce, cast};
 
-use super::{FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes};
+use super::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes};
 
 /// A kernel together with the level it runs at.
 pub struct At<S, K>(pub S, pub K);
@@ -22,6 +25,8 @@ impl<S: Lanes, K: Kernel> NullaryFnOnce for At<S, K> {
 #[derive(Clone, Copy)]
 pub struct F4(V4, __m512);
 #[derive(Clone, Copy)]
+pub struct D4(V4, [__m512d; 2]);
+#[derive(Clone, Copy)]
 pub struct I4(V4, __m512i);
 #[derive(Clone, Copy)]
 pub struct M4(V4, u16);
@@ -29,6 +34,7 @@ pub struct M4(V4, u16);
 impl Lanes for V4 {
     type F = F4;
     type I = I4;
+    type D = D4;
     type M = M4;
 
     #[inline(always)]
@@ -42,6 +48,14 @@ impl Lanes for V4 {
     #[inline(always)]
     fn load_f(self, values: &[f32; LANES]) -> F4 {
         F4(self, cast(*values))
+    }
+    #[inline(always)]
+    fn d(self, value: f64) -> D4 {
+        D4(self, [self.avx512f._mm512_set1_pd(value); 2])
+    }
+    #[inline(always)]
+    fn load_d(self, values: &[f64; LANES]) -> D4 {
+        D4(self, cast(*values))
     }
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> I4 {
@@ -74,6 +88,76 @@ operator4!(I4, Sub, sub, _mm512_sub_epi32);
 operator4!(I4, Mul, mul, _mm512_mullo_epi32);
 operator4!(I4, BitAnd, bitand, _mm512_and_si512);
 operator4!(I4, BitOr, bitor, _mm512_or_si512);
+
+macro_rules! operator_d {
+    ($type:ident, $trait:ident, $method:ident, $set:ident, $instruction:ident, $($part:literal)+) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let (a, b, set) = (self.1, other.1, self.0.$set);
+                Self(self.0, [$(set.$instruction(a[$part], b[$part])),+])
+            }
+        }
+    };
+}
+
+operator_d!(D4, Add, add, avx512f, _mm512_add_pd, 0 1);
+operator_d!(D4, Sub, sub, avx512f, _mm512_sub_pd, 0 1);
+operator_d!(D4, Mul, mul, avx512f, _mm512_mul_pd, 0 1);
+operator_d!(D4, Div, div, avx512f, _mm512_div_pd, 0 1);
+operator_d!(D3, Add, add, avx, _mm256_add_pd, 0 1 2 3);
+operator_d!(D3, Sub, sub, avx, _mm256_sub_pd, 0 1 2 3);
+operator_d!(D3, Mul, mul, avx, _mm256_mul_pd, 0 1 2 3);
+operator_d!(D3, Div, div, avx, _mm256_div_pd, 0 1 2 3);
+
+impl DoubleLanes<V4> for D4 {
+    #[inline(always)]
+    fn store(self, values: &mut [f64; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn round(self) -> I4 {
+        let (f, [a, b]) = (self.0.avx512f, self.1);
+        let halves: [__m256i; 2] = [f._mm512_cvtpd_epi32(a), f._mm512_cvtpd_epi32(b)];
+        I4(self.0, cast(halves))
+    }
+    #[inline(always)]
+    fn to_single(self) -> F4 {
+        let (f, [a, b]) = (self.0.avx512f, self.1);
+        let halves: [__m256; 2] = [f._mm512_cvtpd_ps(a), f._mm512_cvtpd_ps(b)];
+        F4(self.0, cast(halves))
+    }
+}
+
+impl DoubleLanes<V3> for D3 {
+    #[inline(always)]
+    fn store(self, values: &mut [f64; LANES]) {
+        *values = cast(self.1);
+    }
+    #[inline(always)]
+    fn round(self) -> I3 {
+        let (f, [a, b, c, d]) = (self.0.avx, self.1);
+        let quarters: [__m128i; 4] = [
+            f._mm256_cvtpd_epi32(a),
+            f._mm256_cvtpd_epi32(b),
+            f._mm256_cvtpd_epi32(c),
+            f._mm256_cvtpd_epi32(d),
+        ];
+        I3(self.0, cast(quarters))
+    }
+    #[inline(always)]
+    fn to_single(self) -> F3 {
+        let (f, [a, b, c, d]) = (self.0.avx, self.1);
+        let quarters: [__m128; 4] = [
+            f._mm256_cvtpd_ps(a),
+            f._mm256_cvtpd_ps(b),
+            f._mm256_cvtpd_ps(c),
+            f._mm256_cvtpd_ps(d),
+        ];
+        F3(self.0, cast(quarters))
+    }
+}
 
 impl BitAnd for M4 {
     type Output = Self;
@@ -137,6 +221,12 @@ impl FloatLanes<V4> for F4 {
     fn to_bits(self) -> I4 {
         I4(self.0, cast(self.1))
     }
+    #[inline(always)]
+    fn to_double(self) -> D4 {
+        let f = self.0.avx512f;
+        let [a, b]: [__m256; 2] = cast(self.1);
+        D4(self.0, [f._mm512_cvtps_pd(a), f._mm512_cvtps_pd(b)])
+    }
 }
 
 impl IntLanes<V4> for I4 {
@@ -177,6 +267,12 @@ impl IntLanes<V4> for I4 {
         F4(self.0, self.0.avx512f._mm512_cvtepi32_ps(self.1))
     }
     #[inline(always)]
+    fn to_double(self) -> D4 {
+        let f = self.0.avx512f;
+        let [a, b]: [__m256i; 2] = cast(self.1);
+        D4(self.0, [f._mm512_cvtepi32_pd(a), f._mm512_cvtepi32_pd(b)])
+    }
+    #[inline(always)]
     fn bits_to_float(self) -> F4 {
         F4(self.0, cast(self.1))
     }
@@ -202,6 +298,8 @@ impl MaskLanes<V4> for M4 {
 #[derive(Clone, Copy)]
 pub struct F3(V3, [__m256; 2]);
 #[derive(Clone, Copy)]
+pub struct D3(V3, [__m256d; 4]);
+#[derive(Clone, Copy)]
 pub struct I3(V3, [__m256i; 2]);
 /// All bits of a lane set, or none.
 #[derive(Clone, Copy)]
@@ -221,6 +319,7 @@ const LANE_BITS: [i32; LANES] = {
 impl Lanes for V3 {
     type F = F3;
     type I = I3;
+    type D = D3;
     type M = M3;
 
     #[inline(always)]
@@ -234,6 +333,14 @@ impl Lanes for V3 {
     #[inline(always)]
     fn load_f(self, values: &[f32; LANES]) -> F3 {
         F3(self, cast(*values))
+    }
+    #[inline(always)]
+    fn d(self, value: f64) -> D3 {
+        D3(self, [self.avx._mm256_set1_pd(value); 4])
+    }
+    #[inline(always)]
+    fn load_d(self, values: &[f64; LANES]) -> D3 {
+        D3(self, cast(*values))
     }
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> I3 {
@@ -359,6 +466,18 @@ impl FloatLanes<V3> for F3 {
     fn to_bits(self) -> I3 {
         I3(self.0, [cast(self.1[0]), cast(self.1[1])])
     }
+    #[inline(always)]
+    fn to_double(self) -> D3 {
+        let f = self.0.avx;
+        let [a, b, c, d]: [__m128; 4] = cast(self.1);
+        let to = [
+            f._mm256_cvtps_pd(a),
+            f._mm256_cvtps_pd(b),
+            f._mm256_cvtps_pd(c),
+            f._mm256_cvtps_pd(d),
+        ];
+        D3(self.0, to)
+    }
 }
 
 impl IntLanes<V3> for I3 {
@@ -406,6 +525,18 @@ impl IntLanes<V3> for I3 {
         )
     }
     #[inline(always)]
+    fn to_double(self) -> D3 {
+        let f = self.0.avx;
+        let [a, b, c, d]: [__m128i; 4] = cast(self.1);
+        let to = [
+            f._mm256_cvtepi32_pd(a),
+            f._mm256_cvtepi32_pd(b),
+            f._mm256_cvtepi32_pd(c),
+            f._mm256_cvtepi32_pd(d),
+        ];
+        D3(self.0, to)
+    }
+    #[inline(always)]
     fn bits_to_float(self) -> F3 {
         F3(self.0, [cast(self.1[0]), cast(self.1[1])])
     }
@@ -432,5 +563,19 @@ impl MaskLanes<V3> for M3 {
     fn select_i(self, yes: I3, no: I3) -> I3 {
         let blend = |k: usize| self.0.avx2._mm256_blendv_epi8(no.1[k], yes.1[k], self.1[k]);
         I3(self.0, [blend(0), blend(1)])
+    }
+    #[inline(always)]
+    fn update_f(self, yes: F3, old: F3) -> F3 {
+        self.update_i(yes.to_bits(), old.to_bits()).bits_to_float()
+    }
+    #[inline(always)]
+    fn update_i(self, yes: I3, old: I3) -> I3 {
+        let set = self.0.avx2;
+        let merge = |k: usize| {
+            let change = set._mm256_xor_si256(yes.1[k], old.1[k]);
+            let change = set._mm256_and_si256(change, self.1[k]);
+            set._mm256_xor_si256(old.1[k], change)
+        };
+        I3(self.0, [merge(0), merge(1)])
     }
 }
