@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use csg::Mesh;
+use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DVec3, Vec3};
 
 /// A subdivided icosahedron of radius 1 with 20 * 4^level triangles and exact
@@ -119,4 +119,51 @@ pub fn cube() -> Mesh {
         }
     }
     mesh
+}
+
+/// A mesh as graphics interfaces want it: one normal for each vertex.
+#[derive(Clone, Debug, Default)]
+pub struct Indexed {
+    /// Positions and normals.
+    pub vertices: Vec<[Vec3; 2]>,
+    /// Three vertices for each triangle.
+    pub indices: Vec<u32>,
+}
+
+/// Splits the vertices of a mesh where its corners have different normals.
+#[must_use]
+pub fn indexed(mesh: &Mesh) -> Indexed {
+    let mut numbers: HashMap<(u32, [u32; 3]), u32> = HashMap::new();
+    let mut result = Indexed::default();
+    let normals = raster::corner_normals(mesh, raster::CREASE_ANGLE);
+    for (triangle, normals) in mesh.triangles.iter().zip(&normals) {
+        for (&v, normal) in triangle.iter().zip(normals) {
+            let key = (v, normal.to_array().map(f32::to_bits));
+            let number = *numbers.entry(key).or_insert_with(|| {
+                let position = mesh.positions[v as usize].as_vec3();
+                result.vertices.push([position, *normal]);
+                result.vertices.len() as u32 - 1
+            });
+            result.indices.push(number);
+        }
+    }
+    result
+}
+
+/// The scene S2 (a cube and a ball, drilled through three times), meshed.
+#[must_use]
+pub fn drilled() -> Mesh {
+    own(&stereotomy::scenes::drilled(), 256)
+}
+
+/// The scene S4, level 3 (a Menger sponge), meshed.
+#[must_use]
+pub fn sponge() -> Mesh {
+    own(&stereotomy::scenes::menger(3), 128)
+}
+
+fn own(solid: &Solid, cells: u32) -> Mesh {
+    let program = Program::lower(solid).expect("a sound solid");
+    let meshed = Mesher::new().cells(cells).mesh(&program);
+    meshed.expect("a mesh").mesh
 }

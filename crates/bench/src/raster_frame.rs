@@ -1,14 +1,19 @@
 //! How long does a steady frame of 1920x1080 pixels take?
 //!
 //! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--stats]
-//! [--png FOLDER] [--llvmpipe PYTHON] [m1 m2 m3 m4 ...]`; threads by
-//! `RAYON_NUM_THREADS`, and by `LP_NUM_THREADS` for llvmpipe. Prints the best
-//! and the median of the frames drawn within two seconds; with the path of a
-//! Python that has moderngl and numpy, llvmpipe's beside it.
+//! [--png FOLDER] [--llvmpipe PYTHON] [--euc] [m1 m2 m3 m4 S2 S4 ...]`; threads
+//! by `RAYON_NUM_THREADS`, and by `LP_NUM_THREADS` for llvmpipe. Prints the
+//! best and the median of the frames drawn within two seconds; with the path
+//! of a Python that has moderngl and numpy, llvmpipe's beside it; and those of
+//! the crate euc, which runs on one thread and has no multisampling.
+//!
+//! m1 and m2 are icospheres of 82 thousand and 1.3 million triangles, m3 a
+//! cube of a thousand spheres, m4 a cube that fills the picture, S2 and S4
+//! meshes of our own of the reference scenes (S4 at level 3).
 
 use std::time::{Duration, Instant};
 
-use bench::{llvmpipe, meshes};
+use bench::{euc_peer, llvmpipe, meshes};
 use cpu_time::ProcessTime;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
@@ -25,11 +30,15 @@ fn subject(name: &str) -> Option<(Mesh, View)> {
         "m2" => meshes::icosphere(8),
         "m3" => meshes::sphere_grid(10, 3),
         "m4" => meshes::cube(),
+        "S2" => meshes::drilled(),
+        "S4" => meshes::sponge(),
         _ => return None,
     };
     let eye = match name {
         "m4" => DVec3::new(0.0, 0.0, 1.3),
         "m3" => DVec3::new(1.9, 2.3, 2.9),
+        "S2" => DVec3::new(0.8, 1.1, 1.7),
+        "S4" => DVec3::new(1.4, 1.8, 2.4),
         _ => DVec3::new(0.0, 0.0, 2.2),
     };
     let camera = Camera {
@@ -49,7 +58,7 @@ fn main() {
     let mut names = Vec::new();
     let mut level = Level::best();
     let mut options = RenderOptions::default();
-    let (mut stats, mut folder, mut python) = (false, None, None);
+    let (mut stats, mut euc, mut folder, mut python) = (false, false, None, None);
     let mut samples = 0;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -69,13 +78,16 @@ fn main() {
                 }
             }
             "--stats" => stats = true,
+            "--euc" => euc = true,
             "--llvmpipe" => python = arguments.next(),
             "--png" => folder = arguments.next(),
             name => names.push(name.to_owned()),
         }
     }
     if names.is_empty() {
-        names = ["m1", "m2", "m3", "m4"].map(str::to_owned).to_vec();
+        names = ["m1", "m2", "m3", "m4", "S2", "S4"]
+            .map(str::to_owned)
+            .to_vec();
     }
     options.lights = vec![
         Light::Ambient {
@@ -127,9 +139,30 @@ fn main() {
         if let (true, Some(counts)) = (stats, counts) {
             print!("{counts}");
         }
+        let indexed = if euc || python.is_some() {
+            meshes::indexed(&mesh)
+        } else {
+            meshes::Indexed::default()
+        };
+        if euc {
+            let frames = 6;
+            let (mut theirs, pixels) = euc_peer::draw(&indexed, &view, SIZE, Vec3::ONE, frames);
+            theirs.sort();
+            let alike = |(a, b): &(&u32, &[u8; 4])| {
+                let near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
+                a.to_le_bytes().iter().zip(b.iter()).all(near)
+            };
+            let same = pixels.iter().zip(&image.pixels).filter(alike).count();
+            println!(
+                "    euc: frame best {:.2} ms, median {:.2} ms of {frames}; {} pixels differ",
+                ms(theirs[0]),
+                ms(theirs[theirs.len() / 2]),
+                pixels.len() - same,
+            );
+        }
         if let Some(python) = &python {
             let frames = 10;
-            match llvmpipe::draw(python, &mesh, &view, SIZE, DVec3::ONE, samples, frames) {
+            match llvmpipe::draw(python, &indexed, &view, SIZE, DVec3::ONE, samples, frames) {
                 Ok(mut theirs) => {
                     theirs.times.sort();
                     println!(

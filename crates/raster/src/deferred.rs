@@ -5,6 +5,7 @@
 //! time. Vectors are not normalised first: their scalar products are divided
 //! by their lengths, which takes fewer operations.
 
+use csg::Color;
 use glam::{DVec3, Vec3};
 
 use crate::camera::View;
@@ -15,12 +16,13 @@ use crate::hatch::hatch;
 use crate::interpolate::{
     Cache, Corners, interpolate_few, interpolate_scattered, sample_positions, scattered,
 };
+use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::section::Caps;
 use crate::shade::{Incident, Interpolation, Light, Material, phong};
 use crate::simd::math::pow;
 use crate::simd::vector::{Triple, Triple16, dot, inverse_sqrt, load, splat, store};
-use crate::simd::{FloatLanes, LANES, Lanes, MaskLanes, triple};
+use crate::simd::{FloatLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
 use crate::tile::{NO_TRIANGLE, decode};
 
 /// A light in the coordinates of one frame's scene.
@@ -40,6 +42,8 @@ pub(crate) struct ShadeContext<'a> {
     ambient: Vec3,
     lights: Vec<(Source, Vec3)>,
     pub interpolation: Interpolation,
+    /// Whether all pixels that a triangle covers have their centre in it.
+    pub centred: bool,
     two_sided: bool,
     /// Whether shading depends on where on the surface a pixel lies, not only
     /// on where it is seen.
@@ -52,16 +56,13 @@ impl<'a> ShadeContext<'a> {
         scene: &'a Scene,
         view: &View,
         matrix: &'a FrameMatrix,
-        lights: &[Light],
-        materials: Vec<Material>,
-        interpolation: Interpolation,
-        two_sided: bool,
+        options: &RenderOptions,
     ) -> Self {
         let mut ambient = Vec3::ZERO;
         let mut sources = Vec::new();
         let eye_to_world = view.world_to_eye().inverse();
         let unit = |v: DVec3| v.normalize_or_zero().as_vec3();
-        for light in lights {
+        for light in &options.lights {
             match *light {
                 Light::Ambient { intensity } => ambient += intensity,
                 Light::Directional { towards, intensity } => {
@@ -84,14 +85,17 @@ impl<'a> ShadeContext<'a> {
         let positional = sources
             .iter()
             .any(|(s, _)| matches!(s, Source::Position(_)));
+        let of_surface =
+            |color: &Option<Color>| Material::of_color(color.unwrap_or(options.default_color));
         Self {
             scene,
             matrix,
-            materials,
+            materials: scene.colors.iter().map(of_surface).collect(),
             ambient,
             lights: sources,
-            interpolation,
-            two_sided,
+            interpolation: options.interpolation,
+            centred: options.anti_aliasing.samples().len() == 1,
+            two_sided: options.two_sided,
             positional,
             caps: Caps::new(&scene.sections, matrix),
         }
@@ -209,34 +213,64 @@ pub(crate) struct Batch {
 }
 
 /// Finds the colours of all jobs of a batch.
-#[inline(always)]
-pub(crate) fn shade<S: Lanes>(s: S, context: &ShadeContext, batch: &mut Batch) {
+pub(crate) fn shade(level: Level, context: &ShadeContext, batch: &mut Batch) {
     let count = batch.jobs.len();
     if batch.fragments.len() < count {
         batch.fragments.resize(count, Fragments::default());
         batch.colours.resize(count, [[0.0; LANES]; 3]);
     }
-    // Lane by lane only where all is interpolated in the plain way.
-    let plain = context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
-    for (job, fragments) in batch.jobs.iter().zip(&mut batch.fragments) {
-        if plain && scattered(&job.triangles) {
-            interpolate_scattered(s, context, &mut batch.corners, job, fragments);
-        } else {
-            interpolate_few(s, context, &mut batch.cache, job, fragments);
-        }
-    }
-    let found = batch.jobs.iter().zip(&batch.fragments);
+    level.run(InterpolateJobs { context, batch });
     if context.interpolation == Interpolation::Phong {
-        for ((job, fragments), colour) in found.zip(&mut batch.colours) {
-            light(s, context, job, fragments, colour);
-        }
+        level.run(LightJobs { context, batch });
     } else {
-        for ((_, fragments), colour) in found.zip(&mut batch.colours) {
+        for (fragments, colour) in batch.fragments.iter().zip(&mut batch.colours) {
             *colour = fragments.normal;
         }
     }
     if !context.scene.sections.is_empty() {
         hatch(context, batch);
+    }
+}
+
+/// The first pass: what the pixels show.
+struct InterpolateJobs<'a> {
+    context: &'a ShadeContext<'a>,
+    batch: &'a mut Batch,
+}
+
+impl Kernel for InterpolateJobs<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) {
+        let Self { context, batch } = self;
+        // Lane by lane only where all is interpolated in the plain way.
+        let plain =
+            context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
+        let mut cluster = None;
+        for (job, fragments) in batch.jobs.iter().zip(&mut batch.fragments) {
+            if plain && scattered(&job.triangles) {
+                interpolate_scattered(s, context, &mut batch.corners, &mut cluster, job, fragments);
+            } else {
+                interpolate_few(s, context, &mut batch.cache, job, fragments);
+            }
+        }
+    }
+}
+
+/// The second pass: what light they send to the viewer.
+struct LightJobs<'a> {
+    context: &'a ShadeContext<'a>,
+    batch: &'a mut Batch,
+}
+
+impl Kernel for LightJobs<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) {
+        let found = self.batch.jobs.iter().zip(&self.batch.fragments);
+        for ((job, fragments), colour) in found.zip(&mut self.batch.colours) {
+            light(s, self.context, job, fragments, colour);
+        }
     }
 }
 

@@ -28,10 +28,10 @@ pub(crate) struct Record {
     /// A point near it, in sub-pixels from the top left corner of its first
     /// pixel.
     pub anchor: [f32; 2],
-    /// Reversed depth there.
-    pub z: f32,
+    /// Reversed depth there; what is far from there may be within the tile.
+    pub z: f64,
     /// Its change for one sub-pixel right and down.
-    pub slope: [f32; 2],
+    pub slope: [f64; 2],
     /// Least and greatest depth of the corners.
     pub z_low: f32,
     pub z_high: f32,
@@ -40,6 +40,25 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    /// Depth so many sub-pixels from the first pixel. In double precision for
+    /// the first sample of each block, so that single precision adds no more
+    /// than what changes within a block.
+    #[inline(always)]
+    fn depth_at(&self, [x, y]: [i32; 2]) -> f64 {
+        let x = f64::from(x as f32 - self.anchor[0]);
+        let y = f64::from(y as f32 - self.anchor[1]);
+        self.z + (self.slope[0] * x + self.slope[1] * y)
+    }
+
+    /// The change of depth from the first sample of a block to all others.
+    #[inline(always)]
+    fn depth_in_block<S: Lanes>(&self, s: S) -> S::F {
+        let [x, y] = self.slope.map(|slope| s.f(slope as f32));
+        let lane_x = s.load_i(&LANE_X).shl::<8>().to_float();
+        let lane_y = s.load_i(&LANE_Y).shl::<8>().to_float();
+        x * lane_x + y * lane_y
+    }
+
     /// Whether every sample of a tile is inside, its first pixel being so many
     /// pixels from the record's.
     fn covers_tile(&self, from_first: [i32; 2]) -> bool {
@@ -54,7 +73,7 @@ impl Record {
 }
 
 /// One pixel that a triangle covers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PixelOfTriangle {
     /// Sixteen times its block in the tile, plus its lane in the block.
     pub pixel: u32,
@@ -108,6 +127,9 @@ impl FillCounts {
 /// Column and row of each lane in its block.
 pub(crate) const LANE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 pub(crate) const LANE_Y: [i32; 16] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
+
+/// Sub-pixels from a block to the next.
+const BLOCK_STEP: f64 = (BLOCK << SUBPIXEL_BITS) as f64;
 
 /// Fills one triangle into every sample plane of a tile whose first pixel is
 /// `origin`.
@@ -196,21 +218,19 @@ fn fill_plane<S: Lanes>(
     });
     let step = triple!(|K| s.i(right[K] * block));
     let step_down = triple!(|K| s.i(down[K] * block));
-    let (slope_x, slope_y) = (s.f(record.slope[0]), s.f(record.slope[1]));
-    let (z, low, high) = (s.f(record.z), s.f(record.z_low), s.f(record.z_high));
-    let mut sub_y = lane_y.shl::<8>().to_float() + s.f(start[1] as f32 - record.anchor[1]);
-    let first_x = lane_x.shl::<8>().to_float() + s.f(start[0] as f32 - record.anchor[0]);
-    let block_step = s.f((BLOCK as i32 * 256) as f32);
+    let (low, high) = (s.f(record.z_low), s.f(record.z_high));
+    let in_block = record.depth_in_block(s);
+    let mut row_depth = record.depth_at(start);
+    let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     for by in by0..=by1 {
         let mut e = row;
-        let zy = slope_y * sub_y;
-        let mut sub_x = first_x;
+        let mut depth_here = row_depth;
         for bx in bx0..=bx1 {
             counts.blocks += 1;
             let outside = (e[0] | e[1] | e[2]).lt(zero);
             if outside.bits() != 0xffff {
                 let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
-                let z = (z + (slope_x * sub_x + zy)).max(low).min(high);
+                let z = (s.f(depth_here as f32) + in_block).max(low).min(high);
                 let (depths, triangles) = (&mut plane.depth[index], &mut plane.triangle[index]);
                 let old = s.load_f(depths);
                 let old_id = s.load_i(triangles);
@@ -221,10 +241,10 @@ fn fill_plane<S: Lanes>(
                 pass.update_i(id, old_id).store(triangles);
             }
             e = triple!(|K| e[K] + step[K]);
-            sub_x = sub_x + block_step;
+            depth_here += block_step[0];
         }
         row = triple!(|K| row[K] + step_down[K]);
-        sub_y = sub_y + block_step;
+        row_depth += block_step[1];
     }
 }
 
@@ -232,19 +252,16 @@ fn fill_plane<S: Lanes>(
 /// record's first pixel. What is there does not matter if `fresh`.
 #[inline(always)]
 fn fill_whole<S: Lanes>(s: S, plane: &mut Plane, record: &Record, start: [i32; 2], fresh: bool) {
-    let (slope_x, slope_y) = (s.f(record.slope[0]), s.f(record.slope[1]));
-    let (z, low, high) = (s.f(record.z), s.f(record.z_low), s.f(record.z_high));
+    let (low, high) = (s.f(record.z_low), s.f(record.z_high));
+    let in_block = record.depth_in_block(s);
+    let mut row_depth = record.depth_at(start);
+    let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     let id = s.i(record.triangle);
-    let block_step = s.f((BLOCK as i32 * 256) as f32);
-    let mut sub_y =
-        s.load_i(&LANE_Y).shl::<8>().to_float() + s.f(start[1] as f32 - record.anchor[1]);
-    let first_x = s.load_i(&LANE_X).shl::<8>().to_float() + s.f(start[0] as f32 - record.anchor[0]);
     let rows = plane.depth.chunks_exact_mut(BLOCKS);
     for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(BLOCKS)) {
-        let zy = slope_y * sub_y;
-        let mut sub_x = first_x;
+        let mut depth_here = row_depth;
         for (depth, triangle) in depths.iter_mut().zip(triangles) {
-            let z = (z + (slope_x * sub_x + zy)).max(low).min(high);
+            let z = (s.f(depth_here as f32) + in_block).max(low).min(high);
             if fresh {
                 z.store(depth);
                 id.store(triangle);
@@ -255,8 +272,8 @@ fn fill_whole<S: Lanes>(s: S, plane: &mut Plane, record: &Record, start: [i32; 2
                 nearer.update_f(z, old).store(depth);
                 nearer.update_i(id, old_id).store(triangle);
             }
-            sub_x = sub_x + block_step;
+            depth_here += block_step[0];
         }
-        sub_y = sub_y + block_step;
+        row_depth += block_step[1];
     }
 }

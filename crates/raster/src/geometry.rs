@@ -14,7 +14,7 @@ use crate::cull::hidden;
 use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::scene::{CLUSTER_VERTICES, Cluster, Scene};
-use crate::set_up::{Corners, depth_plane, set_up_one, set_up_triangles};
+use crate::set_up::{Corners, SetUp, depth_plane, set_up_one, set_up_triangles};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
 
@@ -52,6 +52,16 @@ impl Bins {
     }
 }
 
+impl Bins {
+    /// Adds pixels of small triangles to a tile.
+    #[inline(always)]
+    pub fn push_pixels(&mut self, tile: i32, pixels: &[PixelOfTriangle]) {
+        if let Some(all) = self.pixels.get_mut(tile as usize) {
+            all.extend_from_slice(pixels);
+        }
+    }
+}
+
 /// Which faces are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Facing {
@@ -86,6 +96,7 @@ impl Kernel for SetUpClusters<'_> {
     fn run<S: Lanes>(self, s: S) {
         let mut work = ClusterWork::default();
         let mut corners = Corners::default();
+        let mut found = SetUp::default();
         for &(depth, index) in self.clusters {
             let cluster = &self.context.scene.clusters[index as usize];
             if hidden(cluster, depth, &self.context) {
@@ -98,6 +109,7 @@ impl Kernel for SetUpClusters<'_> {
                 &self.context,
                 &mut work,
                 &mut corners,
+                &mut found,
                 self.bins,
             );
         }
@@ -220,6 +232,7 @@ fn set_up_cluster<S: Lanes>(
     context: &GeometryContext,
     work: &mut ClusterWork,
     corners: &mut Corners,
+    found: &mut SetUp,
     bins: &mut Bins,
 ) {
     let any_outside = transform(s, cluster, context, work);
@@ -245,7 +258,7 @@ fn set_up_cluster<S: Lanes>(
             }
         }
         let present = (1u32 << count) - 1;
-        set_up_triangles(s, corners, start, present & !to_clip, context, bins);
+        set_up_triangles(s, corners, start, present & !to_clip, context, found, bins);
         let mut rest = to_clip & present;
         while rest != 0 {
             let k = rest.trailing_zeros() as usize;

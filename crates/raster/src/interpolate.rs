@@ -31,36 +31,63 @@ use crate::tile::{NO_TRIANGLE, TILE, decode};
 
 /// So many changes of triangle from one lane of a block to the next are worth
 /// finding weights lane by lane.
-const SCATTERED: u32 = 9;
+const SCATTERED: u32 = 8;
 
 /// Triangles whose weights are kept: neighbouring blocks mostly show the same
 /// ones.
-const KEPT: usize = 128;
+const KEPT: usize = 256;
 
 /// The weights of one triangle's corners in one tile, as linear functions: at
 /// the sample of the pixel `origin` + (x, y), corner k weighs
 /// `at[k] + x right[k] + y down[k]`, up to a positive factor common to all.
 #[derive(Clone, Copy, Debug)]
 struct Weights {
-    triangle: i32,
     origin: [i32; 2],
     at: [f32; 3],
     right: [f32; 3],
     down: [f32; 3],
 }
 
+/// How the normal (or finished colour) of a triangle is found in one tile.
+#[derive(Clone, Copy, Debug)]
+enum Interpolant {
+    /// The same everywhere.
+    Constant(Vec3),
+    /// As a linear function like [`Weights`], of the right direction and some
+    /// length.
+    Linear {
+        origin: [i32; 2],
+        at: [f32; 3],
+        right: [f32; 3],
+        down: [f32; 3],
+    },
+    /// By weights, from values at the corners.
+    Weighted {
+        weights: Weights,
+        values: [Vec3; 3],
+        /// The corners themselves.
+        points: [Vec3; 3],
+    },
+}
+
+/// A triangle met lately.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    triangle: i32,
+    material: usize,
+    interpolant: Interpolant,
+}
+
 /// The triangles of one tile met lately, in a small direct-mapped cache.
 #[derive(Clone, Debug)]
-pub(crate) struct Cache([Weights; KEPT]);
+pub(crate) struct Cache([Kept; KEPT]);
 
 impl Default for Cache {
     fn default() -> Self {
-        let none = Weights {
+        let none = Kept {
             triangle: NO_TRIANGLE,
-            origin: [0; 2],
-            at: [0.0; 3],
-            right: [0.0; 3],
-            down: [0.0; 3],
+            material: 0,
+            interpolant: Interpolant::Constant(Vec3::ZERO),
         };
         Self([none; KEPT])
     }
@@ -75,22 +102,65 @@ impl Cache {
     }
 
     #[inline(always)]
-    fn get(
-        &mut self,
-        matrix: &FrameMatrix,
-        index: i32,
-        corners: &[Vec3; 3],
-        [px, py]: [usize; 2],
-    ) -> &Weights {
+    fn get(&mut self, context: &ShadeContext, index: i32, [px, py]: [usize; 2]) -> &Kept {
         let entry = &mut self.0[index as usize % KEPT];
         if entry.triangle != index {
             let tile = [px, py].map(|p| (p - p % TILE) as i32);
-            *entry = linear_weights(matrix, corners, tile);
-            entry.triangle = index;
+            *entry = Kept {
+                triangle: index,
+                material: context.material(index as usize),
+                interpolant: interpolant(context, index as usize, tile),
+            };
         }
         entry
     }
 }
+
+/// Prepares to interpolate a triangle in the tile of that first pixel.
+#[inline(never)]
+fn interpolant(context: &ShadeContext, triangle: usize, tile: [i32; 2]) -> Interpolant {
+    let (Some(corners), Some(normals)) = (
+        context.scene.corners(triangle),
+        context.scene.normals.get(triangle),
+    ) else {
+        return Interpolant::Constant(Vec3::ZERO);
+    };
+    let values = match context.interpolation {
+        Interpolation::Phong => *normals,
+        Interpolation::Gouraud => context.corner_colours(triangle, &corners, normals),
+        Interpolation::Flat => [context.flat_colour(triangle, &corners); 3],
+    };
+    if values[0] == values[1] && values[0] == values[2] && !context.positional {
+        return Interpolant::Constant(values[0]);
+    }
+    let weights = linear_weights(context.matrix, &corners, tile);
+    let fat = (0..3).all(|k| {
+        let (right, down) = (weights.right[k], weights.down[k]);
+        right * right + down * down < STEEP * STEEP
+    });
+    let normals_only = context.interpolation == Interpolation::Phong && !context.positional;
+    if !(fat && normals_only && context.centred) {
+        return Interpolant::Weighted {
+            weights,
+            values,
+            points: corners,
+        };
+    }
+    let sum = |w: [f32; 3]| (values[0] * w[0] + values[1] * w[1] + values[2] * w[2]).to_array();
+    Interpolant::Linear {
+        origin: weights.origin,
+        at: sum(weights.at),
+        right: sum(weights.right),
+        down: sum(weights.down),
+    }
+}
+
+/// Snapping moves corners by up to 1/512 pixel, so a covered pixel's centre may
+/// lie a little outside the true triangle. Where weights change by less than
+/// this in a pixel (of a sum about 1), that makes no difference that could be
+/// seen; where they change more, or a pixel may be covered at other samples
+/// than its centre, they are kept at 0 or above.
+const STEEP: f32 = 16.0;
 
 /// A point's X, Y and W in double precision.
 fn raster(matrix: &FrameMatrix, p: Vec3) -> (DVec2, f64) {
@@ -134,7 +204,6 @@ fn linear_weights(matrix: &FrameMatrix, corners: &[Vec3; 3], tile: [i32; 2]) -> 
     let scale = determinant.signum() / size.max(f64::MIN_POSITIVE);
     let single = |v: [f64; 3]| v.map(|v| (v * scale) as f32);
     Weights {
-        triangle: NO_TRIANGLE,
         origin,
         at: single(at),
         right: single(right),
@@ -190,14 +259,18 @@ fn proper<S: Lanes>(s: S, b: [S::F; 3]) -> [S::F; 3] {
     triple!(|K| some.select_f(b[K] * inverse, third))
 }
 
-/// The weights of one triangle's corners at the pixels of a block.
+/// Three linear functions like [`Weights`] at the pixels of a block.
 #[inline(always)]
-fn weights<S: Lanes>(s: S, of: &Weights, [px, py]: [usize; 2]) -> [S::F; 3] {
-    let offset = [px as i32 - of.origin[0], py as i32 - of.origin[1]];
+fn linear<S: Lanes>(
+    s: S,
+    origin: [i32; 2],
+    [at, right, down]: [&[f32; 3]; 3],
+    [px, py]: [usize; 2],
+) -> Triple<S> {
+    let offset = [px as i32 - origin[0], py as i32 - origin[1]];
     let x = (s.load_i(&LANE_X) + s.i(offset[0])).to_float();
     let y = (s.load_i(&LANE_Y) + s.i(offset[1])).to_float();
-    let b = triple!(|K| (s.f(of.right[K]) * x + s.f(of.down[K]) * y) + s.f(of.at[K]));
-    proper(s, b)
+    triple!(|K| (s.f(right[K]) * x + s.f(down[K]) * y) + s.f(at[K]))
 }
 
 /// The sum of the corners' values, weighted.
@@ -220,6 +293,16 @@ pub(crate) fn scattered(triangles: &[i32; LANES]) -> bool {
     changes.sum::<u32>() >= SCATTERED
 }
 
+/// The material of some pixels and one more, if they have one in common.
+#[inline(always)]
+fn shared(before: Option<usize>, one: usize) -> Option<usize> {
+    match before {
+        None => Some(one),
+        Some(before) if before == one => Some(one),
+        Some(_) => Some(MIXED),
+    }
+}
+
 /// Interpolates what the pixels of a job show, one triangle after the other.
 /// Points are found only where shading asks for them; with Gouraud and flat
 /// shading the "normals" are finished colours.
@@ -231,7 +314,6 @@ pub(crate) fn interpolate_few<S: Lanes>(
     job: &Job,
     to: &mut Fragments,
 ) {
-    let scene = context.scene;
     let zero = s.f(0.0);
     let (mut normal, mut point) = ([zero; 3], [zero; 3]);
     let mut material = None;
@@ -241,49 +323,43 @@ pub(crate) fn interpolate_few<S: Lanes>(
         let index = job.triangles[wanted.trailing_zeros() as usize % LANES];
         let here = all.eq(s.i(index));
         wanted &= !here.bits();
-        let (triangle, section) = decode(index);
-        let own = match section {
-            None => context.material(triangle),
-            Some(_) => context.cap_material(),
-        };
-        material = match material {
-            None => Some(own),
-            Some(one) if one == own => material,
-            Some(_) => Some(MIXED),
-        };
-        if let Some(section) = section {
+        if let (_, Some(section)) = decode(index) {
             let (n, p) = cap(s, context, job, section, here);
             normal = blend::<S>(here, n, normal);
             point = blend::<S>(here, p, point);
+            material = shared(material, context.cap_material());
             continue;
         }
-        let (Some(vertices), Some(normals)) =
-            (scene.triangles.get(triangle), scene.normals.get(triangle))
-        else {
-            continue;
+        let kept = cache.get(context, index, job.at);
+        material = shared(material, kept.material);
+        let found = match &kept.interpolant {
+            Interpolant::Constant(value) => splat(s, *value),
+            Interpolant::Linear {
+                origin,
+                at,
+                right,
+                down,
+            } => linear(s, *origin, [at, right, down], job.at),
+            Interpolant::Weighted {
+                weights,
+                values,
+                points,
+            } => {
+                let Weights {
+                    origin,
+                    at,
+                    right,
+                    down,
+                } = weights;
+                let weight = proper(s, linear(s, *origin, [at, right, down], job.at));
+                if context.positional {
+                    let mixed = mix::<S>(weight, triple!(|K| splat(s, points[K])));
+                    point = blend::<S>(here, mixed, point);
+                }
+                mix::<S>(weight, triple!(|K| splat(s, values[K])))
+            }
         };
-        let corners = triple!(|K| scene.positions[vertices[K] as usize]);
-        let values = match context.interpolation {
-            Interpolation::Phong => *normals,
-            Interpolation::Gouraud => context.corner_colours(triangle, &corners, normals),
-            Interpolation::Flat => [context.flat_colour(triangle, &corners); 3],
-        };
-        let plain = values[0] == values[1] && values[0] == values[2] && !context.positional;
-        if plain {
-            normal = blend::<S>(here, splat(s, values[0]), normal);
-            continue;
-        }
-        let weight = weights(
-            s,
-            cache.get(context.matrix, index, &corners, job.at),
-            job.at,
-        );
-        let mixed = mix::<S>(weight, triple!(|K| splat(s, values[K])));
-        normal = blend::<S>(here, mixed, normal);
-        if context.positional {
-            let mixed = mix::<S>(weight, triple!(|K| splat(s, corners[K])));
-            point = blend::<S>(here, mixed, point);
-        }
+        normal = blend::<S>(here, found, normal);
     }
     store::<S>(normal, &mut to.normal);
     if context.positional {
@@ -313,8 +389,8 @@ impl Corners {
         let Some(local) = scene.local.get(triangle) else {
             return;
         };
-        for c in 0..3 {
-            let vertex = usize::from(local[c]) % CLUSTER_VERTICES;
+        for (c, vertex) in local[..3].iter().enumerate() {
+            let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
             for axis in 0..3 {
                 self.position[c][axis][lane] = cluster.positions[axis][vertex];
                 self.normal[c][axis][lane] = cluster.normals[axis][vertex];
@@ -333,19 +409,20 @@ impl Corners {
     }
 }
 
-/// The same for Phong shading, each lane with its own triangle.
+/// The same for Phong shading, each lane with its own triangle; `cluster` is
+/// the last one looked at.
 #[inline(always)]
-pub(crate) fn interpolate_scattered<S: Lanes>(
+pub(crate) fn interpolate_scattered<'c, S: Lanes>(
     s: S,
-    context: &ShadeContext,
+    context: &ShadeContext<'c>,
     corners: &mut Corners,
+    cluster: &mut Option<ClusterView<'c>>,
     job: &Job,
     to: &mut Fragments,
 ) {
     let (scene, matrix) = (context.scene, context.matrix);
     let mut wanted = job.wanted;
     let mut material = None;
-    let mut cluster: Option<ClusterView> = None;
     while wanted != 0 {
         let lane = wanted.trailing_zeros() as usize % LANES;
         wanted &= wanted - 1;
@@ -354,17 +431,12 @@ pub(crate) fn interpolate_scattered<S: Lanes>(
             .as_ref()
             .is_some_and(|c| c.triangles.contains(&triangle))
         {
-            cluster = scene.cluster_view(triangle);
+            *cluster = scene.cluster_view(triangle);
         }
-        if let Some(cluster) = &cluster {
+        if let Some(cluster) = cluster {
             corners.gather(scene, cluster, triangle, lane);
         }
-        let own = context.material(triangle);
-        material = match material {
-            None => Some(own),
-            Some(one) if one == own => material,
-            Some(_) => Some(MIXED),
-        };
+        material = shared(material, context.material(triangle));
     }
     let x = sample_positions(s, &LANE_X, job.at[0], matrix.middle[0]);
     let y = sample_positions(s, &LANE_Y, job.at[1], matrix.middle[1]);

@@ -25,7 +25,6 @@ use crate::options::{AntiAliasing, RenderOptions};
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::scene::Scene;
 use crate::section::cap_tile;
-use crate::shade::Material;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
 use crate::tile::{TILE, Tile};
@@ -134,20 +133,7 @@ impl Renderer {
             .pixels
             .resize(width as usize * height as usize, [0; 4]);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
-        let materials = scene
-            .colors
-            .iter()
-            .map(|color| Material::of_color(color.unwrap_or(options.default_color)))
-            .collect();
-        let context = ShadeContext::new(
-            scene,
-            view,
-            &matrix,
-            &options.lights,
-            materials,
-            options.interpolation,
-            options.two_sided,
-        );
+        let context = ShadeContext::new(scene, view, &matrix, options);
         let columns = (width as usize).div_ceil(TILE);
         let rows = (height as usize).div_ceil(TILE);
         self.tiles.resize_with(columns * rows, Tile::default);
@@ -286,14 +272,15 @@ impl Renderer {
                 if !context.scene.sections.is_empty() {
                     cap_tile(tile, origin, samples, context);
                 }
-                counts.shaded = level.run(ResolveTile {
+                counts.shaded = ResolveTile {
                     context,
                     tile,
                     origin: origin.map(|v| v as usize),
                     rows,
                     background,
                     scratch,
-                });
+                }
+                .run(level);
                 counts
             })
             .reduce(FillCounts::default, FillCounts::add)

@@ -5,7 +5,7 @@ use csg::Color;
 use crate::deferred::{Batch, Job, ShadeContext, shade};
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
-use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
+use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
 use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE, Tile};
 
 /// Shades a tile into the pieces of the picture's rows that it covers.
@@ -39,11 +39,11 @@ struct Block {
     mixed: bool,
 }
 
-impl Kernel for ResolveTile<'_, '_> {
-    /// Pixels that show a triangle.
-    type Output = u64;
-    #[inline(always)]
-    fn run<S: Lanes>(self, s: S) -> u64 {
+impl ResolveTile<'_, '_> {
+    /// Does so, and returns the number of pixels that show a triangle. Each
+    /// pass is compiled by itself: together they need more registers than
+    /// there are.
+    pub fn run(self, level: Level) -> u64 {
         let background = encode(self.background);
         if !self.tile.drawn {
             for row in self.rows.iter_mut() {
@@ -60,23 +60,90 @@ impl Kernel for ResolveTile<'_, '_> {
         for by in 0..height.div_ceil(BLOCK) {
             batch.jobs.clear();
             shares.clear();
-            let columns = width.div_ceil(BLOCK);
-            for (bx, block) in blocks[..columns].iter_mut().enumerate() {
-                let at = [self.origin[0] + bx * BLOCK, self.origin[1] + by * BLOCK];
-                *block = find_jobs(s, self.tile, by * BLOCKS + bx, at, batch, shares);
-                shaded += u64::from(block.covered.count_ones());
-            }
-            shade(s, self.context, batch);
-            for (bx, block) in blocks[..columns].iter().enumerate() {
-                let colours = &batch.colours[block.first_job..];
-                let shares = &shares[block.first_job..];
-                let pixels = encode_block(s, block, colours, shares, self.background, background);
-                for (y, row) in self.rows[by * BLOCK..].iter_mut().take(BLOCK).enumerate() {
-                    copy_row(&pixels[y * BLOCK..], &mut row[bx * BLOCK..]);
-                }
-            }
+            let blocks = &mut blocks[..width.div_ceil(BLOCK)];
+            shaded += level.run(FindJobs {
+                tile: self.tile,
+                origin: self.origin,
+                by,
+                blocks,
+                batch,
+                shares,
+            });
+            shade(level, self.context, batch);
+            let end = (by * BLOCK + BLOCK).min(height);
+            level.run(EncodeBlocks {
+                blocks,
+                colours: &batch.colours,
+                shares,
+                background: self.background,
+                encoded_background: background,
+                rows: &mut self.rows[by * BLOCK..end],
+            });
         }
         shaded
+    }
+}
+
+/// Lists what is to be shaded in a row of blocks.
+struct FindJobs<'a> {
+    tile: &'a Tile,
+    origin: [usize; 2],
+    /// Number of the row in the tile.
+    by: usize,
+    blocks: &'a mut [Block],
+    batch: &'a mut Batch,
+    shares: &'a mut Vec<[f32; LANES]>,
+}
+
+impl Kernel for FindJobs<'_> {
+    /// Pixels that show a triangle.
+    type Output = u64;
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) -> u64 {
+        let mut shaded = 0;
+        for (bx, block) in self.blocks.iter_mut().enumerate() {
+            let at = [
+                self.origin[0] + bx * BLOCK,
+                self.origin[1] + self.by * BLOCK,
+            ];
+            let index = self.by * BLOCKS + bx;
+            *block = find_jobs(s, self.tile, index, at, self.batch, self.shares);
+            shaded += u64::from(block.covered.count_ones());
+        }
+        shaded
+    }
+}
+
+/// Writes a row of blocks into the picture.
+struct EncodeBlocks<'a, 'p> {
+    blocks: &'a [Block],
+    colours: &'a [Triple16],
+    shares: &'a [[f32; LANES]],
+    background: Color,
+    encoded_background: [u8; 4],
+    /// The rows of pixels, of which there are fewer at the lower edge.
+    rows: &'a mut [&'p mut [[u8; 4]]],
+}
+
+impl Kernel for EncodeBlocks<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) {
+        for (bx, block) in self.blocks.iter().enumerate() {
+            let colours = &self.colours[block.first_job..];
+            let shares = &self.shares[block.first_job..];
+            let pixels = encode_block(
+                s,
+                block,
+                colours,
+                shares,
+                self.background,
+                self.encoded_background,
+            );
+            for (from, row) in pixels.chunks_exact(BLOCK).zip(self.rows.iter_mut()) {
+                copy_row(from, &mut row[bx * BLOCK..]);
+            }
+        }
     }
 }
 

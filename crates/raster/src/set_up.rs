@@ -50,8 +50,9 @@ pub(crate) struct Corners {
 }
 
 /// What is stored of 16 triangles before it is sorted into records.
-#[derive(Default)]
-struct SetUp {
+pub(crate) struct SetUp {
+    /// Pixels of triangles of one tile.
+    pixels: [PixelOfTriangle; MOST],
     c: [[i32; LANES]; 3],
     right: [[i32; LANES]; 3],
     down: [[i32; LANES]; 3],
@@ -62,6 +63,25 @@ struct SetUp {
     z_range: [[f32; LANES]; 2],
 }
 
+/// All pixels that 16 tiny triangles can have.
+const MOST: usize = LANES * (TINY * TINY) as usize;
+
+impl Default for SetUp {
+    fn default() -> Self {
+        Self {
+            pixels: [PixelOfTriangle::default(); MOST],
+            c: Default::default(),
+            right: Default::default(),
+            down: Default::default(),
+            range: Default::default(),
+            anchor: Default::default(),
+            z: Default::default(),
+            slope: Default::default(),
+            z_range: Default::default(),
+        }
+    }
+}
+
 /// Sets up those of 16 triangles whose bits are in `present`.
 #[inline(always)]
 pub(crate) fn set_up_triangles<S: Lanes>(
@@ -70,6 +90,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
     first: usize,
     present: u32,
     context: &GeometryContext,
+    found: &mut SetUp,
     bins: &mut Bins,
 ) {
     let matrix = context.matrix;
@@ -105,7 +126,6 @@ pub(crate) fn set_up_triangles<S: Lanes>(
     bins.counts.facing_away += u64::from((small & !wanted).count_ones());
     let mut survivors = small & wanted;
     if survivors != 0 {
-        let mut found = SetUp::default();
         // Edge functions, for corners taken clockwise, at the corner of the
         // first pixel.
         let clockwise = zero.lt(area);
@@ -120,27 +140,28 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             dx.store(&mut found.down[k]);
         }
         // Depth is a plane through the corners where they are, not where they
-        // were snapped to; unless a sliver has no area there. Differences are
-        // taken of whole numbers and of what snapping left over, so that they
-        // are right to single precision however far from the middle.
-        let left_x = triple!(|K| (x[K] - snapped_x[K].to_double()).to_single());
-        let left_y = triple!(|K| (y[K] - snapped_y[K].to_double()).to_single());
+        // were snapped to; unless a sliver has no area there. In double
+        // precision: steep faces turn little errors of positions into large
+        // ones of depth.
         let z = triple!(|K| s.load_f(&corners.z[K]));
-        let (dz1, dz2) = (z[1] - z[0], z[2] - z[0]);
-        let dx1 = dx[0].to_float() + (left_x[1] - left_x[0]);
-        let dy1 = dy[0].to_float() + (left_y[1] - left_y[0]);
-        let dx2 = (left_x[2] - left_x[0]) - dx[2].to_float();
-        let dy2 = (left_y[2] - left_y[0]) - dy[2].to_float();
+        let dz1 = z[1].to_double() - z[0].to_double();
+        let dz2 = z[2].to_double() - z[0].to_double();
+        let (dx1, dy1) = (x[1] - x[0], y[1] - y[0]);
+        let (dx2, dy2) = (x[2] - x[0], y[2] - y[0]);
         let exact_area = dx1 * dy2 - dx2 * dy1;
+        let inverse = s.d(1.0) / exact_area;
+        let right = ((dz1 * dy2 - dz2 * dy1) * inverse).to_single();
+        let down = ((dz2 * dx1 - dz1 * dx2) * inverse).to_single();
         let snapped_area = area.to_float();
         let (zero_f, half) = (s.f(0.0), s.f(0.5));
-        let sound = zero_f.lt((exact_area - half * snapped_area) * snapped_area);
-        let inverse = s.f(1.0) / sound.select_f(exact_area, snapped_area);
-        let right = sound.select_f((dz1 * dy2 - dz2 * dy1) * inverse, zero_f);
-        let down = sound.select_f((dz2 * dx1 - dz1 * dx2) * inverse, zero_f);
+        let sound = zero_f.lt((exact_area.to_single() - half * snapped_area) * snapped_area);
+        let right = sound.select_f(right, zero_f);
+        let down = sound.select_f(down, zero_f);
+        let left_x = (x[0] - snapped_x[0].to_double()).to_single();
+        let left_y = (y[0] - snapped_y[0].to_double()).to_single();
         // Snapping moves a corner by at most half a sub-pixel each way.
         let slack = right.max(zero_f - right) + down.max(zero_f - down);
-        (z[0] - (right * left_x[0] + down * left_y[0])).store(&mut found.z);
+        (z[0] - (right * left_x + down * left_y)).store(&mut found.z);
         right.store(&mut found.slope[0]);
         down.store(&mut found.slope[1]);
         (z[0].min(z[1]).min(z[2]) - slack)
@@ -157,7 +178,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             let tiny = s.i(TINY);
             let tiny = survivors & (px1 - px0).lt(tiny).bits() & (py1 - py0).lt(tiny).bits();
             survivors &= !tiny;
-            find_pixels(s, &found, first, tiny, context, bins);
+            find_pixels(s, found, first, tiny, context, bins);
         }
         while survivors != 0 {
             let k = (survivors.trailing_zeros() as usize) % LANES;
@@ -169,8 +190,8 @@ pub(crate) fn set_up_triangles<S: Lanes>(
                 x: [found.range[0][k] as i16, found.range[1][k] as i16],
                 y: [found.range[2][k] as i16, found.range[3][k] as i16],
                 anchor: [found.anchor[0][k], found.anchor[1][k]],
-                z: found.z[k],
-                slope: [found.slope[0][k], found.slope[1][k]],
+                z: f64::from(found.z[k]),
+                slope: [0, 1].map(|axis| f64::from(found.slope[axis][k])),
                 z_low: found.z_range[0][k],
                 z_high: found.z_range[1][k],
                 triangle: (first + k) as i32,
@@ -194,23 +215,26 @@ pub(crate) fn set_up_triangles<S: Lanes>(
 #[inline(always)]
 fn find_pixels<S: Lanes>(
     s: S,
-    found: &SetUp,
+    at: &mut SetUp,
     first: usize,
     tiny: u32,
     context: &GeometryContext,
     bins: &mut Bins,
 ) {
     bins.counts.tiny += u64::from(tiny.count_ones());
+    // Pixels of one tile: most triangles of a cluster are in the same one.
+    let pixels_found = &mut at.pixels;
+    let (mut own_tile, mut count) = (0, 0);
     let zero = s.i(0);
     let half = s.i(SUBPIXELS / 2);
-    let right = triple!(|K| s.load_i(&found.right[K]));
-    let down = triple!(|K| s.load_i(&found.down[K]));
-    let mut row = triple!(|K| (s.load_i(&found.c[K]) + (right[K] + down[K]) * half).shr::<8>());
-    let [slope_x, slope_y] = [s.load_f(&found.slope[0]), s.load_f(&found.slope[1])];
-    let (z, low) = (s.load_f(&found.z), s.load_f(&found.z_range[0]));
-    let high = s.load_f(&found.z_range[1]);
-    let [px0, px1] = [s.load_i(&found.range[0]), s.load_i(&found.range[1])];
-    let [py0, py1] = [s.load_i(&found.range[2]), s.load_i(&found.range[3])];
+    let right = triple!(|K| s.load_i(&at.right[K]));
+    let down = triple!(|K| s.load_i(&at.down[K]));
+    let mut row = triple!(|K| (s.load_i(&at.c[K]) + (right[K] + down[K]) * half).shr::<8>());
+    let [slope_x, slope_y] = [s.load_f(&at.slope[0]), s.load_f(&at.slope[1])];
+    let (z, low) = (s.load_f(&at.z), s.load_f(&at.z_range[0]));
+    let high = s.load_f(&at.z_range[1]);
+    let [px0, px1] = [s.load_i(&at.range[0]), s.load_i(&at.range[1])];
+    let [py0, py1] = [s.load_i(&at.range[2]), s.load_i(&at.range[3])];
     let columns = s.i(context.columns as i32);
     let low_bits = s.i(3);
     for j in 0..TINY {
@@ -219,7 +243,7 @@ fn find_pixels<S: Lanes>(
         if in_rows == 0 {
             break;
         }
-        let sub_y = s.f((j * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&found.anchor[1]);
+        let sub_y = s.f((j * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&at.anchor[1]);
         let mut e = row;
         for i in 0..TINY {
             let x = px0 + s.i(i);
@@ -232,7 +256,7 @@ fn find_pixels<S: Lanes>(
             if inside == 0 {
                 continue;
             }
-            let sub_x = s.f((i * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&found.anchor[0]);
+            let sub_x = s.f((i * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&at.anchor[0]);
             let depth = (z + (slope_x * sub_x + slope_y * sub_y)).max(low).min(high);
             let tile = y.shr::<6>() * columns + x.shr::<6>();
             let block = (y.shr::<2>() & s.i(15)).shl::<4>() | (x.shr::<2>() & s.i(15));
@@ -244,17 +268,21 @@ fn find_pixels<S: Lanes>(
             while inside != 0 {
                 let k = (inside.trailing_zeros() as usize) % LANES;
                 inside &= inside - 1;
-                if let Some(tile) = bins.pixels.get_mut(tiles[k] as usize) {
-                    tile.push(PixelOfTriangle {
-                        pixel: pixels[k] as u32,
-                        depth: depths[k],
-                        triangle: (first + k) as i32,
-                    });
+                if tiles[k] != own_tile {
+                    bins.push_pixels(own_tile, &pixels_found[..count]);
+                    (own_tile, count) = (tiles[k], 0);
                 }
+                pixels_found[count % MOST] = PixelOfTriangle {
+                    pixel: pixels[k] as u32,
+                    depth: depths[k],
+                    triangle: (first + k) as i32,
+                };
+                count += 1;
             }
         }
         row = triple!(|K| row[K] + down[K]);
     }
+    bins.push_pixels(own_tile, &pixels_found[..count]);
 }
 
 /// Sorts a record into the tiles that its box of pixels touches.
@@ -344,8 +372,8 @@ pub(crate) fn set_up_one(
     };
     let anchor = [inside(0, x), inside(1, y)];
     let [ax, ay] = [0, 1].map(|axis| f64::from(anchor[axis] - matrix.middle[axis]));
-    let slope = [plane.x as f32, plane.y as f32];
-    let slack = slope[0].abs() + slope[1].abs();
+    let slope = [plane.x, plane.y];
+    let slack = (slope[0].abs() + slope[1].abs()) as f32;
     let record = Record {
         c,
         right,
@@ -353,7 +381,7 @@ pub(crate) fn set_up_one(
         x: x.map(|v| v as i16),
         y: y.map(|v| v as i16),
         anchor: [0, 1].map(|axis| (anchor[axis] - from[axis]) as f32),
-        z: (plane.x * ax + plane.y * ay + plane.z) as f32,
+        z: plane.x * ax + plane.y * ay + plane.z,
         slope,
         z_low: (depths[0].min(depths[1]).min(depths[2]) - slack).max(0.0),
         z_high: depths[0].max(depths[1]).max(depths[2]) + slack,

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use csg::Mesh;
 use glam::DVec3;
 use raster::{Material, RenderOptions, View};
+
+use crate::meshes::Indexed;
 
 /// The times of some frames.
 #[derive(Clone, Debug)]
@@ -18,8 +19,7 @@ pub struct Frames {
     pub processor: Duration,
 }
 
-/// Draws `frames` frames of a mesh whose corners at a vertex share a normal,
-/// under ambient light 0.1 and light 0.9 from `towards`, with 0 or 4 samples
+/// Draws `frames` frames of a mesh under ambient light 0.1 and light 0.9 from `towards`, with 0 or 4 samples
 /// a pixel. `python` has moderngl and numpy; `LP_NUM_THREADS` in the
 /// environment is the number of llvmpipe's threads.
 ///
@@ -28,7 +28,7 @@ pub struct Frames {
 #[allow(clippy::too_many_arguments, reason = "one call in one benchmark")]
 pub fn draw(
     python: &str,
-    mesh: &Mesh,
+    mesh: &Indexed,
     view: &View,
     (width, height): (u32, u32),
     towards: DVec3,
@@ -38,20 +38,9 @@ pub fn draw(
     let folder = std::env::temp_dir().join(format!("llvmpipe-{}", std::process::id()));
     let text = |error: std::io::Error| error.to_string();
     std::fs::create_dir_all(&folder).map_err(text)?;
-    let mut normals = vec![glam::Vec3::Z; mesh.positions.len()];
-    for (triangle, corners) in mesh.triangles.iter().zip(&mesh.corner_normals) {
-        for (v, normal) in triangle.iter().zip(corners) {
-            normals[*v as usize] = *normal;
-        }
-    }
-    let mut vertices = Vec::with_capacity(mesh.positions.len() * 24);
-    for (p, n) in mesh.positions.iter().zip(&normals) {
-        for value in p.as_vec3().to_array().into_iter().chain(n.to_array()) {
-            vertices.extend(value.to_le_bytes());
-        }
-    }
-    let indices = mesh.triangles.as_flattened().iter();
-    let indices: Vec<u8> = indices.flat_map(|v| v.to_le_bytes()).collect();
+    let floats = mesh.vertices.iter().flatten().flat_map(|v| v.to_array());
+    let vertices: Vec<u8> = floats.flat_map(f32::to_le_bytes).collect();
+    let indices: Vec<u8> = mesh.indices.iter().flat_map(|v| v.to_le_bytes()).collect();
     std::fs::write(folder.join("vertices.bin"), vertices).map_err(text)?;
     std::fs::write(folder.join("indices.bin"), indices).map_err(text)?;
     let material = Material::of_color(RenderOptions::default().default_color);
