@@ -11,7 +11,7 @@ use super::random::Random;
 
 fn mesh(solid: &Solid, smallest: f64) -> (Program, Meshed) {
     let program = Program::lower(solid).expect("a valid solid");
-    let meshed = Mesher::new().adaptive(smallest).mesh(&program);
+    let meshed = Mesher::new().smallest_feature(smallest).mesh(&program);
     (program, meshed.expect("a mesh"))
 }
 
@@ -172,5 +172,62 @@ fn random_solids_are_manifold() {
         let solid = Random::new(seed).solid();
         let (program, meshed) = mesh(&solid, 0.02);
         assert_sound(&format!("seed {seed}"), &program, &meshed);
+    }
+}
+
+#[test]
+fn a_tolerance_is_kept_with_few_triangles() {
+    // Name, solid, tolerance, the most triangles, exact volume, area.
+    let all = [
+        ("rotated box", scenes::rotated_box(), 1e-3, 12, 1.44),
+        (
+            "menger 2",
+            scenes::menger(2),
+            1e-3,
+            1296,
+            scenes::menger_volume(2),
+        ),
+        (
+            "thin box",
+            turned(&(Solid::cube(1.0) - Solid::cube(1.0 - 2e-6))),
+            1e-3,
+            24,
+            5.999988e-6,
+        ),
+        (
+            "drilled",
+            scenes::drilled(),
+            1e-3,
+            6000,
+            scenes::DRILLED_VOLUME,
+        ),
+        (
+            "tricylinder",
+            scenes::tricylinder(),
+            1e-3,
+            600,
+            scenes::TRICYLINDER_VOLUME,
+        ),
+    ];
+    for (name, solid, tolerance, most, volume) in all {
+        let program = Program::lower(&solid).expect("a valid solid");
+        let mesher = Mesher::new().tolerance(tolerance);
+        let meshed = mesher.mesh(&program).expect("a mesh");
+        assert_sound(name, &program, &meshed);
+        assert_eq!(meshed.report.fallbacks, [], "{name}");
+        let deviation = meshed.report.deviation.expect("a bound");
+        assert!(deviation <= tolerance, "{name}: {deviation:e}");
+        let mesh = &meshed.mesh;
+        assert!(
+            mesh.triangles.len() <= most,
+            "{name}: {}",
+            mesh.triangles.len()
+        );
+        assert_eq!(mesh.self_intersections().len(), 0, "{name}");
+        let error = (mesh.volume() - volume).abs();
+        assert!(
+            error <= 1e-14 + deviation * mesh.area(),
+            "{name}: {error:e}"
+        );
     }
 }

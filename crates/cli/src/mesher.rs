@@ -11,10 +11,12 @@ use crate::progress::Progress;
 /// How to mesh a solid.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MesherOptions {
-    /// Cells along the longest side of the solid's bounds
-    #[arg(long, value_name = "N", default_value_t = 128,
+    /// Uniform cells, so many along the longest side of the solid's bounds
+    /// [default: 128; with a tolerance or a smallest feature, cells as large as
+    /// the solid is simple]
+    #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
-    pub(crate) cells: u32,
+    pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes
     #[arg(long, value_name = "DISTANCE", conflicts_with = "draft")]
@@ -23,6 +25,10 @@ pub(crate) struct MesherOptions {
     /// along an edge of the mesh
     #[arg(long, value_name = "DEGREES", requires = "tolerance")]
     pub(crate) angle: Option<f64>,
+    /// Look for features down to this size, in the model's unit [default: the
+    /// tolerance]
+    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["cells", "draft"])]
+    pub(crate) smallest_feature: Option<f64>,
     /// Mesh with plain surface nets: bevelled edges, perhaps not manifold
     #[arg(long)]
     pub(crate) draft: bool,
@@ -99,9 +105,14 @@ pub(crate) fn produce(
             progress.stage("meshing");
             let mut mesher = Mesher::new()
                 .normals()
-                .cells(options.cells)
                 .unit(options.unit.length_unit())
                 .progress(progress.callback());
+            if let Some(cells) = options.cells {
+                mesher = mesher.cells(cells);
+            }
+            if let Some(size) = options.smallest_feature {
+                mesher = mesher.smallest_feature(size);
+            }
             if let Some(tolerance) = options.tolerance {
                 mesher = mesher.tolerance(tolerance);
             }

@@ -36,7 +36,8 @@ pub const MAX_CELLS: u32 = 1 << 16;
 #[derive(Clone, Debug)]
 #[must_use]
 pub struct Mesher {
-    resolution: Resolution,
+    resolution: Option<Resolution>,
+    smallest_feature: Option<f64>,
     method: Method,
     tolerance: Option<f64>,
     angle: Option<f64>,
@@ -60,8 +61,6 @@ enum Resolution {
 #[derive(Clone, Copy, Debug)]
 enum Method {
     Exact,
-    /// Adaptive cells, none smaller than this.
-    Adaptive(f64),
     Draft,
 }
 
@@ -99,7 +98,8 @@ impl Mesher {
     /// 128 cells along the longest side of the solid's bounds, in millimetres.
     pub fn new() -> Self {
         Self {
-            resolution: Resolution::Cells(128),
+            resolution: None,
+            smallest_feature: None,
             method: Method::Exact,
             tolerance: None,
             angle: None,
@@ -115,13 +115,13 @@ impl Mesher {
     /// As many cells along the longest side of the bounds, 1 to
     /// [`MAX_CELLS`]. Time and memory grow with the square of it.
     pub fn cells(mut self, cells: u32) -> Self {
-        self.resolution = Resolution::Cells(cells);
+        self.resolution = Some(Resolution::Cells(cells));
         self
     }
 
     /// Cells of this side length, in model units.
     pub fn cell_size(mut self, size: f64) -> Self {
-        self.resolution = Resolution::Size(size);
+        self.resolution = Some(Resolution::Size(size));
         self
     }
 
@@ -151,16 +151,19 @@ impl Mesher {
         self
     }
 
-    /// Adaptive cells: as large as the solid is simple in them, whatever
-    /// [`Self::cells`] says, and none smaller than `smallest`, in model units.
+    /// Looks for features down to this size, in model units, with adaptive
+    /// cells: as large as the solid is simple in them, and none smaller than
+    /// this. With a [`Self::tolerance`] and without [`Self::cells`] that is how
+    /// meshes are made; the smallest feature is then the tolerance, unless said
+    /// otherwise.
     ///
-    /// The mesh has the solid's topology down to features of that size, two
-    /// sheets nearer to each other than a cell included, with few triangles:
-    /// flat faces, straight edges and corners are exact, curved faces come in
-    /// chords as coarse as a sixth of a circle. Costs some microseconds a
-    /// cell.
-    pub fn adaptive(mut self, smallest: f64) -> Self {
-        self.method = Method::Adaptive(smallest);
+    /// The mesh has the solid's topology, two sheets nearer to each other than
+    /// a cell included, with few triangles: flat faces, straight edges and
+    /// corners are exact, and without a tolerance curved faces come in chords
+    /// as coarse as a sixth of a circle. What could not be resolved is
+    /// reported. Costs some microseconds a cell.
+    pub fn smallest_feature(mut self, size: f64) -> Self {
+        self.smallest_feature = Some(size);
         self
     }
 
@@ -225,11 +228,12 @@ impl Mesher {
     /// [`Error::TooLarge`] if the vertices outnumber an index,
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
+        let smallest = self.smallest_cell()?;
         let mut report = Report {
             method: match self.method {
-                Method::Exact => "exact",
-                Method::Adaptive(_) => "adaptive",
                 Method::Draft => "draft",
+                Method::Exact if smallest.is_some() => "adaptive",
+                Method::Exact => "exact",
             },
             ..Report::default()
         };
@@ -250,7 +254,10 @@ impl Mesher {
         let mut mesh = Mesh::default();
         // A box without extent holds no solid: at most a point was left of it.
         if let Some(bounds) = bounds.filter(|b| b.size().max_element() > 0.0) {
-            report.cell_size = self.cell_size_for(&bounds)?;
+            report.cell_size = match smallest {
+                Some(smallest) => smallest.min(bounds.size().max_element()),
+                None => self.cell_size_for(&bounds)?,
+            };
             let origin = bounds.center();
             let task = Task {
                 program,
@@ -261,9 +268,9 @@ impl Mesher {
                 control: &self.control,
             };
             mesh = match self.method {
-                Method::Exact => net::mesh(&task, &mut report)?,
-                Method::Adaptive(smallest) => adapt::mesh(&task, smallest, &mut report)?,
                 Method::Draft => draft::mesh(&task, &mut report)?,
+                Method::Exact if smallest.is_some() => adapt::mesh(&task, &mut report)?,
+                Method::Exact => net::mesh(&task, &mut report)?,
             };
             if let Some(goal) = goal {
                 self.refine(&mut mesh, &task, &goal, &mut report)?;
@@ -360,10 +367,24 @@ impl Mesher {
         Ok(())
     }
 
+    /// The size below which cells are not split, if they are adaptive.
+    fn smallest_cell(&self) -> Result<Option<f64>, Error> {
+        if let Some(size) = self.smallest_feature
+            && !(size > 0.0 && size.is_finite())
+        {
+            return Err(Error::InvalidOption(format!(
+                "a smallest feature of {size}: give a positive length"
+            )));
+        }
+        let is_adaptive = matches!(self.method, Method::Exact) && self.resolution.is_none();
+        let wanted = self.smallest_feature.or(self.tolerance);
+        Ok(wanted.filter(|_| is_adaptive))
+    }
+
     fn cell_size_for(&self, bounds: &Bounds) -> Result<f64, Error> {
         let longest = bounds.size().max_element();
         let range = format!("1 to {MAX_CELLS} cells along the longest side");
-        match self.resolution {
+        match self.resolution.unwrap_or(Resolution::Cells(128)) {
             Resolution::Cells(cells) if (1..=MAX_CELLS).contains(&cells) => {
                 Ok(longest / f64::from(cells))
             }

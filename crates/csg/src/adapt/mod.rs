@@ -122,8 +122,8 @@ impl Crossings {
 }
 
 /// A mesh of the solid with as few cells as its shape permits, in the local
-/// frame. No cell is finer than `smallest`.
-pub(crate) fn mesh(task: &Task<'_>, smallest: f64, report: &mut Report) -> Result<Mesh, Error> {
+/// frame. No cell is split that is smaller than the task's.
+pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let side = ROOT * longest;
@@ -134,7 +134,7 @@ pub(crate) fn mesh(task: &Task<'_>, smallest: f64, report: &mut Report) -> Resul
         unit: side / f64::from(1u32 << ROOT_BITS),
         tolerance: ON_SURFACE * longest + 8.0 * f64::EPSILON * task.origin.length(),
     };
-    let levels = (side / smallest)
+    let levels = (side / task.cell)
         .log2()
         .ceil()
         .clamp(1.0, f64::from(MOST_LEVELS));
@@ -180,13 +180,10 @@ pub(crate) fn mesh(task: &Task<'_>, smallest: f64, report: &mut Report) -> Resul
     report.cells_pruned = grower.pruned;
     report.surface_cells = grower.leaves.len() as u64;
     let start = report.end_stage("vertices", start);
-    let (mut mesh, strays) = assemble(task, &scene, &mut complex, &crossings, &placed);
+    let (mesh, strays) = assemble(task, &scene, &mut complex, &crossings, &placed);
     let unsound = placed.iter().filter(|p| !p.is_sound).map(|p| p.position);
     for place in unsound.chain(strays) {
         report.add_fallback(UNSOUND, place + task.origin);
-    }
-    for position in &mut mesh.positions {
-        *position += task.origin;
     }
     report.end_stage("triangles", start);
     Ok(mesh)
