@@ -57,14 +57,22 @@ fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
 /// triangle is too large for the surface's curvature.
 #[must_use]
 pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
-    let values = corners.map(|p| surface.value(p).abs());
-    let at_corners = values[0].max(values[1]).max(values[2]);
+    let [p, q, r] = corners;
+    let at_corners = surface
+        .value(p)
+        .abs()
+        .max(surface.value(q).abs())
+        .max(surface.value(r).abs());
     if surface.is_plane() {
         return at_corners;
     }
-    let [p, q, r] = corners;
-    let mut quarters = [q - p, r - q, p - r].map(|d| -0.25 * surface.curvature_along(d));
-    let mut gradients = corners.map(|p| surface.gradient(p));
+    let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
+    let mut quarters = [quarter(q - p), quarter(r - q), quarter(p - r)];
+    let mut gradients = [
+        surface.gradient(p),
+        surface.gradient(q),
+        surface.gradient(r),
+    ];
     if let Some(apex) = surface.apex()
         && let Some(tip) = corners.iter().position(|&corner| corner == apex)
     {
@@ -77,34 +85,48 @@ pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
     }
     // The gradient's component along any direction is linear.
     let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
-    let slopes = gradients.map(|g| g.dot(mean));
+    let slopes = [
+        gradients[0].dot(mean),
+        gradients[1].dot(mean),
+        gradients[2].dot(mean),
+    ];
+    let least = slopes[0].min(slopes[1]).min(slopes[2]);
+    let greatest = slopes[0].max(slopes[1]).max(slopes[2]);
     let lipschitz = hessian_norm(surface);
     // With f = Σ 2 b_ij λ_i λ_j and the slope Σ s_i λ_i >= (Σ √s_i λ_i)² by
     // Cauchy and Schwarz: in terms of √s_i λ_i the ratio is one of quadratic
     // forms again.
     let ratio = |distance: f64| {
-        let [s0, s1, s2] = slopes.map(|s| s - lipschitz * distance);
-        let least = s0.min(s1).min(s2);
+        let less = lipschitz * distance;
+        let least = least - less;
         if least <= 0.0 {
             return f64::INFINITY;
         }
-        let [a, b, c] = quarters;
+        if greatest <= 1.01 * least {
+            return (largest_on_triangle(quarters) + at_corners) / least;
+        }
+        let roots = [
+            (slopes[0] - less).sqrt(),
+            (slopes[1] - less).sqrt(),
+            (slopes[2] - less).sqrt(),
+        ];
         let scaled = [
-            a / (s0 * s1).sqrt(),
-            b / (s1 * s2).sqrt(),
-            c / (s2 * s0).sqrt(),
+            quarters[0] / (roots[0] * roots[1]),
+            quarters[1] / (roots[1] * roots[2]),
+            quarters[2] / (roots[2] * roots[0]),
         ];
         largest_on_triangle(scaled) + at_corners / least
     };
     // A distance that the map shrinks is a bound, and so is its image.
-    let mut bound = 1.25 * ratio(1.25 * ratio(0.0));
-    if ratio(bound) > bound {
-        return f64::INFINITY;
+    let guess = 1.25 * ratio(0.0);
+    let bound = ratio(guess);
+    if bound <= guess {
+        bound
+    } else if ratio(2.0 * bound) <= 2.0 * bound {
+        ratio(2.0 * bound)
+    } else {
+        f64::INFINITY
     }
-    for _ in 0..2 {
-        bound = ratio(bound);
-    }
-    bound
 }
 
 /// A bound of the distance of any point of the chord to the curve in which two

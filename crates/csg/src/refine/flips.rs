@@ -11,8 +11,9 @@ use super::regions::metric;
 use super::shape::faces_out_in_the_middle;
 
 /// Flips edges, those on the stack and the neighbours of what was flipped,
-/// until none would be better flipped.
-pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
+/// until none would be better flipped. Both sides of every flipped edge are added
+/// to `changed`.
+pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>, changed: &mut Vec<u32>) {
     // Flipping makes the smallest angles grow but for rounding: this many are
     // never needed.
     let mut left = 200 + 40 * stack.len();
@@ -26,6 +27,7 @@ pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
             let twin = mesh.twin(half);
             mesh.flip(half);
             stack.extend([half, next(half), twin, next(twin)]);
+            changed.extend([previous(half), previous(twin)]);
         }
     }
 }
@@ -36,8 +38,10 @@ fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let twin = mesh.twin(half);
     let surface = mesh.surface(half);
     let bend = mesh.region(half).bend;
-    let [a, b, c, d] =
-        [half, twin, previous(half), previous(twin)].map(|half| mesh.at(mesh.origin(half)));
+    let a = mesh.at(mesh.origin(half));
+    let b = mesh.at(mesh.origin(twin));
+    let c = mesh.at(mesh.apex(half));
+    let d = mesh.at(mesh.apex(twin));
     let ab = metric(surface, bend, b - a);
     // Twice the product of the sides and the cosine, and the sides' squares.
     let angle = |ca: f64, cb: f64| (ca + cb - ab, 4.0 * ca * cb);

@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::curves::Stretch;
+use super::chains::{chains, divide, move_vertices};
 use super::flips::flip_all;
 use super::half_edges::{HalfEdges, Kind, NONE, next};
 use super::regions::Bend;
@@ -39,6 +39,8 @@ pub(super) struct Grower<'m, 's> {
     points: Vec<DVec3>,
     /// Edges to be looked at for flipping.
     stack: Vec<u32>,
+    /// Edges whose triangles changed since they were looked at.
+    changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
     stuck: Vec<(u32, DVec3)>,
     pub unkept: Vec<(Unkept, DVec3)>,
@@ -57,6 +59,7 @@ impl<'m, 's> Grower<'m, 's> {
             pieces: Vec::new(),
             points: Vec::new(),
             stack: Vec::new(),
+            changed: Vec::new(),
             stuck: Vec::new(),
             unkept: Vec::new(),
         }
@@ -74,19 +77,11 @@ impl<'m, 's> Grower<'m, 's> {
             control.check()?;
             let chords = (f64::from(level)).exp2();
             self.halve_pieces(chords);
-            for _ in 0..MOST_ROUNDS {
-                if self.halve_edges(chords, false) == 0 {
-                    break;
-                }
-            }
+            self.halve_edges(chords, false);
             self.free_stuck();
         }
-        for _ in 0..MOST_ROUNDS {
-            control.check()?;
-            if self.halve_edges(1.0, true) + self.cut_far_triangles() == 0 {
-                break;
-            }
-        }
+        self.halve_edges(1.0, true);
+        self.cut_far_triangles(control)?;
         self.free_stuck();
         for (vertex, place) in std::mem::take(&mut self.stuck) {
             // On its surfaces, whatever it folds.
@@ -98,59 +93,36 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Finds the points that every edge along a curve needs.
     fn measure_curves(&mut self) {
-        for half in 0..self.mesh.halves.len() as u32 {
-            let twin = self.mesh.twin(half);
-            if self.mesh.is_gone(half / 3) || half > twin || !self.mesh.is_feature(half) {
+        for chain in chains(self.mesh) {
+            if self.cut_up(&chain) {
                 continue;
             }
-            let surfaces = [self.mesh.surface(half), self.mesh.surface(twin)];
-            if std::ptr::eq(surfaces[0], surfaces[1]) || surfaces.iter().all(|s| s.is_plane()) {
-                continue;
+            for half in chain {
+                if !self.cut_up(&[half]) {
+                    let ends = [self.mesh.origin(half), self.mesh.target(half)];
+                    let [p, q] = ends.map(|v| self.mesh.at(v));
+                    self.unkept.push((Unkept::Lost, 0.5 * (p + q)));
+                }
             }
-            let ends = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
-            let first = self.points.len();
-            if !self.sample(surfaces, ends) {
-                self.points.truncate(first);
-                let middle = 0.5 * (ends[0] + ends[1]);
-                self.unkept.push((Unkept::Lost, middle));
-            }
-            let piece = Piece {
-                first: first as u32,
-                count: (self.points.len() - first) as u32,
-            };
-            self.add_piece(half, piece);
         }
     }
 
-    fn sample(&mut self, surfaces: [&'s Surface; 2], [from, to]: [DVec3; 2]) -> bool {
-        let Some(stretch) = Stretch::new(surfaces, from, to, self.goal, self.precision) else {
+    /// Finds the points for the edges of a chain.
+    fn cut_up(&mut self, chain: &[u32]) -> bool {
+        let Some(division) = divide(self.mesh, chain, self.goal, self.precision) else {
             return false;
         };
-        const MOST_TRIES: usize = 3;
-        let first = self.points.len();
-        let mut chords = (stretch.chords() - 1e-3).ceil().max(1.0);
-        for _ in 0..MOST_TRIES {
-            self.points.truncate(first);
-            let mut before = from;
-            let mut farthest = 0.0f64;
-            for i in 1..=chords as u32 {
-                let here = if i == chords as u32 {
-                    to
-                } else if let Some(point) = stretch.point_at(f64::from(i) / chords) {
-                    self.points.push(point);
-                    point
-                } else {
-                    return false;
-                };
-                farthest = farthest.max(deviation::of_chord(surfaces, before, here));
-                before = here;
-            }
-            // Curvature is the whole story only where it hardly changes.
-            let excess = farthest / self.goal.tolerance;
-            if excess <= 1.0 || excess > 2.0 {
-                break;
-            }
-            chords = (chords * excess.sqrt()).floor() + 1.0;
+        if !move_vertices(self.mesh, chain, &division) {
+            return false;
+        }
+        let mut first = self.points.len() as u32;
+        self.points.extend(&division.points);
+        let mut before = 0;
+        for (&half, &end) in chain.iter().zip(&division.ends) {
+            let count = end - before - 1;
+            self.add_piece(half, Piece { first, count });
+            first += end - before;
+            before = end;
         }
         true
     }
@@ -161,7 +133,7 @@ impl<'m, 's> Grower<'m, 's> {
                 self.stack.push(half);
             }
         }
-        flip_all(self.mesh, &mut self.stack);
+        self.flip();
     }
 
     fn longest_edge(&self) -> f64 {
@@ -180,20 +152,18 @@ impl<'m, 's> Grower<'m, 's> {
         let share = match region.bend {
             Bend::Single if developable => 1.0,
             Bend::Flat | Bend::Single => return 0.0,
-            // The middle of a triangle is farther off than those of its sides,
-            // by a third if it is equilateral.
-            Bend::Double | Bend::Saddle => 0.75,
+            Bend::Double | Bend::Saddle => 1.0,
         };
         let twin = self.mesh.twin(half);
         if self.mesh.is_feature(half) && region.surface != self.mesh.surface_index(twin) {
             return 0.0;
         }
         let surface = self.mesh.surface(half);
-        let [p, q] = [half, twin].map(|half| self.mesh.at(self.mesh.origin(half)));
-        let edge = q - p;
+        let p = self.mesh.at(self.mesh.origin(half));
+        let q = self.mesh.at(self.mesh.origin(twin));
         let gradient = surface.gradient(0.5 * (p + q)).length();
-        let sag = 0.125 * surface.curvature_along(edge).abs() / gradient;
-        let for_distance = (sag / (share * self.goal.aim())).sqrt();
+        let sag = 0.125 * surface.curvature_along(q - p).abs();
+        let for_distance = (sag / (share * self.goal.aim() * gradient)).sqrt();
         match self.goal.angle {
             None => for_distance,
             Some(angle) => {
@@ -225,7 +195,7 @@ impl<'m, 's> Grower<'m, 's> {
             };
             self.insert(half, target, Kind::Curve, Some(on));
         }
-        flip_all(self.mesh, &mut self.stack);
+        self.flip();
     }
 
     /// Lets an edge stand for a piece.
@@ -245,21 +215,30 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     /// Halves the edges inside faces that should become more than `chords`
-    /// chords; returns how many.
-    fn halve_edges(&mut self, chords: f64, developable: bool) -> usize {
-        let mut halved = 0;
-        for half in 0..self.mesh.halves.len() as u32 {
-            if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
-                continue;
+    /// chords, and what comes of that.
+    fn halve_edges(&mut self, chords: f64, developable: bool) {
+        self.changed.clear();
+        self.changed.extend(0..self.mesh.halves.len() as u32);
+        for _ in 0..MOST_ROUNDS {
+            if self.changed.is_empty() {
+                break;
             }
-            let wanted = self.chords_of(half, developable);
-            // What is cut evenly comes out a hair too long.
-            if wanted > chords * (1.0 + 1e-3) && self.cut(half, wanted) {
-                halved += 1;
+            for half in std::mem::take(&mut self.changed) {
+                if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
+                    continue;
+                }
+                let wanted = self.chords_of(half, developable);
+                // What is cut evenly comes out a hair too long.
+                if wanted > chords * (1.0 + 1e-3) {
+                    self.cut(half, wanted);
+                }
             }
+            self.flip();
         }
-        flip_all(self.mesh, &mut self.stack);
-        halved
+    }
+
+    fn flip(&mut self) {
+        flip_all(self.mesh, &mut self.stack, &mut self.changed);
     }
 
     /// Cuts an edge inside a face that should become `wanted` chords near its
@@ -286,43 +265,54 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     /// Cuts the triangles that are farther from their surface than the
-    /// tolerance though their edges are not; returns how many.
-    fn cut_far_triangles(&mut self) -> usize {
-        let mut cut = 0;
-        for triangle in 0..self.mesh.triangle_count() {
-            if self.mesh.is_gone(triangle) {
-                continue;
+    /// tolerance though their edges are not.
+    fn cut_far_triangles(&mut self, control: &Control) -> Result<(), Error> {
+        let mut triangles: Vec<u32> = (0..self.mesh.triangle_count()).collect();
+        for _ in 0..MOST_ROUNDS {
+            control.check()?;
+            self.changed.clear();
+            for &triangle in &triangles {
+                if !self.mesh.is_gone(triangle) && self.is_far(triangle) {
+                    let longest = (3 * triangle..3 * triangle + 3)
+                        .filter(|&side| !self.mesh.is_feature(side))
+                        .max_by(|&a, &b| {
+                            self.chords_of(a, true).total_cmp(&self.chords_of(b, true))
+                        });
+                    if let Some(side) = longest {
+                        self.cut(side, 2.0);
+                    }
+                }
             }
-            let half = 3 * triangle;
-            let surface = self.mesh.surface(half);
-            if surface.is_plane() {
-                continue;
-            }
-            let corners = self.mesh.triangle(triangle).map(|v| self.mesh.at(v));
-            if deviation::of_triangle(surface, corners) <= self.goal.tolerance {
-                continue;
-            }
-            let sides = (half..half + 3).filter(|&side| !self.mesh.is_feature(side));
-            let longest =
-                sides.max_by(|&a, &b| self.chords_of(a, true).total_cmp(&self.chords_of(b, true)));
-            if let Some(side) = longest {
-                cut += usize::from(self.cut(side, 2.0));
+            self.flip();
+            triangles.clear();
+            triangles.extend(self.changed.iter().map(|half| half / 3));
+            triangles.sort_unstable();
+            triangles.dedup();
+            if triangles.is_empty() {
+                break;
             }
         }
-        flip_all(self.mesh, &mut self.stack);
-        cut
+        Ok(())
+    }
+
+    fn is_far(&self, triangle: u32) -> bool {
+        let surface = self.mesh.surface(3 * triangle);
+        let corners = self.mesh.corners(triangle);
+        !surface.is_plane() && deviation::of_triangle(surface, corners) > self.goal.tolerance
     }
 
     /// Whether the four triangles that a split leaves face the right way.
     fn splits_well(&self, half: u32, target: DVec3) -> bool {
         let mesh = &*self.mesh;
-        [half, mesh.twin(half)].into_iter().all(|half| {
+        let side_is_good = |half: u32| {
             let (surface, region) = (mesh.surface(half), mesh.region(half));
-            let [u, w, c] =
-                [mesh.origin(half), mesh.target(half), mesh.apex(half)].map(|v| mesh.at(v));
+            let u = mesh.at(mesh.origin(half));
+            let w = mesh.at(mesh.target(half));
+            let c = mesh.at(mesh.apex(half));
             faces_out_in_the_middle(surface, region, [u, target, c])
                 && faces_out_in_the_middle(surface, region, [target, w, c])
-        })
+        };
+        side_is_good(half) && side_is_good(mesh.twin(half))
     }
 
     /// Splits an edge and brings the new vertex to `target`; `on` is the piece
@@ -343,9 +333,15 @@ impl<'m, 's> Grower<'m, 's> {
         if !is_free && !self.push(vertex, target) {
             self.stuck.push((vertex, target));
         }
-        let mesh = &*self.mesh;
-        let around = mesh.around(vertex).flat_map(|spoke| [spoke, next(spoke)]);
-        self.stack.extend(around);
+        self.touch(vertex);
+    }
+
+    /// All edges around a vertex are to be looked at again.
+    fn touch(&mut self, vertex: u32) {
+        for spoke in self.mesh.around(vertex) {
+            self.stack.extend([spoke, next(spoke)]);
+            self.changed.extend([spoke, self.mesh.twin(spoke)]);
+        }
     }
 
     /// Moves a vertex, flipping the edges that are in its way.
@@ -386,14 +382,12 @@ impl<'m, 's> Grower<'m, 's> {
         let stuck = std::mem::take(&mut self.stuck);
         for (vertex, target) in stuck {
             if self.push(vertex, target) {
-                let mesh = &*self.mesh;
-                let around = mesh.around(vertex).flat_map(|spoke| [spoke, next(spoke)]);
-                self.stack.extend(around);
+                self.touch(vertex);
             } else {
                 self.stuck.push((vertex, target));
             }
         }
-        flip_all(self.mesh, &mut self.stack);
+        self.flip();
     }
 }
 

@@ -232,8 +232,21 @@ impl<'a> HalfEdges<'a> {
         self.region_of[half as usize / 3] != self.region_of[twin as usize / 3]
     }
 
+    #[inline(always)]
     pub fn triangle(&self, triangle: u32) -> [u32; 3] {
-        [0, 1, 2].map(|i| self.origin(3 * triangle + i))
+        let half = 3 * triangle;
+        [
+            self.origin(half),
+            self.origin(half + 1),
+            self.origin(half + 2),
+        ]
+    }
+
+    /// The places of a triangle's corners.
+    #[inline(always)]
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let [a, b, c] = self.triangle(triangle);
+        [self.at(a), self.at(b), self.at(c)]
     }
 
     pub fn is_gone(&self, triangle: u32) -> bool {

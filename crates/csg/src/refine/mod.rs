@@ -11,6 +11,7 @@
 //! Vertices never leave their surfaces. One thread does all of this, in a
 //! fixed order.
 
+mod chains;
 mod coarsen;
 mod curves;
 pub(crate) mod deviation;
@@ -155,7 +156,7 @@ fn measure(mesh: &HalfEdges<'_>, goal: &Goal) -> Outcome {
         }
         let half = 3 * triangle;
         let surface = mesh.surface(half);
-        let corners = mesh.triangle(triangle).map(|v| mesh.at(v));
+        let corners = mesh.corners(triangle);
         if !surface.is_plane() {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             note(deviation::of_triangle(surface, corners), middle);

@@ -23,13 +23,11 @@ pub(super) fn faces_out(
     if region.bend == Bend::Flat {
         return region.outward * normal.dot(surface.linear) > 0.0;
     }
-    corners.into_iter().all(|corner| {
-        agree(
-            normal,
-            region.outward * surface.gradient(corner),
-            least_cosine,
-        )
-    })
+    let agrees = |corner| {
+        let outward = region.outward * surface.gradient(corner);
+        agree(normal, outward, least_cosine)
+    };
+    agrees(corners[0]) && agrees(corners[1]) && agrees(corners[2])
 }
 
 /// The same with the normal at the triangle's middle alone, which is enough

@@ -1,0 +1,165 @@
+//! The curves of a mesh from end to end, and where along them vertices should
+//! be.
+
+use glam::DVec3;
+
+use super::curves::Stretch;
+use super::half_edges::{HalfEdges, Kind, next};
+use super::shape::faces_out_in_the_middle;
+use super::{Goal, deviation};
+use crate::program::Surface;
+
+/// A chain of edges along one curve, cut into chords that stray alike.
+pub(super) struct Division {
+    /// The points between the chain's ends.
+    pub points: Vec<DVec3>,
+    /// Which of the points each of the chain's edges ends in, counted from 1;
+    /// the last one in none of them, one past all.
+    pub ends: Vec<u32>,
+}
+
+/// Every curve between two different surfaces of which one is curved, from
+/// corner to corner or all around, as half-edges in a row.
+pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
+    let mut is_done = vec![false; mesh.halves.len()];
+    let mut chains = Vec::new();
+    let is_start = |half: u32| mesh.kinds[mesh.origin(half) as usize] != Kind::Curve;
+    // Those with ends first; what is left then goes around.
+    for with_ends in [true, false] {
+        for half in 0..mesh.halves.len() as u32 {
+            if is_done[half as usize]
+                || mesh.is_gone(half / 3)
+                || (with_ends && !is_start(half))
+                || !is_curved(mesh, half)
+            {
+                continue;
+            }
+            let mut chain = Vec::new();
+            let mut here = Some(half);
+            while let Some(half) = here.filter(|&half| !is_done[half as usize]) {
+                is_done[half as usize] = true;
+                is_done[mesh.twin(half) as usize] = true;
+                chain.push(half);
+                here = onward(mesh, half);
+            }
+            chains.push(chain);
+        }
+    }
+    chains
+}
+
+fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
+    let (a, b) = (mesh.surface(half), mesh.surface(mesh.twin(half)));
+    mesh.is_feature(half) && !std::ptr::eq(a, b) && !(a.is_plane() && b.is_plane())
+}
+
+/// The next edge along the same curve.
+fn onward(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
+    let vertex = mesh.target(half);
+    if mesh.kinds[vertex as usize] != Kind::Curve {
+        return None;
+    }
+    let back = mesh.twin(half);
+    mesh.around(vertex)
+        .find(|&spoke| spoke != back && mesh.is_feature(spoke))
+}
+
+/// Finds the points for a chain: as few as the tolerance asks for, but no
+/// fewer chords than the chain has edges. `None` where the curve could not be
+/// followed.
+pub(super) fn divide(
+    mesh: &HalfEdges<'_>,
+    chain: &[u32],
+    goal: &Goal,
+    precision: f64,
+) -> Option<Division> {
+    const MOST_TRIES: usize = 3;
+    let surfaces = [mesh.surface(chain[0]), mesh.surface(mesh.twin(chain[0]))];
+    let stretches = chain
+        .iter()
+        .map(|&half| {
+            let (from, to) = (mesh.at(mesh.origin(half)), mesh.at(mesh.target(half)));
+            Stretch::new(surfaces, from, to, goal, precision)
+        })
+        .collect::<Option<Vec<_>>>()?;
+    let edges = chain.len() as u32;
+    let total: f64 = stretches.iter().map(Stretch::chords).sum();
+    let mut chords = ((total - 1e-3).ceil() as u32).max(edges);
+    let mut points = Vec::new();
+    for _ in 0..MOST_TRIES {
+        points = points_along(&stretches, total, chords)?;
+        let first = mesh.at(mesh.origin(chain[0]));
+        let last = mesh.at(mesh.target(chain[chain.len() - 1]));
+        let excess = farthest(surfaces, first, &points, last) / goal.tolerance;
+        // Curvature is the whole story only where it hardly changes.
+        if excess <= 1.0 || excess > 2.0 {
+            break;
+        }
+        chords = (f64::from(chords) * excess.sqrt()) as u32 + 1;
+    }
+    // Every vertex goes to the nearest point.
+    let mut ends = Vec::with_capacity(chain.len());
+    let (mut sum, mut before) = (0.0, 0);
+    for (k, stretch) in (1..edges).zip(&stretches) {
+        sum += stretch.chords();
+        let nearest = (sum / total * f64::from(chords)).round() as u32;
+        before = nearest.clamp(before + 1, chords - (edges - k));
+        ends.push(before);
+    }
+    ends.push(chords);
+    Some(Division { points, ends })
+}
+
+/// The points that cut a row of stretches into equal chords.
+fn points_along(stretches: &[Stretch<'_>], total: f64, chords: u32) -> Option<Vec<DVec3>> {
+    let mut points = Vec::with_capacity(chords as usize);
+    let mut rest = stretches.iter();
+    let (mut stretch, mut sum) = (rest.next()?, 0.0);
+    for i in 1..chords {
+        let wanted = f64::from(i) / f64::from(chords) * total;
+        while wanted > sum + stretch.chords()
+            && let Some(after) = rest.next()
+        {
+            sum += stretch.chords();
+            stretch = after;
+        }
+        points.push(stretch.point_at((wanted - sum) / stretch.chords())?);
+    }
+    Some(points)
+}
+
+fn farthest(surfaces: [&Surface; 2], first: DVec3, points: &[DVec3], last: DVec3) -> f64 {
+    let mut before = first;
+    let mut farthest = 0.0f64;
+    for &point in points.iter().chain([&last]) {
+        farthest = farthest.max(deviation::of_chord(surfaces, before, point));
+        before = point;
+    }
+    farthest
+}
+
+/// Moves the vertices of a chain to their points, unless that folds a triangle.
+pub(super) fn move_vertices(mesh: &mut HalfEdges<'_>, chain: &[u32], division: &Division) -> bool {
+    let vertices: Vec<u32> = chain[1..].iter().map(|&half| mesh.origin(half)).collect();
+    let before: Vec<DVec3> = vertices.iter().map(|&v| mesh.at(v)).collect();
+    for (&vertex, &end) in vertices.iter().zip(&division.ends) {
+        mesh.positions[vertex as usize] = division.points[end as usize - 1];
+    }
+    let fits = vertices.iter().all(|&vertex| {
+        mesh.around(vertex).all(|spoke| {
+            let rim = next(spoke);
+            let corners = [
+                mesh.at(vertex),
+                mesh.at(mesh.origin(rim)),
+                mesh.at(mesh.target(rim)),
+            ];
+            faces_out_in_the_middle(mesh.surface(spoke), mesh.region(spoke), corners)
+        })
+    });
+    if !fits {
+        for (&vertex, before) in vertices.iter().zip(before) {
+            mesh.positions[vertex as usize] = before;
+        }
+    }
+    fits
+}
