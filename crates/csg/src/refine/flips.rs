@@ -10,26 +10,45 @@ use super::half_edges::{HalfEdges, next, previous};
 use super::regions::metric;
 use super::shape::faces_out_in_the_middle;
 
-/// Flips edges, those on the stack and the neighbours of what was flipped,
-/// until none would be better flipped. Both sides of every flipped edge are added
-/// to `changed`.
-pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>, changed: &mut Vec<u32>) {
+/// Flips all edges on the stack, and the neighbours of what was flipped, until
+/// none would be better flipped.
+pub(super) fn flip_all(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
     // Flipping makes the smallest angles grow but for rounding: this many are
     // never needed.
     let mut left = 200 + 40 * stack.len();
     while let Some(half) = stack.pop() {
-        if left == 0 {
-            stack.clear();
-            break;
-        }
-        if !mesh.is_feature(half) && is_better_flipped(mesh, half) && may_flip(mesh, half) {
+        if left > 0 && flip_if_better(mesh, half) {
             left -= 1;
             let twin = mesh.twin(half);
-            mesh.flip(half);
+            stack.extend([half, next(half), twin, next(twin)]);
+        }
+    }
+}
+
+/// The same; both sides of every flipped edge are added to `changed`.
+pub(super) fn flip_and_note(
+    mesh: &mut HalfEdges<'_>,
+    stack: &mut Vec<u32>,
+    changed: &mut Vec<u32>,
+) {
+    let mut left = 200 + 40 * stack.len();
+    while let Some(half) = stack.pop() {
+        if left > 0 && flip_if_better(mesh, half) {
+            left -= 1;
+            let twin = mesh.twin(half);
             stack.extend([half, next(half), twin, next(twin)]);
             changed.extend([previous(half), previous(twin)]);
         }
     }
+}
+
+#[inline]
+fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
+    let flips = !mesh.is_feature(half) && is_better_flipped(mesh, half) && may_flip(mesh, half);
+    if flips {
+        mesh.flip(half);
+    }
+    flips
 }
 
 /// Whether the angles across from the edge add up to more than π.
@@ -66,10 +85,11 @@ fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
 /// Whether the flipped edge would leave the mesh manifold and unfolded.
 fn may_flip(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let twin = mesh.twin(half);
-    let vertices = [half, twin, previous(half), previous(twin)].map(|half| mesh.origin(half));
-    let [a, b, c, d] = vertices.map(|v| mesh.at(v));
+    let (c, d) = (mesh.apex(half), mesh.apex(twin));
+    let (at_a, at_b) = (mesh.at(mesh.origin(half)), mesh.at(mesh.origin(twin)));
+    let (at_c, at_d) = (mesh.at(c), mesh.at(d));
     let (surface, region) = (mesh.surface(half), mesh.region(half));
-    faces_out_in_the_middle(surface, region, [d, b, c])
-        && faces_out_in_the_middle(surface, region, [c, a, d])
-        && !mesh.are_joined(vertices[2], vertices[3])
+    faces_out_in_the_middle(surface, region, [at_d, at_b, at_c])
+        && faces_out_in_the_middle(surface, region, [at_c, at_a, at_d])
+        && !mesh.are_joined(c, d)
 }

@@ -12,7 +12,7 @@
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
-use super::flips::flip_all;
+use super::flips::{flip_all, flip_and_note};
 use super::half_edges::{HalfEdges, Kind, NONE, next};
 use super::regions::Bend;
 use super::shape::faces_out_in_the_middle;
@@ -133,7 +133,7 @@ impl<'m, 's> Grower<'m, 's> {
                 self.stack.push(half);
             }
         }
-        self.flip();
+        flip_all(self.mesh, &mut self.stack);
     }
 
     fn longest_edge(&self) -> f64 {
@@ -227,6 +227,10 @@ impl<'m, 's> Grower<'m, 's> {
                 if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
                     continue;
                 }
+                let is_single = self.mesh.region(half).bend == Bend::Single;
+                if is_single != developable {
+                    continue;
+                }
                 let wanted = self.chords_of(half, developable);
                 // What is cut evenly comes out a hair too long.
                 if wanted > chords * (1.0 + 1e-3) {
@@ -238,7 +242,7 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     fn flip(&mut self) {
-        flip_all(self.mesh, &mut self.stack, &mut self.changed);
+        flip_and_note(self.mesh, &mut self.stack, &mut self.changed);
     }
 
     /// Cuts an edge inside a face that should become `wanted` chords near its
@@ -295,10 +299,22 @@ impl<'m, 's> Grower<'m, 's> {
         Ok(())
     }
 
+    /// Whether a triangle is farther from its surface than the tolerance: by a
+    /// bound where an estimate is close to it.
     fn is_far(&self, triangle: u32) -> bool {
+        /// Relative error of the estimate, and more, where it is to be trusted.
+        const ROUGHLY: f64 = 0.05;
         let surface = self.mesh.surface(3 * triangle);
+        if surface.is_plane() {
+            return false;
+        }
         let corners = self.mesh.corners(triangle);
-        !surface.is_plane() && deviation::of_triangle(surface, corners) > self.goal.tolerance
+        let (estimate, turn) = deviation::estimate(surface, corners);
+        let excess = estimate / self.goal.tolerance;
+        if turn < ROUGHLY && (excess - 1.0).abs() > ROUGHLY {
+            return excess > 1.0;
+        }
+        deviation::of_triangle(surface, corners) > self.goal.tolerance
     }
 
     /// Whether the four triangles that a split leaves face the right way.
@@ -315,10 +331,10 @@ impl<'m, 's> Grower<'m, 's> {
         side_is_good(half) && side_is_good(mesh.twin(half))
     }
 
-    /// Splits an edge and brings the new vertex to `target`; `on` is the piece
-    /// that the edge beyond it stands for.
+    /// Splits an edge and brings the new vertex to `target`, which on a face must
+    /// split it well; `on` is the piece that the edge beyond it stands for.
     fn insert(&mut self, half: u32, target: DVec3, kind: Kind, on: Option<Piece>) {
-        let is_free = self.splits_well(half, target);
+        let is_free = kind == Kind::Face || self.splits_well(half, target);
         let place = if is_free {
             target
         } else {
@@ -339,7 +355,7 @@ impl<'m, 's> Grower<'m, 's> {
     /// All edges around a vertex are to be looked at again.
     fn touch(&mut self, vertex: u32) {
         for spoke in self.mesh.around(vertex) {
-            self.stack.extend([spoke, next(spoke)]);
+            self.stack.push(next(spoke));
             self.changed.extend([spoke, self.mesh.twin(spoke)]);
         }
     }
