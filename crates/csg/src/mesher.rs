@@ -15,7 +15,7 @@ use crate::finish;
 use crate::mesh::{LengthUnit, Mesh, MeshSurface};
 use crate::net;
 use crate::program::{Bounds, Program, Surface};
-use crate::refine::{self, Goal, Surfaced};
+use crate::refine::{self, Goal, Surfaced, Unkept};
 use crate::report::Report;
 
 /// The most cells along one axis: indices and patience end there.
@@ -128,8 +128,10 @@ impl Mesher {
     /// The largest distance between the mesh and the solid's boundary, both
     /// ways, in model units: the mesh is brought to it with just enough
     /// triangles, whatever the cells, which then only have to be fine enough
-    /// to see every feature. [`Report::deviation`] says what was reached. Not
-    /// for drafts.
+    /// to see every feature. [`Report::deviation`] says what was reached. With
+    /// [`Self::check`] a mesh that runs through itself, where faces are nearer
+    /// to each other than the tolerance, is made anew with half of it. Not for
+    /// drafts.
     pub fn tolerance(mut self, distance: f64) -> Self {
         self.tolerance = Some(distance);
         self
@@ -338,7 +340,8 @@ impl Mesher {
         }))
     }
 
-    /// Brings a mesh in the task's frame to the tolerance.
+    /// Brings a mesh in the task's frame to the tolerance, and, if it is to be
+    /// checked, to so much less that it does not run through itself.
     fn refine(
         &self,
         mesh: &mut Mesh,
@@ -346,6 +349,7 @@ impl Mesher {
         goal: &Goal,
         report: &mut Report,
     ) -> Result<(), Error> {
+        const MOST_TRIES: u32 = 4;
         let start = Instant::now();
         merge_alike(mesh, task.program);
         let mut surfaced = Surfaced {
@@ -354,9 +358,31 @@ impl Mesher {
             groups: std::mem::take(&mut mesh.triangle_surfaces),
             surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
         };
-        let outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &self.control)?;
-        mesh.positions = surfaced.positions;
-        mesh.triangles = surfaced.triangles;
+        let coarse = surfaced.clone();
+        let mut goal = *goal;
+        let mut outcome;
+        let mut tries = 0;
+        loop {
+            outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, &goal, &self.control)?;
+            mesh.positions = std::mem::take(&mut surfaced.positions);
+            mesh.triangles = std::mem::take(&mut surfaced.triangles);
+            let crossings = if self.check {
+                mesh.self_intersections()
+            } else {
+                Vec::new()
+            };
+            tries += 1;
+            if crossings.is_empty() || tries == MOST_TRIES {
+                for [triangle, _] in crossings {
+                    let place = mesh.corners(triangle as usize)[0];
+                    outcome.unkept.push((Unkept::Crossing, place));
+                }
+                break;
+            }
+            // Faces that run close by each other need smaller triangles.
+            goal.tolerance *= 0.5;
+            surfaced = coarse.clone();
+        }
         mesh.triangle_surfaces = surfaced.groups;
         report.deviation = Some(outcome.deviation);
         report.farthest = Some(outcome.farthest + task.origin);

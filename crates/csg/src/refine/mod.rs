@@ -67,6 +67,8 @@ pub(crate) enum Unkept {
     Lost,
     /// A vertex could not be brought to its surfaces without a fold.
     Folded,
+    /// The mesh runs through itself.
+    Crossing,
     /// A triangle or a chord for which the tolerance could not be proven.
     Far,
 }
@@ -77,6 +79,7 @@ impl Unkept {
             Self::NotManifold => "mesh that is not manifold: left as it is, whatever the tolerance",
             Self::Lost => "curve between two faces that could not be followed: not cut up",
             Self::Folded => "vertex that could not be put on its surfaces without a fold",
+            Self::Crossing => "place where the mesh runs through itself",
             Self::Far => "place where the tolerance could not be proven to be kept",
         }
     }
