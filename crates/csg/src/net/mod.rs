@@ -18,6 +18,8 @@ mod brick;
 mod cleanup;
 mod lattice;
 mod loops;
+#[cfg(test)]
+mod on_sample_tests;
 mod part;
 mod place;
 mod quads;

@@ -4,6 +4,8 @@
 mod causes;
 mod cells;
 mod polygons;
+#[cfg(test)]
+mod reference_tests;
 mod vertices;
 
 use glam::{DVec3, UVec3};

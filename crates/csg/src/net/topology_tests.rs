@@ -17,7 +17,7 @@ const BRICKS: usize = 2;
 const WIDE: usize = BRICKS * CELLS + 1;
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -28,11 +28,11 @@ impl Random {
         z ^ z >> 31
     }
 
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (self.next() % count as u64) as usize
     }
 
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 * 0.5f64.powi(53)
     }
 }

@@ -1,6 +1,8 @@
 //! Where a vertex lies: on all surfaces that cause its crossings, and where the
 //! solid really changes across them.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 
 use super::{Placer, Scene};
@@ -12,6 +14,17 @@ use crate::program::{Cell, Side};
 /// The surfaces of one vertex, as positions in the brick's list. More than
 /// this never have a common point but by construction of the model.
 const MOST_CONSTRAINTS: usize = 8;
+
+/// How far a vertex may lie from the middle of its cell along any axis, in
+/// cells: a cell outside of it.
+pub(super) const NEAR: f64 = 1.5;
+
+/// The same for corners where the solid is known to change across three
+/// surfaces: the tips of spikes and pyramids, which no sample reaches.
+const FAR: f64 = 2.5;
+
+/// Of the surfaces near a vertex in need of repair, how many are tried.
+const MOST_EXTRAS: usize = 8;
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Constraints {
@@ -29,6 +42,11 @@ impl Constraints {
 
     pub fn as_slice(&self) -> &[u16] {
         &self.list[..self.len]
+    }
+
+    fn with(mut self, surface: u16) -> Self {
+        self.insert(surface);
+        self
     }
 
     fn without(&self, index: usize) -> Self {
@@ -72,7 +90,7 @@ impl Placer {
             part.vertices.push(apex);
             return;
         }
-        let found = self.try_constraints(scene, cell, &constraints, start, middle);
+        let found = self.try_constraints(scene, cell, &constraints, start, middle, NEAR);
         part.vertices.push(found.unwrap_or(start));
         let candidate = Candidate {
             vertex,
@@ -132,23 +150,9 @@ impl Placer {
             start,
             middle,
         } = candidate;
-        if constraints.len < 3 {
-            for extra in 0..cell.surfaces.len() as u16 {
-                if constraints.as_slice().contains(&extra) {
-                    continue;
-                }
-                let surface = &scene.surfaces[cell.surfaces[usize::from(extra)] as usize];
-                let half = DVec3::splat(scene.lattice.step);
-                if surface.side_of_box(*middle, half) != Side::Crossing {
-                    continue;
-                }
-                let mut more = *constraints;
-                more.insert(extra);
-                if let Some(point) = self.meet_at(scene, cell, &more, *start, *middle) {
-                    part.vertices[*vertex] = point;
-                    return;
-                }
-            }
+        if let Some(point) = self.hidden_corner(scene, cell, candidate) {
+            part.vertices[*vertex] = point;
+            return;
         }
         let kind = if plain.is_some() {
             FallbackKind::HiddenFeature
@@ -164,13 +168,70 @@ impl Placer {
         let mut fewer = vec![*constraints];
         while let Some(candidates) = shrink(&fewer) {
             for candidate in &candidates {
-                if let Some(point) = self.try_constraints(scene, cell, candidate, *start, *middle) {
+                let point = self.try_constraints(scene, cell, candidate, *start, *middle, NEAR);
+                if let Some(point) = point {
                     part.vertices[*vertex] = point;
                     return;
                 }
             }
             fewer = candidates;
         }
+    }
+
+    /// A point on all surfaces of a vertex and on one or two more that pass
+    /// near it, where the solid changes across each of them.
+    fn hidden_corner(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        candidate: &Candidate,
+    ) -> Option<DVec3> {
+        let Candidate {
+            constraints,
+            start,
+            middle,
+            ..
+        } = *candidate;
+        let extras = |reach: f64| {
+            let half = DVec3::splat((reach - 0.5) * scene.lattice.step);
+            let is_near = move |&extra: &u16| {
+                let surface = &scene.surfaces[cell.surfaces[usize::from(extra)] as usize];
+                !constraints.as_slice().contains(&extra)
+                    && surface.side_of_box(middle, half) == Side::Crossing
+            };
+            let all = 0..cell.surfaces.len() as u16;
+            all.filter(is_near).take(MOST_EXTRAS).collect::<Vec<u16>>()
+        };
+        for reach in [NEAR, FAR] {
+            let extras = extras(reach);
+            let mut sets = Vec::new();
+            if reach > NEAR {
+                sets.push(constraints);
+            }
+            if constraints.len < 3 {
+                sets.extend(extras.iter().map(|&extra| constraints.with(extra)));
+            }
+            if constraints.len < 2 {
+                for (i, &first) in extras.iter().enumerate() {
+                    let pairs = extras[..i].iter();
+                    sets.extend(pairs.map(|&second| constraints.with(first).with(second)));
+                }
+            }
+            // Farther away only corners of planes, of which there is one: an
+            // edge would do in many places, and curves meet more than once.
+            let is_plane =
+                |&s: &u16| scene.surfaces[cell.surfaces[usize::from(s)] as usize].is_plane();
+            let is_enough = |set: &Constraints| {
+                reach == NEAR || (set.len >= 3 && set.as_slice().iter().all(is_plane))
+            };
+            for set in sets.iter().filter(|set| is_enough(set)) {
+                let found = self.meet_within(scene, cell, set, start, middle, reach);
+                if found.is_some() {
+                    return found;
+                }
+            }
+        }
+        None
     }
 
     /// The apex of one of the surfaces, if it is on all of them, a part of the
@@ -203,7 +264,8 @@ impl Placer {
         (on_all && self.is_valid(scene, cell, constraints, apex)).then_some(apex)
     }
 
-    /// A point on all constraints within a cell of `middle`, if there is one.
+    /// A point on all constraints near `middle`, by `reach` cells along any
+    /// axis at most, if there is one.
     pub(super) fn try_constraints(
         &self,
         scene: &Scene<'_>,
@@ -211,6 +273,7 @@ impl Placer {
         constraints: &Constraints,
         start: DVec3,
         middle: DVec3,
+        reach: f64,
     ) -> Option<DVec3> {
         let mut list = [&scene.surfaces[0]; MOST_CONSTRAINTS];
         for (slot, &s) in list.iter_mut().zip(constraints.as_slice()) {
@@ -218,7 +281,7 @@ impl Placer {
         }
         let step = scene.lattice.step;
         let solution = solve::common_point(&list[..constraints.len], start, step);
-        let near = (solution.point - middle).abs().max_element() <= 1.5 * step;
+        let near = (solution.point - middle).abs().max_element() <= reach * step;
         (near && solution.residual <= scene.tolerance).then_some(solution.point)
     }
 
@@ -232,7 +295,19 @@ impl Placer {
         start: DVec3,
         middle: DVec3,
     ) -> Option<DVec3> {
-        let point = self.try_constraints(scene, cell, constraints, start, middle)?;
+        self.meet_within(scene, cell, constraints, start, middle, NEAR)
+    }
+
+    fn meet_within(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        start: DVec3,
+        middle: DVec3,
+        reach: f64,
+    ) -> Option<DVec3> {
+        let point = self.try_constraints(scene, cell, constraints, start, middle, reach)?;
         self.is_valid(scene, cell, constraints, point)
             .then_some(point)
     }
@@ -256,8 +331,15 @@ impl Placer {
             0xffff_0000_ffff_0000,
             0xffff_ffff_0000_0000,
         ];
-        if constraints.len > VARIABLES.len() {
-            return true;
+        let on_it = |s: &u16| {
+            let surface = &scene.surfaces[cell.surfaces[usize::from(*s)] as usize];
+            let gradient = surface.gradient(point).length();
+            constraints.as_slice().contains(s)
+                || surface.value(point).abs() <= scene.tolerance * gradient
+        };
+        let through = (0..cell.surfaces.len() as u16).filter(on_it).count();
+        if through > VARIABLES.len() {
+            return self.is_valid_by_sectors(scene, cell, constraints, point);
         }
         let mut free = constraints.len;
         self.signs.clear();
@@ -292,6 +374,81 @@ impl Placer {
         (0..constraints.len).all(|k| {
             let shifted = table >> (1 << k);
             (table ^ shifted) & !VARIABLES[k] & assignments(free) != 0
+        })
+    }
+
+    /// The same where more surfaces pass through the point than sides can be
+    /// tried: a cone of directions tells. The lines in which the others cut a
+    /// surface's tangent plane part it into sectors, and the formula tells
+    /// whether the solid changes in any of them.
+    fn is_valid_by_sectors(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        constraints: &Constraints,
+        point: DVec3,
+    ) -> bool {
+        /// Two assignments each: inside the surface and outside.
+        const MOST_SECTORS: usize = 32;
+        const INSIDE: u64 = 0x5555_5555_5555_5555;
+        let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+        // Of each surface through the point the unit normal.
+        let normals: Vec<Option<DVec3>> = (0..cell.surfaces.len() as u16)
+            .map(|s| {
+                let gradient = surface(s).gradient(point);
+                let on_it = surface(s).value(point).abs() <= scene.tolerance * gradient.length();
+                (on_it || constraints.as_slice().contains(&s)).then(|| gradient.normalize_or_zero())
+            })
+            .collect();
+        constraints.as_slice().iter().all(|&own| {
+            let Some(normal) = normals[usize::from(own)].filter(|n| *n != DVec3::ZERO) else {
+                return true;
+            };
+            let (u, v) = normal.any_orthonormal_pair();
+            let mut angles: Vec<f64> = normals
+                .iter()
+                .flatten()
+                .map(|other| normal.cross(*other))
+                .filter(|line| line.length() > 1e-6)
+                .map(|line| line.dot(v).atan2(line.dot(u)).rem_euclid(PI))
+                .flat_map(|angle| [angle, angle + PI])
+                .collect();
+            angles.sort_by(f64::total_cmp);
+            angles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            let next = angles.iter().skip(1).copied();
+            let next = next.chain(angles.first().map(|first| first + TAU));
+            let mut sectors: Vec<DVec3> = angles
+                .iter()
+                .zip(next)
+                .map(|(from, to)| 0.5 * (from + to))
+                .map(|angle| angle.cos() * u + angle.sin() * v)
+                .collect();
+            if sectors.is_empty() {
+                sectors.push(u);
+            }
+            sectors.truncate(MOST_SECTORS);
+            self.signs.clear();
+            for (s, other) in normals.iter().enumerate() {
+                self.signs.push(match other {
+                    _ if s == usize::from(own) => INSIDE,
+                    Some(other) => sectors.iter().enumerate().fold(0, |bits, (i, sector)| {
+                        bits | if other.dot(*sector) <= 0.0 {
+                            3 << (2 * i)
+                        } else {
+                            0
+                        }
+                    }),
+                    None if surface(s as u16).value(point) <= 0.0 => u64::MAX,
+                    None => 0,
+                });
+            }
+            let signs = &self.signs;
+            let result =
+                brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+                    signs[surface as usize]
+                });
+            let known = u64::MAX >> (64 - 2 * sectors.len());
+            (result ^ result >> 1) & INSIDE & known != 0
         })
     }
 
