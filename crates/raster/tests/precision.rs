@@ -26,10 +26,11 @@ fn worst(mesh: &Mesh, view: &View) -> (f64, f64, usize) {
         .unwrap();
     let depth = renderer.reversed_depth_buffer();
     let ids = renderer.triangle_buffer();
+    let planes = common::reversed_depth_planes(mesh, view, [WIDTH, HEIGHT]);
     let (mut worst, mut steepest, mut count) = (0.0f64, 0.0f64, 0);
     for (k, id) in ids.values.iter().enumerate() {
         let Some(id) = *id else { continue };
-        let plane = common::reversed_depth_plane(mesh, view, [WIDTH, HEIGHT], id);
+        let plane = planes[id as usize];
         let x = f64::from(k as u32 % WIDTH) + 0.5;
         let y = f64::from(k as u32 / WIDTH) + 0.5;
         let exact = plane.dot(DVec3::new(x, y, 1.0));
@@ -101,7 +102,7 @@ proptest! {
     }
 }
 
-/// The plane of [`common::reversed_depth_plane`] against a projection of
+/// The plane of [`common::reversed_depth_planes`] against a projection of
 /// points in it.
 #[test]
 fn the_exact_plane_is_right() {
@@ -109,9 +110,9 @@ fn the_exact_plane_is_right() {
     let camera = Camera::standard(&mesh, StandardView::Iso, Lens::DEFAULT, 1.0).unwrap();
     let view = camera.view(100, 100).unwrap();
     let viewport = raster::Viewport::of_image(100, 100);
-    for id in 0..mesh.triangles.len() as u32 {
-        let plane = common::reversed_depth_plane(&mesh, &view, [100, 100], id);
-        let [a, b, c] = mesh.corners(id as usize);
+    let planes = common::reversed_depth_planes(&mesh, &view, [100, 100]);
+    for (id, plane) in planes.into_iter().enumerate() {
+        let [a, b, c] = mesh.corners(id);
         let middle = DMat3::from_cols(a, b, c) * DVec3::new(0.2, 0.3, 0.5);
         let seen = viewport.project(&view, middle).unwrap();
         let depth = plane.dot(DVec3::new(seen.x, seen.y, 1.0));

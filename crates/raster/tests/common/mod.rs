@@ -132,27 +132,24 @@ pub fn colored(mut mesh: Mesh, srgb: [f32; 3]) -> Mesh {
     mesh
 }
 
-/// The reversed depth of a triangle's plane as (a, b, c): a x + b y + c at the
-/// window position (x, y). Homogeneously z = a x + b y + c w at its corners.
-/// The corners are those that a scene keeps: in single precision relative to
-/// its centre.
-pub fn reversed_depth_plane(mesh: &Mesh, view: &View, size: [u32; 2], triangle: u32) -> DVec3 {
+/// The reversed depth of each triangle's plane as (a, b, c): a x + b y + c at
+/// the window position (x, y). Homogeneously z = a x + b y + c w at its
+/// corners. The corners are those that a scene keeps: in single precision
+/// relative to its centre.
+pub fn reversed_depth_planes(mesh: &Mesh, view: &View, size: [u32; 2]) -> Vec<DVec3> {
     let [half_x, half_y] = size.map(|side| f64::from(side) / 2.0);
     let low = mesh.positions.iter().copied().reduce(DVec3::min).unwrap();
     let high = mesh.positions.iter().copied().reduce(DVec3::max).unwrap();
     let centre = low / 2.0 + high / 2.0;
-    let corners = mesh.corners(triangle as usize).map(|p| {
-        let kept = (p - centre).as_vec3().as_dvec3() + centre;
-        view.world_to_clip() * kept.extend(1.0)
-    });
-    let rows = corners.map(|p| DVec3::new((p.x + p.w) * half_x, (p.w - p.y) * half_y, p.w));
-    let depths = DVec3::from_array(corners.map(|p| (p.w - p.z) / 2.0));
-    let matrix = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array())).transpose();
-    matrix.inverse() * depths
-}
-
-/// The steepest change of window depth over one pixel on a triangle's plane.
-pub fn depth_slope(mesh: &Mesh, view: &View, size: [u32; 2], triangle: u32) -> f64 {
-    let plane = reversed_depth_plane(mesh, view, size, triangle);
-    plane.truncate().length()
+    let plane = |triangle: usize| {
+        let corners = mesh.corners(triangle).map(|p| {
+            let kept = (p - centre).as_vec3().as_dvec3() + centre;
+            view.world_to_clip() * kept.extend(1.0)
+        });
+        let rows = corners.map(|p| DVec3::new((p.x + p.w) * half_x, (p.w - p.y) * half_y, p.w));
+        let depths = DVec3::from_array(corners.map(|p| (p.w - p.z) / 2.0));
+        let matrix = DMat3::from_cols_array_2d(&rows.map(|r| r.to_array())).transpose();
+        matrix.inverse() * depths
+    };
+    (0..mesh.triangles.len()).map(plane).collect()
 }
