@@ -16,7 +16,7 @@
 //! block's triangles only, so pictures do not depend on how work is shared
 //! out.
 
-use glam::{DVec2, DVec4, Vec3, Vec4};
+use glam::{DVec2, DVec4, Vec3};
 
 use crate::deferred::{Fragments, Job, MIXED, ShadeContext};
 use crate::fill::{LANE_X, LANE_Y};
@@ -25,7 +25,7 @@ use crate::frame::FrameMatrix;
 use crate::scene::{CLUSTER_VERTICES, Scene};
 use crate::shade::Interpolation;
 use crate::simd::vector::{Triple, load, splat, store};
-use crate::simd::{FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
+use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
 use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, TILE, decode};
 
@@ -370,8 +370,8 @@ pub(crate) fn interpolate_few<S: Lanes>(
 
 /// One row of the matrix applied to 16 points.
 #[inline(always)]
-fn row<S: Lanes>(s: S, r: Vec4, p: Triple<S>) -> S::F {
-    (s.f(r.x) * p[0] + s.f(r.y) * p[1]) + (s.f(r.z) * p[2] + s.f(r.w))
+fn row<S: Lanes>(s: S, r: DVec4, p: [S::D; 3]) -> S::D {
+    (s.d(r.x) * p[0] + s.d(r.y) * p[1]) + (s.d(r.z) * p[2] + s.d(r.w))
 }
 
 /// The corners of 16 triangles and their normals: x, y and z by corner.
@@ -438,12 +438,18 @@ pub(crate) fn interpolate_scattered<'c, S: Lanes>(
         }
         material = shared(material, context.material(triangle));
     }
-    let x = sample_positions(s, &LANE_X, job.at[0], matrix.middle[0]);
-    let y = sample_positions(s, &LANE_Y, job.at[1], matrix.middle[1]);
+    // Differences of numbers that may be far larger than they: taken in double
+    // precision.
+    let x = sample_positions(s, &LANE_X, job.at[0], matrix.middle[0]).to_double();
+    let y = sample_positions(s, &LANE_Y, job.at[1], matrix.middle[1]).to_double();
     let position = triple!(|K| load(s, &corners.position[K]));
-    let w = triple!(|K| row(s, matrix.rows[3], position[K]));
-    let qx = triple!(|K| row(s, matrix.rows[0], position[K]) - x * w[K]);
-    let qy = triple!(|K| row(s, matrix.rows[1], position[K]) - y * w[K]);
+    let wide = triple!(|K| {
+        let p = position[K];
+        [p[0].to_double(), p[1].to_double(), p[2].to_double()]
+    });
+    let w = triple!(|K| row(s, matrix.precise[3], wide[K]));
+    let qx = triple!(|K| (row(s, matrix.precise[0], wide[K]) - x * w[K]).to_single());
+    let qy = triple!(|K| (row(s, matrix.precise[1], wide[K]) - y * w[K]).to_single());
     let b = [
         qx[1] * qy[2] - qy[1] * qx[2],
         qx[2] * qy[0] - qy[2] * qx[0],
@@ -490,4 +496,100 @@ fn cap<S: Lanes>(
         context.cap_colour(some, plane.normal)
     };
     (splat(s, value), load(s, &points))
+}
+
+#[cfg(test)]
+mod tests {
+    use csg::Mesh;
+    use glam::{DMat3, DMat4, DVec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::camera::View;
+    use crate::options::RenderOptions;
+    use crate::simd::{Kernel, Level};
+    use crate::tile::BLOCK;
+
+    const SIZE: u32 = 512;
+
+    /// Interpolates a block of the first triangle, in one way or the other.
+    struct OneBlock<'a> {
+        context: &'a ShadeContext<'a>,
+        job: Job,
+        by_lane: bool,
+    }
+
+    impl Kernel for OneBlock<'_> {
+        type Output = Fragments;
+        #[inline(always)]
+        fn run<S: Lanes>(self, s: S) -> Fragments {
+            let mut to = Fragments::default();
+            let (context, job) = (self.context, &self.job);
+            if self.by_lane {
+                let (corners, cluster) = (&mut Corners::default(), &mut None);
+                interpolate_scattered(s, context, corners, cluster, job, &mut to);
+            } else {
+                interpolate_few(s, context, &mut Cache::default(), job, &mut to);
+            }
+            to
+        }
+    }
+
+    proptest! {
+        /// Corners up to ten thousand times as far away as others; the normal
+        /// against the corners' weights in the plane of the triangle, found
+        /// in double precision.
+        #[test]
+        fn attributes_are_perspective_correct(
+            corners in proptest::array::uniform3((-0.9..0.9f64, -0.9..0.9f64, 0.0..1.0f64)),
+            normals in proptest::array::uniform3(proptest::array::uniform3(0.1..1.0f32)),
+            weights in proptest::array::uniform3(0.1..1.0f64),
+        ) {
+            let eye_to_clip = crate::projection::perspective(1.0, 1.0, 0.1, 1e4);
+            let view = View::new(DMat4::IDENTITY, eye_to_clip).unwrap();
+            let half = 0.5f64.tan();
+            let positions = corners.map(|(x, y, far)| {
+                let distance = 0.2 * 1e4f64.powf(far);
+                DVec3::new(x * half, y * half, -1.0) * distance
+            });
+            let mut mesh = Mesh::new(positions.to_vec(), vec![[0, 1, 2]]);
+            mesh.corner_normals = vec![normals.map(|n| Vec3::from_array(n).normalize())];
+            let scene = Scene::new(&mesh);
+            let matrix = FrameMatrix::new(&view, scene.centre, SIZE, SIZE);
+            let options = RenderOptions::default();
+            let context = ShadeContext::new(&scene, &view, &matrix, &options);
+            let raster = [0, 1, 2].map(|k| {
+                let row = |row| matrix.precise_row(row, scene.positions[k]);
+                DVec3::new(row(0), row(1), row(3))
+            });
+            // In pixels: slivers have no precise attributes.
+            let seen = raster.map(|p| p.truncate() / p.z / f64::from(SUBPIXELS));
+            let area = (seen[1] - seen[0]).perp_dot(seen[2] - seen[0]).abs();
+            let longest = (0..3).map(|k| seen[k].distance(seen[(k + 1) % 3])).fold(0.0, f64::max);
+            prop_assume!(area / longest > 32.0);
+            let total = weights[0] + weights[1] + weights[2];
+            let at = (seen[0] * weights[0] + seen[1] * weights[1] + seen[2] * weights[2]) / total;
+            let block = [at.x, at.y].map(|v| {
+                let pixel = (v + f64::from(SIZE) / 2.0) as usize;
+                pixel - pixel % BLOCK
+            });
+            let to_weights = DMat3::from_cols(raster[0], raster[1], raster[2]).inverse();
+            for by_lane in [false, true] {
+                let job = Job { triangles: [0; LANES], wanted: 0xffff, at: block };
+                let found = Level::best().run(OneBlock { context: &context, job, by_lane });
+                for lane in 0..LANES {
+                    let pixel = [block[0] as i32 + LANE_X[lane], block[1] as i32 + LANE_Y[lane]];
+                    let weight = to_weights * sample(&matrix, pixel).extend(1.0);
+                    if weight.min_element() <= 0.0 {
+                        continue;
+                    }
+                    let corner = |k: usize| mesh.corner_normals[0][k].as_dvec3() * weight[k];
+                    let exact = (corner(0) + corner(1) + corner(2)).normalize();
+                    let normal = found.normal.map(|axis| f64::from(axis[lane]));
+                    let error = DVec3::from_array(normal).normalize() - exact;
+                    prop_assert!(error.abs().max_element() < 1e-5, "{by_lane}: {error}");
+                }
+            }
+        }
+    }
 }

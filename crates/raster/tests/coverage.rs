@@ -166,6 +166,42 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    /// The two halves of a quadrilateral cover what its other two halves do,
+    /// each pixel once; slivers and corners on samples among them.
+    #[test]
+    fn quads_are_covered_once_whatever_the_diagonal(
+        low in proptest::array::uniform2(coordinate()), size in proptest::array::uniform2(1..40_000i32),
+        moved in proptest::array::uniform4(proptest::array::uniform2(-60..60i32)),
+        thin in any::<bool>(),
+    ) {
+        let size = if thin { [size[0], size[1] % 300 + 1] } else { size };
+        let sides = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        let mut quad = [[0; 2]; 4];
+        for (k, corner) in quad.iter_mut().enumerate() {
+            let inset = [moved[k][0].min(size[0] / 4), moved[k][1].min(size[1] / 4)];
+            *corner = [0, 1].map(|axis| low[axis] + sides[k][axis] * size[axis] + inset[axis]);
+        }
+        let halves = |a: usize| {
+            [[quad[a], quad[(a + 1) % 4], quad[(a + 2) % 4]], [quad[a], quad[(a + 2) % 4], quad[(a + 3) % 4]]]
+        };
+        let (one, other) = (halves(0), halves(1));
+        // Convex: both diagonals are inside.
+        prop_assume!(one.iter().chain(&other).all(|t| doubled_area(*t) > 0));
+        let view = pixel_view();
+        let cover = |triangles: &[[FixedPoint; 3]]| drawn(Level::best(), &flat_mesh(triangles), &view, false);
+        let whole = cover(&one);
+        prop_assert_eq!(&whole, &cover(&other));
+        let parts = one.map(|half| cover(&[half]));
+        for (k, whole) in whole.into_iter().enumerate() {
+            let hits = parts.iter().filter(|part| part[k]).count();
+            prop_assert_eq!(hits, usize::from(whole));
+        }
+    }
+}
+
 /// The front faces of a closed convex mesh hit each covered pixel exactly
 /// once, in perspective and at any attitude.
 #[test]

@@ -41,7 +41,7 @@ pub(super) struct Looks {
     #[arg(long)]
     shadow: bool,
     /// Draw the axes in the lower left corner
-    #[arg(long)]
+    #[arg(long, alias = "axis")]
     axes: bool,
     /// Draw faces seen from behind as well, lit from their side
     #[arg(long)]

@@ -24,7 +24,7 @@ pub(crate) struct Options {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1024x768")]
+    #[arg(long, aliases = ["resolution", "imgsize"], value_name = "WxH", default_value = "1024x768")]
     size: Size,
     /// front, back, left, right, top, bottom or iso; or the direction to look
     /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z
@@ -41,8 +41,13 @@ pub(crate) struct Options {
     /// Parallel instead of perspective projection
     #[arg(long, conflicts_with = "fov")]
     orthographic: bool,
+    /// perspective, ortho, cavalier or cabinet; or RATIO,DEGREES for any other
+    /// oblique projection: depth is drawn at that part of its length, receding
+    /// at that angle from the picture's x axis
+    #[arg(long, value_name = "KIND", default_value = "perspective", conflicts_with_all = ["orthographic", "fov"])]
+    projection: Projection,
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
-    #[arg(long, value_name = "RRGGBB", value_parser = color)]
+    #[arg(long, alias = "background-color", value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
     #[command(flatten)]
     looks: Looks,
@@ -61,7 +66,8 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('x');
+        // Like 1024x768, or 1024,768 as OpenSCAD and f3d have it.
+        let parts = text.split_once(['x', ',']);
         let sides = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
         match sides {
             Some((width, height))
@@ -74,6 +80,37 @@ impl FromStr for Size {
                 "give width and height from 1 to {}, like 1024x768",
                 raster::MAX_SIZE
             )),
+        }
+    }
+}
+
+/// How the camera projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Projection {
+    Perspective,
+    Orthographic,
+    /// Ratio and angle in degrees.
+    Oblique(f64, f64),
+}
+
+impl FromStr for Projection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let oblique = |text: &str| {
+            let (ratio, degrees) = text.split_once(',')?;
+            let (ratio, degrees): (f64, f64) = (ratio.parse().ok()?, degrees.parse().ok()?);
+            let sound = (0.0..=10.0).contains(&ratio) && degrees.is_finite();
+            sound.then_some(Self::Oblique(ratio, degrees))
+        };
+        match text {
+            "perspective" => Ok(Self::Perspective),
+            "ortho" | "orthographic" => Ok(Self::Orthographic),
+            "cavalier" => Ok(Self::Oblique(1.0, 45.0)),
+            "cabinet" => Ok(Self::Oblique(0.5, 45.0)),
+            _ => oblique(text).ok_or_else(|| {
+                "give perspective, ortho, cavalier, cabinet, or ratio and angle like 0.5,30".into()
+            }),
         }
     }
 }
@@ -175,12 +212,18 @@ pub(crate) fn run(
 fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
     let Size { width, height } = options.size;
     let aspect = f64::from(width) / f64::from(height);
-    let lens = if options.orthographic {
-        // Framing finds the height.
-        Lens::Orthographic { height: 1.0 }
-    } else {
-        let fov_y = options.fov.to_radians();
-        Lens::Perspective { fov_y }
+    // Framing finds the height of parallel projections.
+    let lens = match options.projection {
+        Projection::Orthographic => Lens::Orthographic { height: 1.0 },
+        Projection::Oblique(ratio, degrees) => Lens::Oblique {
+            height: 1.0,
+            ratio,
+            angle: degrees.to_radians(),
+        },
+        Projection::Perspective if options.orthographic => Lens::Orthographic { height: 1.0 },
+        Projection::Perspective => Lens::Perspective {
+            fov_y: options.fov.to_radians(),
+        },
     };
     let camera = match options.camera {
         View::Standard(view) => Camera::standard(mesh, view, lens, aspect)?,
@@ -275,6 +318,7 @@ mod tests {
                 height: 48
             })
         );
+        assert_eq!("64,48".parse(), "64x48".parse::<Size>());
         for faulty in ["", "64", "64x", "0x48", "-1x3", "64x48x2", "99999x1"] {
             assert!(faulty.parse::<Size>().is_err(), "{faulty}");
         }
@@ -299,6 +343,16 @@ mod tests {
             "1,2,3:4,5",
         ] {
             assert!(faulty.parse::<View>().is_err(), "{faulty}");
+        }
+    }
+
+    #[test]
+    fn projections() {
+        assert_eq!("ortho".parse(), Ok(Projection::Orthographic));
+        assert_eq!("cabinet".parse(), Ok(Projection::Oblique(0.5, 45.0)));
+        assert_eq!("0.7,-30".parse(), Ok(Projection::Oblique(0.7, -30.0)));
+        for faulty in ["", "fisheye", "1", "-1,30", "1,x", "nan,1", "1,inf"] {
+            assert!(faulty.parse::<Projection>().is_err(), "{faulty}");
         }
     }
 
