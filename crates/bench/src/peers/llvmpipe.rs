@@ -38,7 +38,11 @@ pub fn draw(
     let folder = std::env::temp_dir().join(format!("llvmpipe-{}", std::process::id()));
     let text = |error: std::io::Error| error.to_string();
     std::fs::create_dir_all(&folder).map_err(text)?;
-    let floats = mesh.vertices.iter().flatten().flat_map(|v| v.to_array());
+    let floats = mesh
+        .vertices
+        .iter()
+        .flatten()
+        .flat_map(glam::Vec3::to_array);
     let vertices: Vec<u8> = floats.flat_map(f32::to_le_bytes).collect();
     let indices: Vec<u8> = mesh.indices.iter().flat_map(|v| v.to_le_bytes()).collect();
     std::fs::write(folder.join("vertices.bin"), vertices).map_err(text)?;
