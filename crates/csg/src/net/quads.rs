@@ -8,6 +8,9 @@ use crate::program::Surface;
 /// Quads handled together: so many that what is written coordinate by
 /// coordinate has left the store buffer when it is read in whole vectors.
 pub(super) const LANES: usize = 32;
+/// A diagonal whose smaller triangle, seen along the normal, is no more than
+/// this share of the other's is not taken.
+const THIN: f64 = 0.125;
 /// A whole number of vectors of whatever width.
 const WHOLE: usize = 8;
 
@@ -56,8 +59,8 @@ impl Quads {
     /// along which diagonal to cut them, and whether a triangle of theirs is
     /// bad: folded over, or smaller than `least_area`. Whether any is.
     ///
-    /// The diagonal whose midpoint is nearer to the surface wins, unless only
-    /// the other leaves no fold; on a plane the one whose smaller triangle is
+    /// The diagonal whose midpoint is nearer to the surface wins, unless it
+    /// leaves a fold or a sliver that the other does not; on a plane the one whose smaller triangle is
     /// larger. `reversed` says that the surface's gradient points into the
     /// solid.
     #[inline(always)]
@@ -149,10 +152,12 @@ impl Quads {
             } else {
                 odd_miss < even_miss
             };
-            let even_folds = least_even <= 0.0;
-            let odd_folds = least_odd <= 0.0;
+            // A fold, or an ear: three vertices of an edge that bends, whose
+            // triangle stands across the surface.
+            let even_is_thin = least_even <= THIN * least_odd;
+            let odd_is_thin = least_odd <= THIN * least_even;
             // Not short-circuited: that would be a branch in every lane.
-            let is_odd = (odd_is_better | even_folds) & !odd_folds;
+            let is_odd = (odd_is_better | even_is_thin) & !odd_is_thin;
             let least = if is_odd { least_odd } else { least_even };
             let is_bad = (least <= 0.0) | (least * least <= limit * dot(normal, normal));
             self.odd[lane] = u64::from(is_odd);
