@@ -5,10 +5,13 @@ mod cells;
 mod claims;
 #[path = "../../../tests/meshing/defects.rs"]
 mod defects;
+mod deviation;
+mod error;
 mod field;
 mod measure;
 mod memory;
 mod peers;
+mod plot;
 mod poses;
 mod random_tree;
 mod robust;
@@ -25,6 +28,8 @@ use clap::Parser;
 enum Question {
     /// How fast and how right at a fixed number of cells a side?
     Uniform(uniform::Options),
+    /// How long does a mesh of a given error take?
+    Error(error::Options),
     /// What does a surface cell cost, and where does the time go?
     Cells(cells::Options),
     /// Is every mesh manifold?
@@ -38,6 +43,7 @@ enum Question {
 fn main() {
     match Question::parse() {
         Question::Uniform(options) => uniform::run(&options),
+        Question::Error(options) => error::run(&options),
         Question::Cells(options) => cells::run(&options),
         Question::Robust(options) => robust::run(&options),
         Question::Claims(options) => claims::run(&options),

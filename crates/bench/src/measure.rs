@@ -66,14 +66,16 @@ pub fn quality(scene: &Scene, program: &Program, mesh: &Mesh, cell: f64) -> Qual
 /// The largest of non-negative numbers, gathered from many threads: their
 /// bits are in the same order as they are.
 #[derive(Default)]
-struct Largest(AtomicU64);
+pub struct Largest(AtomicU64);
 
 impl Largest {
-    fn add(&self, value: f64) {
+    /// Takes one more into account.
+    pub fn add(&self, value: f64) {
         self.0.fetch_max(value.to_bits(), Ordering::Relaxed);
     }
 
-    fn value(&self) -> f64 {
+    /// The largest so far, or zero.
+    pub fn value(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
 }

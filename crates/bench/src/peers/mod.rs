@@ -2,4 +2,5 @@
 //! [`crate::field::Field`].
 
 pub mod fidget;
+pub mod manifold;
 pub mod surface_nets;

@@ -1,0 +1,200 @@
+//! How long does a mesh of a given error take?
+//!
+//! Every mesher goes through its own settings, on one thread; each mesh's
+//! distance to the true boundary, both ways, and its volume are measured by
+//! the same code. Times leave out what is done once for a model, as in the
+//! table of uniform meshes, and every final check.
+
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::path::PathBuf;
+
+use csg::{Mesh, Mesher, Program};
+use glam::DVec3;
+
+use crate::deviation::{boundary_samples, mesh_to_boundary, points_to_mesh};
+use crate::peers::fidget::{self, Evaluator, Run};
+use crate::peers::{manifold, surface_nets};
+use crate::plot;
+use crate::scenes::{self, Scene};
+use crate::timing::{Passes, on_threads};
+
+/// No finer setting of a mesher is tried once one took so many seconds.
+const MOST: f64 = 5.0;
+
+#[derive(clap::Args)]
+pub struct Options {
+    /// Scenes to mesh
+    scenes: Vec<String>,
+    /// Append the figures to this file
+    #[arg(long)]
+    csv: Option<PathBuf>,
+    /// Draw the figures of the CSV file as this SVG, after whatever is run
+    #[arg(long, requires = "csv")]
+    plot: Option<PathBuf>,
+    /// A Python that has manifold3d and numpy: by default that of the tests
+    #[arg(long, default_value = "target/tmp/manifold3d/venv/bin/python")]
+    python: PathBuf,
+}
+
+/// One mesh: a line of the table and of the CSV file.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    pub scene: String,
+    pub mesher: String,
+    pub setting: String,
+    pub seconds: f64,
+    pub deviation: f64,
+    pub volume_error: f64,
+    pub triangles: usize,
+}
+
+impl Figure {
+    fn columns(&self) -> [String; 7] {
+        [
+            self.scene.clone(),
+            self.mesher.clone(),
+            self.setting.clone(),
+            format!("{:.3e}", self.seconds),
+            format!("{:.2e}", self.deviation),
+            format!("{:.2e}", self.volume_error),
+            self.triangles.to_string(),
+        ]
+    }
+
+    fn parse(line: &str) -> Option<Self> {
+        let columns: Vec<&str> = line.split(',').collect();
+        let &[
+            scene,
+            mesher,
+            setting,
+            seconds,
+            deviation,
+            volume,
+            triangles,
+        ] = &columns[..]
+        else {
+            return None;
+        };
+        Some(Self {
+            scene: scene.to_owned(),
+            mesher: mesher.to_owned(),
+            setting: setting.to_owned(),
+            seconds: seconds.parse().ok()?,
+            deviation: deviation.parse().ok()?,
+            volume_error: volume.parse().ok()?,
+            triangles: triangles.parse().ok()?,
+        })
+    }
+}
+
+/// Prints the table, a line for each mesh, and draws the plot.
+pub fn run(options: &Options) {
+    println!("| scene | mesher | setting | s | deviation | volume error | triangles |");
+    println!("|{}", " --- |".repeat(7));
+    for name in &options.scenes {
+        let Some(scene) = scenes::scene(name) else {
+            eprintln!("no scene {name}: try one of {}", scenes::NAMES.join(", "));
+            continue;
+        };
+        one(&scene, options);
+    }
+    if let (Some(csv), Some(svg)) = (&options.csv, &options.plot) {
+        let text = fs::read_to_string(csv).expect("the CSV file");
+        let figures: Vec<Figure> = text.lines().filter_map(Figure::parse).collect();
+        plot::draw(svg, &figures).expect("the plot is drawn");
+    }
+}
+
+/// What all meshes of a scene are measured with.
+struct Gauge<'a> {
+    scene: &'a Scene,
+    program: Program,
+    boundary: Vec<DVec3>,
+    options: &'a Options,
+}
+
+impl Gauge<'_> {
+    fn record(&self, mesher: &str, setting: &str, seconds: f64, mesh: &Mesh) {
+        let there = mesh_to_boundary(&self.program, self.scene.half, mesh);
+        let back = points_to_mesh(&self.boundary, mesh);
+        let figure = Figure {
+            scene: self.scene.name.clone(),
+            mesher: mesher.to_owned(),
+            setting: setting.to_owned(),
+            seconds,
+            deviation: there.max(back),
+            volume_error: ((mesh.volume() - self.scene.volume) / self.scene.volume).abs(),
+            triangles: mesh.triangles.len(),
+        };
+        let columns = figure.columns();
+        println!("| {} |", columns.join(" | "));
+        if let Some(path) = &self.options.csv {
+            let file = OpenOptions::new().append(true).create(true).open(path);
+            let written = file.and_then(|mut file| writeln!(file, "{}", columns.join(",")));
+            written.expect("the CSV file can be written");
+        }
+    }
+}
+
+fn one(scene: &Scene, options: &Options) {
+    let program = Program::lower(&scene.solid).expect("a valid scene");
+    let gauge = Gauge {
+        scene,
+        boundary: boundary_samples(&program, scene.half),
+        program,
+        options,
+    };
+    let passes = Passes::within(0.1, 2.0);
+    let ours = |name: &str, setting: &str, mesher: &Mesher| {
+        let (time, meshed) = on_threads(1, || passes.best(|| mesher.mesh(&gauge.program)));
+        match meshed {
+            Ok(meshed) => gauge.record(name, setting, time.wall, &meshed.mesh),
+            Err(error) => eprintln!("{}, {name} {setting}: {error}", scene.name),
+        }
+        time.wall < MOST
+    };
+    for t in [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6] {
+        let mesher = Mesher::new().check(false).tolerance(t);
+        if !ours("ours", &format!("{t:e}"), &mesher) {
+            break;
+        }
+    }
+    for cells in [16, 32, 64, 128, 256] {
+        let mesher = Mesher::new().check(false).cells(cells);
+        if !ours("ours uniform", &cells.to_string(), &mesher) {
+            break;
+        }
+    }
+    for depth in 4..=9 {
+        let runs = Evaluator::ALL.map(|evaluator| {
+            let run = Run {
+                evaluator,
+                depth,
+                half: scene.half,
+                threads: 1,
+            };
+            fidget::with_mesher(&scene.field, run, |mesh| passes.best(mesh))
+        });
+        let faster = runs
+            .into_iter()
+            .min_by(|a, b| a.0.wall.total_cmp(&b.0.wall));
+        let (time, raw) = faster.expect("two evaluators");
+        gauge.record("fidget", &depth.to_string(), time.wall, &raw.into_mesh());
+        if time.wall > MOST {
+            break;
+        }
+    }
+    for cells in [32, 64, 128, 256] {
+        let (time, raw) = passes.best(|| surface_nets::mesh(&scene.field, cells, scene.half));
+        let mesh = raw.into_mesh();
+        gauge.record("fast-surface-nets", &cells.to_string(), time.wall, &mesh);
+        if time.wall > MOST {
+            break;
+        }
+    }
+    for made in manifold::meshes(&options.python, &scene.name) {
+        let setting = made.segments.to_string();
+        gauge.record("manifold3d", &setting, made.seconds, &made.mesh);
+    }
+}
