@@ -14,8 +14,6 @@ use super::lattice::SAMPLES;
 use super::loops::next_axes;
 use crate::program::{Cell, Formula, Operand, Operation, Surface};
 
-pub(super) use crate::program::evaluate_assignments;
-
 /// One bit per sample.
 pub(super) type Mask = [u64; WORDS];
 pub(super) const WORDS: usize = SAMPLES * SAMPLES * SAMPLES / 64;

@@ -376,32 +376,8 @@ impl Cleaner<'_> {
         if !star.iter().all(|face| is_kept(face.surface)) {
             return false;
         }
-        self.link(gone, star, &mut work.link);
-        self.link(kept, kept_star, &mut work.kept_link);
-        let mut shared = work.link.iter().filter(|v| work.kept_link.contains(v));
-        let (Some(&first), Some(&second), None) = (shared.next(), shared.next(), shared.next())
-        else {
-            return false;
-        };
-        let own_edge = dying.iter().all(|&face| {
-            let corners = self.corners(face);
-            corners.contains(&gone) && corners.contains(&kept)
-        });
-        if !own_edge && work.link.contains(&kept) {
-            return false;
-        }
         let survives = |face: &&Face| !dying.contains(face);
-        // An edge between the two apexes that both links share: a tetrahedron
-        // would be flattened.
-        let spans = |star: &[Face]| {
-            star.iter().filter(survives).any(|&face| {
-                let corners = self.corners(face);
-                corners.contains(&first) && corners.contains(&second)
-            })
-        };
-        if spans(star) && spans(kept_star) {
-            return false;
-        }
+        // The test that fails most often comes first.
         let limit = 2.0 * self.least_area;
         work.flat.clear();
         for &face in star.iter().filter(survives) {
@@ -416,7 +392,29 @@ impl Cleaner<'_> {
             }
             work.flat.push(face);
         }
-        true
+        self.link(gone, star, &mut work.link);
+        self.link(kept, kept_star, &mut work.kept_link);
+        let mut shared = work.link.iter().filter(|v| work.kept_link.contains(v));
+        let (Some(&first), Some(&second), None) = (shared.next(), shared.next(), shared.next())
+        else {
+            return false;
+        };
+        let own_edge = dying.iter().all(|&face| {
+            let corners = self.corners(face);
+            corners.contains(&gone) && corners.contains(&kept)
+        });
+        if !own_edge && work.link.contains(&kept) {
+            return false;
+        }
+        // An edge between the two apexes that both links share: a tetrahedron
+        // would be flattened.
+        let spans = |star: &[Face]| {
+            star.iter().filter(survives).any(|&face| {
+                let corners = self.corners(face);
+                corners.contains(&first) && corners.contains(&second)
+            })
+        };
+        !(spans(star) && spans(kept_star))
     }
 
     /// Whether two of the corners are in one place.

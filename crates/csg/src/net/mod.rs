@@ -23,6 +23,8 @@ mod on_sample_tests;
 mod part;
 mod place;
 mod quads;
+#[cfg(test)]
+mod simd_tests;
 pub(crate) mod solve;
 mod stitch;
 #[cfg(test)]
@@ -61,6 +63,11 @@ struct Block {
 /// Meshes a program with one vertex a loop, on its surfaces to rounding; in the
 /// local frame, about the task's origin.
 pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
+    mesh_on(pulp::Arch::new(), task, report)
+}
+
+/// The same on vectors of a given width; the mesh does not depend on it.
+fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
     let half = 0.5 * task.size;
     let local_bounds = Bounds {
@@ -81,7 +88,6 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     let start = report.end_stage("blocks", start);
 
     let stage = task.control.stage(blocks.len() as u64, 0.0, 0.7);
-    let arch = pulp::Arch::new();
     let mut parts: Vec<Part> = blocks
         .par_iter()
         .map(|block| {

@@ -56,6 +56,8 @@ pub(super) struct Placer {
     /// Edges with several transitions that are one point in truth (axis << 12
     /// | lower sample), and the surfaces that meet there.
     crowded: Vec<(u16, Constraints)>,
+    /// Where the surfaces cross one edge.
+    roots: Vec<(f64, u16)>,
     /// The polygons of one surface.
     polygons: Vec<PolygonCode>,
     /// The polygons on whose edges several surfaces change sign.
@@ -91,6 +93,7 @@ impl Default for Placer {
             changes: Vec::new(),
             cause: [(); 3].map(|()| Box::new([0; EDGES])),
             crowded: Vec::new(),
+            roots: Vec::new(),
             polygons: Vec::new(),
             contested: Vec::new(),
             x: Box::new([0.0; EDGES]),

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 use super::Program;
 use super::cell::{Cell, Pruner, octant_offset};
-use super::formula::{Formula, Operand, Operation, evaluate_assignments};
+use super::formula::{Formula, Operand, Operation};
 use super::surface::{Side, Surface};
 use crate::error::Error;
 
@@ -399,9 +399,9 @@ fn sides_reached(surfaces: &[Surface], root: &Cell, bounds: Bounds) -> [bool; 6]
             inside.into_iter().fold(0, |all, bit| all | bit)
         })
         .collect();
-    let inside = evaluate_assignments(&root.formula, &mut Vec::new(), |_, surface| {
-        signs[surface as usize]
-    });
+    let inside = root
+        .formula
+        .evaluate_words(&mut Vec::new(), |_, surface| signs[surface as usize]);
     [0, 1, 2, 3, 4, 5].map(|side| inside >> (side * POINTS) & ((1 << POINTS) - 1) != 0)
 }
 

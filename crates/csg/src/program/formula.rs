@@ -172,37 +172,6 @@ impl Formula {
     }
 }
 
-/// The formula over up to 64 assignments at once: bit i of
-/// `inside(literal index, surface)` tells whether the literal's surface is
-/// inside in assignment i, and bit i of the result whether the solid is.
-#[inline]
-pub(crate) fn evaluate_assignments(
-    formula: &Formula,
-    gates: &mut Vec<u64>,
-    inside: impl Fn(u32, u32) -> u64,
-) -> u64 {
-    let value = |operand: Operand, gates: &[u64]| match operand {
-        Operand::Constant(false) => 0,
-        Operand::Constant(true) => u64::MAX,
-        Operand::Literal(i) => {
-            let literal = formula.literals()[i as usize];
-            let inside = inside(i, literal.surface);
-            if literal.outside { !inside } else { inside }
-        }
-        Operand::Gate(i) => gates[i as usize],
-    };
-    gates.clear();
-    for gate in formula.gates() {
-        let operands = formula.operands_of(gate).iter();
-        let result = match gate.operation {
-            Operation::And => operands.fold(u64::MAX, |all, &o| all & value(o, gates)),
-            Operation::Or => operands.fold(0, |all, &o| all | value(o, gates)),
-        };
-        gates.push(result);
-    }
-    value(formula.root(), gates)
-}
-
 /// Prints small formulas as one nested expression, large ones gate by gate.
 impl fmt::Display for Formula {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

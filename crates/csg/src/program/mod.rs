@@ -20,7 +20,6 @@ use crate::color::Color;
 pub use bounds::Bounds;
 pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
-pub(crate) use formula::evaluate_assignments;
 pub(crate) use quadric::eigen as eigen_symmetric;
 
 pub use formula::{Formula, Gate, Literal, Operand, Operation};

@@ -139,7 +139,8 @@ impl Placer {
         sample: usize,
     ) -> (u16, Constraints) {
         let start = self.samples.point(sample);
-        let mut roots: Vec<(f64, u16)> = Vec::with_capacity(4);
+        let mut roots = std::mem::take(&mut self.roots);
+        roots.clear();
         for (s, changes) in self.changes.iter().enumerate() {
             if brick::is_set(&changes[axis], sample) {
                 let surface = &scene.surfaces[cell.surfaces[s] as usize];
@@ -151,7 +152,7 @@ impl Placer {
         // Bit i of an assignment: after the first i roots.
         roots.truncate(63);
         let signs = &self.classified.signs;
-        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
+        let result = cell.formula.evaluate_words(&mut self.gates, |_, surface| {
             let inside = brick::is_set(&signs[surface as usize], sample);
             let before = if inside { u64::MAX } else { 0 };
             match roots.iter().position(|&(_, s)| u32::from(s) == surface) {
@@ -159,18 +160,22 @@ impl Placer {
                 None => before,
             }
         });
-        let transitions: Vec<usize> = (0..roots.len())
-            .filter(|&i| (result >> i ^ result >> (i + 1)) & 1 == 1)
-            .collect();
-        let chosen = transitions
-            .get((transitions.len() / 2) & !1)
-            .copied()
-            .unwrap_or(roots.len() / 2);
+        let transitions = (result ^ result >> 1) & !(u64::MAX << roots.len());
+        let nth = |n: u32| {
+            (0..roots.len())
+                .filter(|i| transitions >> i & 1 == 1)
+                .nth(n as usize)
+        };
+        let chosen = nth((transitions.count_ones() / 2) & !1).unwrap_or(roots.len() / 2);
         let mut all = Constraints::default();
-        for i in transitions {
-            all.insert(roots[i].1);
+        for (i, &(_, s)) in roots.iter().enumerate() {
+            if transitions >> i & 1 == 1 {
+                all.insert(s);
+            }
         }
-        (roots[chosen].1, all)
+        let cause = roots[chosen].1;
+        self.roots = roots;
+        (cause, all)
     }
 
     /// The surfaces of a vertex's crossings together with those of all other

@@ -82,7 +82,7 @@ impl Placer {
             .collect();
         let signs = &self.classified.signs;
         let sample = code.sample();
-        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |i, s| {
+        let result = cell.formula.evaluate_words(&mut self.gates, |i, s| {
             let inside = brick::is_set(&signs[s as usize], sample);
             let sign = if inside { u64::MAX } else { 0 };
             // Assignment k + 1 toggles the k-th literal alone.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::{Placer, Scene};
 use crate::net::lattice::CELLS;
 use crate::net::part::{Fallback, FallbackKind, Part};
-use crate::net::{brick, solve, validity};
+use crate::net::{solve, validity};
 use crate::program::{Cell, Side};
 
 /// The surfaces of one vertex, as positions in the brick's list. More than
@@ -368,9 +368,9 @@ impl Placer {
             self.signs.push(sign);
         }
         let signs = &self.signs;
-        let table = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
-            signs[surface as usize]
-        });
+        let table = cell
+            .formula
+            .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
         (0..constraints.len).all(|k| {
             let shifted = table >> (1 << k);
             (table ^ shifted) & !VARIABLES[k] & assignments(free) != 0
@@ -443,10 +443,9 @@ impl Placer {
                 });
             }
             let signs = &self.signs;
-            let result =
-                brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
-                    signs[surface as usize]
-                });
+            let result = cell
+                .formula
+                .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
             let known = u64::MAX >> (64 - 2 * sectors.len());
             (result ^ result >> 1) & INSIDE & known != 0
         })
@@ -460,9 +459,9 @@ impl Placer {
         });
         self.signs.extend(values);
         let signs = &self.signs;
-        let result = brick::evaluate_assignments(&cell.formula, &mut self.gates, |_, surface| {
-            signs[surface as usize]
-        });
+        let result = cell
+            .formula
+            .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
         result & 1 == 1
     }
 
