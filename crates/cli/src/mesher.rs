@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use csg::{LengthUnit, Mesh, MeshCheck, Mesher, Program, Report};
+use csg::{LengthUnit, Mesh, Mesher, Program, Report};
 
 use crate::failure::Failure;
 use crate::input::Subject;
@@ -29,6 +29,11 @@ pub(crate) struct MesherOptions {
     /// tolerance]
     #[arg(long, value_name = "LENGTH", conflicts_with_all = ["cells", "draft"])]
     pub(crate) smallest_feature: Option<f64>,
+    /// Uniform cells with sides of this length, in the model's unit, in place of
+    /// their number
+    #[arg(long, value_name = "LENGTH", value_parser = length,
+          conflicts_with_all = ["cells", "smallest_feature"])]
+    pub(crate) cell_size: Option<f64>,
     /// Mesh with plain surface nets: bevelled edges, perhaps not manifold
     #[arg(long)]
     pub(crate) draft: bool,
@@ -67,12 +72,18 @@ impl Unit {
     }
 }
 
-/// A mesh, how it came about and what state it is in.
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(length) if length > 0.0 && length < f64::INFINITY => Ok(length),
+        _ => Err("give a length above 0".into()),
+    }
+}
+
+/// A mesh and how it came about.
 pub(crate) struct Product {
     pub(crate) mesh: Mesh,
     /// Of the mesher; `None` for a mesh that was read from a file.
     pub(crate) report: Option<Report>,
-    pub(crate) check: MeshCheck,
     /// Seconds of each stage so far.
     pub(crate) seconds: Vec<(&'static str, f64)>,
 }
@@ -87,28 +98,35 @@ impl Product {
     }
 }
 
-/// Reads the subject and meshes it if it is a solid.
+/// Reads the subject and meshes it if it is a solid; `check` says whether
+/// the mesher is to check what it made.
 pub(crate) fn produce(
     subject: impl FnOnce() -> Result<Subject, Failure>,
     options: &MesherOptions,
+    check: bool,
     progress: &Progress,
 ) -> Result<Product, Failure> {
     let start = Instant::now();
     progress.stage("reading");
     let subject = subject()?;
     let mut seconds = vec![("read", start.elapsed().as_secs_f64())];
-    let start = Instant::now();
     match subject {
         Subject::Solid(solid) => {
+            let start = Instant::now();
             let program = Program::lower(&solid)?;
             seconds.push(("lower", start.elapsed().as_secs_f64()));
             progress.stage("meshing");
             let mut mesher = Mesher::new()
                 .normals()
+                // To a tolerance, a mesh that fails its check is made anew.
+                .check(check || options.tolerance.is_some())
                 .unit(options.unit.length_unit())
                 .progress(progress.callback());
             if let Some(cells) = options.cells {
                 mesher = mesher.cells(cells);
+            }
+            if let Some(size) = options.cell_size {
+                mesher = mesher.cell_size(size);
             }
             if let Some(size) = options.smallest_feature {
                 mesher = mesher.smallest_feature(size);
@@ -125,21 +143,15 @@ pub(crate) fn produce(
             let meshed = mesher.mesh(&program)?;
             seconds.extend(&meshed.report.stages);
             Ok(Product {
-                check: meshed.report.check.clone(),
                 mesh: meshed.mesh,
                 report: Some(meshed.report),
                 seconds,
             })
         }
-        Subject::Mesh(mesh) => {
-            let check = mesh.check();
-            seconds.push(("check", start.elapsed().as_secs_f64()));
-            Ok(Product {
-                mesh,
-                report: None,
-                check,
-                seconds,
-            })
-        }
+        Subject::Mesh(mesh) => Ok(Product {
+            mesh,
+            report: None,
+            seconds,
+        }),
     }
 }

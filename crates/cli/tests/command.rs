@@ -317,3 +317,21 @@ fn help_documents_the_exit_codes() {
         assert!(text.contains(&format!("\n  {code}  ")), "{text}");
     }
 }
+
+#[test]
+fn the_size_of_cells_says_as_much_as_their_number() {
+    let folder = Folder::new();
+    let cell_size = |option: &str| {
+        let output = folder.run(&format!("measure in.csg --json - {option}"));
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        json["report"]["cell_size"].as_f64().expect("a number")
+    };
+    assert_eq!(cell_size("--cell-size 0.0625"), 0.0625);
+    // The solid is 1.5 long.
+    assert!((cell_size("--cells 24") - 0.0625).abs() < 1e-6);
+    failed(&folder.run("mesh in.csg -o out.stl --cell-size 0"), 2);
+    failed(
+        &folder.run("mesh in.csg -o out.stl --cell-size 1 --cells 8"),
+        2,
+    );
+}

@@ -4,18 +4,19 @@ use std::sync::Arc;
 
 use csg::{Color, LengthUnit, Mesh, MeshSurface};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::parts::{ColorBits, color_bits, in_gamut};
-use crate::weld::Weld;
+use crate::weld::split;
 
 /// Collects vertices and triangles into a mesh.
 pub(crate) struct Assembler {
     mesh: Mesh,
-    welded: Weld,
     /// Surfaces by name and colour.
     parts: FxHashMap<(Option<Arc<str>>, Option<ColorBits>), u32>,
-    part: u32,
+    /// The surface of triangles, and the first triangle of each run of it.
+    runs: Vec<(u32, usize)>,
     /// Whether every triangle so far came with normals.
     has_normals: bool,
 }
@@ -27,43 +28,23 @@ impl Assembler {
                 unit,
                 ..Mesh::default()
             },
-            welded: Weld::default(),
             parts: FxHashMap::default(),
-            part: 0,
+            runs: Vec::new(),
             has_normals: true,
         }
     }
 
-    /// Makes room for that many more vertices to weld and triangles. (What a
-    /// file promises is no reason to reserve: pass what is really there.)
-    pub(crate) fn reserve(&mut self, vertices: usize, triangles: usize) {
-        let mesh = &mut self.mesh;
-        self.welded
-            .reserve(mesh.positions.len() + vertices, &mesh.positions);
-        mesh.positions.reserve(vertices);
-        mesh.triangles.reserve(triangles);
-        mesh.triangle_surfaces.reserve(triangles);
+    /// Adds finite vertices, not too many.
+    pub(crate) fn add_vertices(&mut self, places: Vec<DVec3>) {
+        if self.mesh.positions.is_empty() {
+            self.mesh.positions = places;
+        } else {
+            self.mesh.positions.extend(places);
+        }
     }
 
-    /// The vertex at exactly this place; `None` if the place is not finite or
-    /// there are too many vertices.
-    pub(crate) fn weld(&mut self, place: DVec3) -> Option<u32> {
-        if !place.is_finite() {
-            return None;
-        }
-        // (The greatest number stands for no vertex.)
-        let new = u32::try_from(self.mesh.positions.len()).ok()?;
-        if new == u32::MAX {
-            return None;
-        }
-        let vertex = self.welded.find_or_insert(place, new, &self.mesh.positions);
-        if vertex == new {
-            self.mesh.positions.push(place);
-        }
-        Some(vertex)
-    }
-
-    /// A new vertex, wherever others are; `None` as for `weld`.
+    /// A new vertex, wherever others are; `None` if its place is not finite or
+    /// there are too many.
     pub(crate) fn vertex(&mut self, place: DVec3) -> Option<u32> {
         let vertex = u32::try_from(self.mesh.positions.len()).ok()?;
         place.is_finite().then(|| {
@@ -79,11 +60,16 @@ impl Assembler {
 
     /// The triangles that follow have this name and colour.
     pub(crate) fn begin_part(&mut self, name: Option<&str>, color: Option<Color>) {
+        self.begin_part_at(self.mesh.triangles.len(), name, color);
+    }
+
+    /// The triangles from this one on have this name and colour.
+    fn begin_part_at(&mut self, first: usize, name: Option<&str>, color: Option<Color>) {
         let name: Option<Arc<str>> = name.map(Arc::from);
         let color = color.map(in_gamut);
         let bits = color.map(color_bits);
         let surfaces = &mut self.mesh.surfaces;
-        self.part = *self
+        let part = *self
             .parts
             .entry((name, bits))
             .or_insert_with_key(|(name, _)| {
@@ -96,23 +82,56 @@ impl Assembler {
                 });
                 index
             });
+        if self.runs.last().is_none_or(|run| run.0 != part) {
+            self.runs.push((part, first));
+        }
     }
 
-    /// Adds a triangle to the current part, unless two of its vertices are one.
+    /// Adds a triangle to the current part; it vanishes if two of its vertices
+    /// are one.
     pub(crate) fn triangle(&mut self, corners: [u32; 3], normals: Option<[Vec3; 3]>) {
-        let [a, b, c] = corners;
-        if a == b || b == c || c == a {
-            return;
-        }
-        if self.mesh.surfaces.is_empty() {
+        if self.runs.is_empty() {
             self.begin_part(None, None);
         }
         self.mesh.triangles.push(corners);
-        self.mesh.triangle_surfaces.push(self.part);
         match normals {
             Some(normals) if self.has_normals => self.mesh.corner_normals.push(normals),
             _ => self.has_normals = false,
         }
+    }
+
+    /// The first triangles, all at once: so many in each block, whose part,
+    /// corners and (where `with_normals`) normals are filled in parallel.
+    ///
+    /// # Errors
+    /// That of the first block whose `fill` fails.
+    pub(crate) fn all_triangles<'a, E: Send>(
+        &mut self,
+        lengths: &[usize],
+        with_normals: bool,
+        part: impl Fn(usize) -> (Option<&'a str>, Option<Color>),
+        fill: impl Fn(usize, &mut [[u32; 3]], &mut [[Vec3; 3]]) -> Result<(), E> + Sync,
+    ) -> Result<(), E> {
+        let mut first = 0;
+        for (block, length) in lengths.iter().enumerate() {
+            let (name, color) = part(block);
+            self.begin_part_at(first, name, color);
+            first += length;
+        }
+        self.has_normals = with_normals;
+        let mesh = &mut self.mesh;
+        mesh.triangles = vec![[0; 3]; first];
+        mesh.corner_normals = vec![[Vec3::ZERO; 3]; if with_normals { first } else { 0 }];
+        let normals = lengths.iter().map(|&n| if with_normals { n } else { 0 });
+        split(&mut mesh.triangles, lengths.iter().copied())
+            .into_par_iter()
+            .zip(split(&mut mesh.corner_normals, normals))
+            .enumerate()
+            .map(|(block, (triangles, normals))| fill(block, triangles, normals))
+            // (Not straight into a `Result`, which would keep any error.)
+            .collect::<Vec<_>>()
+            .into_iter()
+            .collect()
     }
 
     /// The mesh: with normals if all triangles have them, with surfaces if
@@ -122,14 +141,31 @@ impl Assembler {
         if !self.has_normals {
             mesh.corner_normals.clear();
         }
-        if mesh
-            .surfaces
-            .iter()
-            .all(|s| s.name.is_none() && s.color.is_none())
-        {
+        let tells = |s: &MeshSurface| s.name.is_some() || s.color.is_some();
+        if mesh.surfaces.iter().any(tells) {
+            let count = mesh.triangles.len();
+            let ends = self.runs.iter().skip(1).map(|run| run.1);
+            for (&(part, _), end) in self.runs.iter().zip(ends.chain([count])) {
+                mesh.triangle_surfaces.resize(end, part);
+            }
+        } else {
             mesh.surfaces.clear();
-            mesh.triangle_surfaces.clear();
         }
+        drop_vanished(&mut mesh);
         mesh
     }
+}
+
+/// Leaves out the triangles two of whose vertices are one.
+pub(crate) fn drop_vanished(mesh: &mut Mesh) {
+    let vanished = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+    if !mesh.triangles.par_iter().any(vanished) {
+        return;
+    }
+    let mut keep = mesh.triangles.iter().map(|t| !vanished(t));
+    mesh.triangle_surfaces
+        .retain(|_| keep.next().unwrap_or(true));
+    let mut keep = mesh.triangles.iter().map(|t| !vanished(t));
+    mesh.corner_normals.retain(|_| keep.next().unwrap_or(true));
+    mesh.triangles.retain(|t| !vanished(t));
 }

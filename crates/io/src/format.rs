@@ -3,10 +3,12 @@
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use csg::{Mesh, MeshSurface};
+use rayon::prelude::*;
 
 use crate::atomic::AtomicFile;
 use crate::{Error, gltf, obj, ply, stl, threemf};
@@ -165,7 +167,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, Error> {
 
 fn read_by_format(path: &Path) -> Result<Mesh, Error> {
     let format = MeshFormat::from_path(path)?;
-    let load = |path: &Path| fs::read(path).map_err(Error::file("read", path));
+    let load = |path: &Path| load(path).map_err(Error::file("read", path));
     let beside = |name: &str| path.with_file_name("").join(name);
     match format {
         MeshFormat::Glb => gltf::read_glb(&load(path)?),
@@ -175,6 +177,26 @@ fn read_by_format(path: &Path) -> Result<Mesh, Error> {
         MeshFormat::Ply => ply::read_ply(&load(path)?),
         MeshFormat::ThreeMf => Err(Error::WriteOnly { format }),
     }
+}
+
+/// The contents of a file. Large ones are read by all threads, each of which
+/// also pays for the memory it fills.
+fn load(path: &Path) -> std::io::Result<Vec<u8>> {
+    const PIECE: usize = 1 << 21;
+    let about = fs::metadata(path)?;
+    let length = usize::try_from(about.len()).unwrap_or(usize::MAX);
+    if !about.is_file() || length < 2 * PIECE {
+        return fs::read(path);
+    }
+    let mut data = vec![0; length];
+    data.par_chunks_mut(PIECE)
+        .enumerate()
+        .try_for_each(|(index, piece)| {
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start((index * PIECE) as u64))?;
+            file.read_exact(piece)
+        })?;
+    Ok(data)
 }
 
 /// The file of the same stem with another extension, and its name.

@@ -5,10 +5,12 @@ use std::io::Write;
 
 use csg::{LengthUnit, Mesh};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use crate::assemble::Assembler;
+use crate::assemble::drop_vanished;
 use crate::parts::{Parts, face_normal};
 use crate::rows::{push_f32, push_f64, write_rows};
+use crate::weld::{self, weld};
 use crate::{Error, MeshFormat, units};
 
 /// Bytes before the first triangle of a binary file, and of each triangle.
@@ -118,76 +120,157 @@ fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {
 
 /// Reads as many triangles as the header promises; the data is long enough.
 fn read_binary(data: &[u8]) -> Result<Mesh, Error> {
+    /// Triangles per block.
+    const TRIANGLES: usize = weld::BLOCK / 3;
     let count = u32::from_le_bytes([data[80], data[81], data[82], data[83]]) as usize;
-    let mut mesh = Assembler::new(LengthUnit::Millimetre);
-    // A closed mesh has half as many vertices as triangles.
-    mesh.reserve(count / 2, count);
-    for (index, record) in data[HEAD..].chunks_exact(RECORD).take(count).enumerate() {
-        let real = |at: usize| {
-            f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
-        };
-        let mut corners = [0; 3];
-        for (corner, slot) in corners.iter_mut().enumerate() {
-            let at = 12 + corner * 12;
-            let place = Vec3::new(real(at), real(at + 4), real(at + 8)).as_dvec3();
-            *slot = mesh.weld(place).ok_or_else(|| {
-                let problem = format!("its corner at {place} is not finite");
-                malformed(format!("triangle {index}"), problem)
-            })?;
+    let records = &data[HEAD..HEAD + count * RECORD];
+    let blocks: Vec<&[u8]> = records.chunks(TRIANGLES * RECORD).collect();
+    let lengths: Vec<usize> = blocks.iter().map(|b| b.len() / RECORD * 3).collect();
+    let mut triangles = vec![[0; 3]; count];
+    let positions = weld(triangles.as_flattened_mut(), &lengths, |block, places| {
+        for (index, record) in blocks[block].chunks_exact(RECORD).enumerate() {
+            let real = |at: usize| {
+                f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
+            };
+            for at in [12, 24, 36] {
+                let place = Vec3::new(real(at), real(at + 4), real(at + 8));
+                if !place.is_finite() {
+                    let problem = format!("its corner at {place} is not finite");
+                    let place = format!("triangle {}", block * TRIANGLES + index);
+                    return Err(malformed(place, problem));
+                }
+                places.push(place.as_dvec3());
+            }
         }
-        mesh.triangle(corners, None);
-    }
-    Ok(mesh.finish())
+        Ok(())
+    })?;
+    let positions = positions.ok_or_else(|| malformed("header", "it has too many triangles"))?;
+    Ok(bare_mesh(positions, triangles))
 }
 
+/// A mesh of triangles alone, without those that vanish.
+fn bare_mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut mesh = Mesh::new(positions, triangles);
+    mesh.unit = LengthUnit::Millimetre;
+    drop_vanished(&mut mesh);
+    mesh
+}
+
+/// Reads the pieces of a text file in parallel. Where anything is wrong, one
+/// thread goes over it again, to say at which line.
 fn read_text(data: &[u8]) -> Result<Mesh, Error> {
-    let mut mesh = Assembler::new(LengthUnit::Millimetre);
-    let mut corners = Vec::with_capacity(3);
-    let mut ended = false;
-    for (index, line) in data.split(|&b| b == b'\n').enumerate() {
-        let place = || format!("line {}", index + 1);
-        let mut words = line
-            .split(u8::is_ascii_whitespace)
-            .filter(|word| !word.is_empty());
-        match words.next() {
-            Some(b"vertex") => {
-                let mut number = || {
-                    words
-                        .next()
-                        .and_then(|w| std::str::from_utf8(w).ok()?.parse().ok())
-                };
-                let numbers = [number(), number(), number()];
-                let vertex = match numbers {
-                    [Some(x), Some(y), Some(z)] => mesh.weld(DVec3::new(x, y, z)),
-                    _ => None,
-                };
-                let problem = "vertex needs three finite numbers";
-                corners.push(vertex.ok_or_else(|| malformed(place(), problem))?);
-            }
-            Some(b"endloop") => match *corners {
-                [a, b, c] => {
-                    mesh.triangle([a, b, c], None);
-                    corners.clear();
-                }
-                _ => return Err(malformed(place(), "a facet needs exactly three vertices")),
-            },
-            Some(b"endsolid") => ended = true,
-            Some(b"solid") => ended = false,
-            Some(b"facet" | b"outer" | b"endfacet") | None => {}
-            Some(word) => {
-                let word = String::from_utf8_lossy(word);
-                return Err(malformed(
-                    place(),
-                    format!("{word:?} does not belong in an STL file"),
-                ));
-            }
-        }
-    }
-    if !ended {
+    let pieces = text_pieces(data);
+    let parts: Result<Vec<TextPart>, Error> = pieces.into_par_iter().map(TextPart::parse).collect();
+    let whole = |parts: &Vec<TextPart>| {
+        let inner = parts.len().saturating_sub(1);
+        parts[..inner].iter().all(|part| part.open == 0)
+    };
+    let parts = match parts.ok().filter(whole) {
+        Some(parts) => parts,
+        None => vec![TextPart::parse(data)?],
+    };
+    if parts.iter().rev().find_map(|part| part.ended) != Some(true) {
         return Err(malformed(
             "end of file",
             "\"endsolid\" is missing; the file may have been cut off",
         ));
     }
-    Ok(mesh.finish())
+    // (Corners of a facet without its end are no triangle.)
+    let blocks: Vec<&[DVec3]> = parts
+        .iter()
+        .flat_map(|part| part.places[..part.places.len() - part.open].chunks(weld::BLOCK))
+        .collect();
+    let lengths: Vec<usize> = blocks.iter().map(|block| block.len()).collect();
+    let mut triangles = vec![[0; 3]; lengths.iter().sum::<usize>() / 3];
+    let positions = weld(triangles.as_flattened_mut(), &lengths, |block, to| {
+        to.extend_from_slice(blocks[block]);
+        Ok::<_, Error>(())
+    })?;
+    let positions =
+        positions.ok_or_else(|| malformed("end of file", "it has too many triangles"))?;
+    Ok(bare_mesh(positions, triangles))
+}
+
+/// Cuts a text file into pieces of some megabytes that begin with a facet.
+fn text_pieces(data: &[u8]) -> Vec<&[u8]> {
+    const LEAST: usize = 1 << 21;
+    let mut pieces = Vec::new();
+    let mut rest = data;
+    while rest.len() > 2 * LEAST {
+        let lines = rest[LEAST..].split_inclusive(|&b| b == b'\n');
+        let mut end = LEAST;
+        // (What is before the first line break is the end of another line.)
+        for (index, line) in lines.enumerate() {
+            if index > 0 && line.trim_ascii_start().starts_with(b"facet") {
+                break;
+            }
+            end += line.len();
+        }
+        let (piece, later) = rest.split_at(end);
+        pieces.push(piece);
+        rest = later;
+    }
+    pieces.push(rest);
+    pieces
+}
+
+/// What a piece of a text file says.
+struct TextPart {
+    /// The corners, three to a facet.
+    places: Vec<DVec3>,
+    /// The corners at the end that belong to no complete facet.
+    open: usize,
+    /// Whether the last solid that is begun or ended here is ended.
+    ended: Option<bool>,
+}
+
+impl TextPart {
+    fn parse(data: &[u8]) -> Result<Self, Error> {
+        let mut places = Vec::new();
+        let mut corners = 0;
+        let mut ended = None;
+        for (index, line) in data.split(|&b| b == b'\n').enumerate() {
+            let place = || format!("line {}", index + 1);
+            let mut words = line
+                .split(u8::is_ascii_whitespace)
+                .filter(|word| !word.is_empty());
+            match words.next() {
+                Some(b"vertex") => {
+                    let mut number = || {
+                        words
+                            .next()
+                            .and_then(|w| std::str::from_utf8(w).ok()?.parse().ok())
+                    };
+                    let numbers = [number(), number(), number()];
+                    let vertex = match numbers {
+                        [Some(x), Some(y), Some(z)] => Some(DVec3::new(x, y, z)),
+                        _ => None,
+                    };
+                    let problem = "vertex needs three finite numbers";
+                    let vertex = vertex.filter(|place| place.is_finite());
+                    places.push(vertex.ok_or_else(|| malformed(place(), problem))?);
+                    corners += 1;
+                }
+                Some(b"endloop") if corners == 3 => corners = 0,
+                Some(b"endloop") => {
+                    return Err(malformed(place(), "a facet needs exactly three vertices"));
+                }
+                Some(b"endsolid") => ended = Some(true),
+                Some(b"solid") => ended = Some(false),
+                Some(b"facet" | b"outer" | b"endfacet") | None => {}
+                Some(word) => {
+                    let word = String::from_utf8_lossy(word);
+                    return Err(malformed(
+                        place(),
+                        format!("{word:?} does not belong in an STL file"),
+                    ));
+                }
+            }
+        }
+        Ok(Self {
+            places,
+            open: corners,
+            ended,
+        })
+    }
 }

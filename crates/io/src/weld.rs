@@ -1,13 +1,217 @@
-//! Finding the vertex at exactly a given place.
+//! Finding the vertices at exactly the same places.
+//!
+//! Places come in blocks. Each block is welded by itself, in a table that
+//! stays in the cache; neighbours in a file are mostly neighbours in space,
+//! so that few doubles are left. Those are found in tables that share the
+//! places out by their hashes. Both steps run in parallel, and vertices are
+//! numbered in the order of their first appearance, whatever the number of
+//! threads.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
-/// A hash table of vertex numbers, keyed by the vertices' places, which stay
-/// with their owner: four bytes an entry, where a map of places to numbers
-/// takes 32 and most of a reader's time.
+/// Places per block: the tables of a block fit the second level cache.
+pub(crate) const BLOCK: usize = 3 << 12;
+
+/// Bits of a key that number a place within its block.
+const PLACE_BITS: u32 = 14;
+
+/// Welds the places of all blocks: returns the distinct ones in the order of
+/// first appearance, and puts into `numbers` which of them each place is.
+/// `lengths` says how many there are in each block, at most [`BLOCK`]; `fill`
+/// appends those of one block (all of them finite), and reports what is wrong
+/// with them.
+///
+/// `Ok(None)` if there are too many to number.
+///
+/// # Errors
+/// That of the first block whose `fill` fails.
+pub(crate) fn weld<E: Send>(
+    numbers: &mut [u32],
+    lengths: &[usize],
+    fill: impl Fn(usize, &mut Vec<DVec3>) -> Result<(), E> + Sync,
+) -> Result<Option<Vec<DVec3>>, E> {
+    if lengths.len() >= 1 << (32 - PLACE_BITS) {
+        return Ok(None);
+    }
+    let blocks: Result<Vec<Block>, E> = split(numbers, lengths.iter().copied())
+        .into_par_iter()
+        .enumerate()
+        .map_init(Scratch::default, |scratch, (index, numbers)| {
+            scratch.places.clear();
+            fill(index, &mut scratch.places)?;
+            Ok(scratch.weld(numbers))
+        })
+        // (Not straight into a `Result`, which would keep any error.)
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect();
+    let blocks = blocks?;
+    let place = |key: u32| blocks[(key >> PLACE_BITS) as usize].place(key);
+
+    // Doubles between blocks, as pairs of keys, the earlier one first. The
+    // low bits of hashes share them out, the high bits find their slots.
+    let shares = rayon::current_num_threads().next_power_of_two();
+    let doubles: Vec<Vec<(u32, u32)>> = (0..shares)
+        .into_par_iter()
+        .map(|share| {
+            let mut table = Table::default();
+            let mut doubles = Vec::new();
+            let hashes: usize = blocks.iter().map(|block| block.hashes.len()).sum();
+            table.reserve(hashes / shares + hashes / 16, |key| {
+                blocks[(key >> PLACE_BITS) as usize].hash(key)
+            });
+            for (block, first) in blocks.iter().zip((0u32..).step_by(1 << PLACE_BITS)) {
+                for (&hash, key) in block.hashes.iter().zip(first..) {
+                    if hash as usize % shares != share {
+                        continue;
+                    }
+                    let at = place(key);
+                    let same = |other: u32| place(other) == at;
+                    let hash_of = |key: u32| blocks[(key >> PLACE_BITS) as usize].hash(key);
+                    let found = table.find_or_insert(hash, key, same, hash_of);
+                    if found != key {
+                        doubles.push((found, key));
+                    }
+                }
+            }
+            doubles
+        })
+        .collect();
+
+    let mut own: Vec<usize> = blocks.iter().map(|block| block.places.len()).collect();
+    let starts = running_sum(&own);
+    let index = |key: u32| {
+        let within = key as usize % (1 << PLACE_BITS);
+        starts[(key >> PLACE_BITS) as usize] + within
+    };
+    // The vertex of each block's place; doubles come last.
+    const DOUBLE: u32 = u32::MAX;
+    let mut vertices = vec![0u32; blocks.iter().map(|block| block.places.len()).sum()];
+    for &(_, key) in doubles.iter().flatten() {
+        vertices[index(key)] = DOUBLE;
+        own[(key >> PLACE_BITS) as usize] -= 1;
+    }
+    let total: usize = own.iter().sum();
+    if total >= DOUBLE as usize {
+        return Ok(None);
+    }
+    let mut positions = vec![DVec3::ZERO; total];
+    split(&mut positions, own.iter().copied())
+        .into_par_iter()
+        .zip(split(&mut vertices, blocks.iter().map(|b| b.places.len())))
+        .zip(&blocks)
+        .zip(running_sum(&own))
+        .for_each(|(((positions, vertices), block), first)| {
+            let mut count = 0;
+            for (vertex, &place) in vertices.iter_mut().zip(&block.places) {
+                if *vertex != DOUBLE {
+                    *vertex = (first + count) as u32;
+                    positions[count] = place;
+                    count += 1;
+                }
+            }
+        });
+    for &(earlier, later) in doubles.iter().flatten() {
+        vertices[index(later)] = vertices[index(earlier)];
+    }
+    split(numbers, lengths.iter().copied())
+        .into_par_iter()
+        .zip(&starts)
+        .for_each(|(numbers, &start)| {
+            for number in numbers {
+                *number = vertices[start + *number as usize];
+            }
+        });
+    Ok(Some(positions))
+}
+
+/// Cuts a slice into pieces of the given lengths.
+pub(crate) fn split<T>(mut rest: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    lengths
+        .map(|length| {
+            let (piece, later) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = later;
+            piece
+        })
+        .collect()
+}
+
+/// The sums of the lengths before each.
+fn running_sum(lengths: &[usize]) -> Vec<usize> {
+    lengths
+        .iter()
+        .scan(0, |sum, length| {
+            let before = *sum;
+            *sum += length;
+            Some(before)
+        })
+        .collect()
+}
+
+/// The distinct places of one block, in the order of first appearance.
+struct Block {
+    places: Vec<DVec3>,
+    hashes: Vec<u64>,
+}
+
+impl Block {
+    fn place(&self, key: u32) -> DVec3 {
+        self.places[key as usize % (1 << PLACE_BITS)]
+    }
+
+    fn hash(&self, key: u32) -> u64 {
+        self.hashes[key as usize % (1 << PLACE_BITS)]
+    }
+}
+
+/// What a thread needs to weld a block.
 #[derive(Default)]
-pub(crate) struct Weld {
-    /// A power of two of vertex numbers, probed one after another.
+struct Scratch {
+    places: Vec<DVec3>,
+    table: Table,
+}
+
+impl Scratch {
+    fn weld(&mut self, numbers: &mut [u32]) -> Block {
+        self.table.clear();
+        self.table.reserve(BLOCK / 4, |_| 0);
+        let mut block = Block {
+            places: Vec::with_capacity(self.places.len() / 4),
+            hashes: Vec::with_capacity(self.places.len() / 4),
+        };
+        for (number, &place) in numbers.iter_mut().zip(&self.places) {
+            let hash = hash(place);
+            let new = block.places.len() as u32;
+            let same = |other: u32| block.places[other as usize] == place;
+            let hash_of = |other: u32| block.hashes[other as usize];
+            *number = self.table.find_or_insert(hash, new, same, hash_of);
+            if *number == new {
+                block.places.push(place);
+                block.hashes.push(hash);
+            }
+        }
+        block
+    }
+}
+
+/// A well mixed number for each place. (0 and -0 are the same place.)
+fn hash(place: DVec3) -> u64 {
+    let [x, y, z] = place.to_array().map(|x| (x + 0.0).to_bits());
+    // Odd multipliers.
+    let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        ^ y.rotate_left(21).wrapping_mul(0xd1b5_4a32_d192_ed03)
+        ^ z.rotate_left(42).wrapping_mul(0x8cb9_2ba7_2f3d_8dd7);
+    let mixed = (mixed ^ (mixed >> 32)).wrapping_mul(0xaef1_7502_108e_f2d9);
+    mixed ^ (mixed >> 29)
+}
+
+/// A hash table of keys, whose places stay with their owner: four bytes an
+/// entry, where a map of places to numbers takes 32 and most of a reader's
+/// time.
+#[derive(Default)]
+struct Table {
+    /// A power of two of keys, probed one after another.
     slots: Vec<u32>,
     count: usize,
 }
@@ -15,26 +219,37 @@ pub(crate) struct Weld {
 /// An empty slot.
 const FREE: u32 = u32::MAX;
 
-impl Weld {
-    /// Makes room for that many vertices.
-    pub(crate) fn reserve(&mut self, vertices: usize, places: &[DVec3]) {
-        let needed = (2 * vertices).next_power_of_two();
+impl Table {
+    fn clear(&mut self) {
+        self.slots.fill(FREE);
+        self.count = 0;
+    }
+
+    /// Makes room for that many keys; `hash_of` is asked for those inside.
+    fn reserve(&mut self, keys: usize, hash_of: impl Fn(u32) -> u64) {
+        let needed = (2 * keys).max(512).next_power_of_two();
         if needed <= self.slots.len() {
             return;
         }
         let old = std::mem::replace(&mut self.slots, vec![FREE; needed]);
-        for vertex in old.into_iter().filter(|&vertex| vertex != FREE) {
-            let slot = self.slot(places[vertex as usize], places);
-            self.slots[slot] = vertex;
+        for key in old.into_iter().filter(|&key| key != FREE) {
+            let slot = self.slot(hash_of(key), |_| false);
+            self.slots[slot] = key;
         }
     }
 
-    /// The vertex at this place, or else `new`, which from now on is there.
-    pub(crate) fn find_or_insert(&mut self, place: DVec3, new: u32, places: &[DVec3]) -> u32 {
+    /// The key for which `same` holds, or else `new`, which goes in.
+    fn find_or_insert(
+        &mut self,
+        hash: u64,
+        new: u32,
+        same: impl Fn(u32) -> bool,
+        hash_of: impl Fn(u32) -> u64,
+    ) -> u32 {
         if 2 * self.count >= self.slots.len() {
-            self.reserve((2 * self.count).max(512), places);
+            self.reserve(2 * self.count, hash_of);
         }
-        let slot = self.slot(place, places);
+        let slot = self.slot(hash, same);
         if self.slots[slot] == FREE {
             self.slots[slot] = new;
             self.count += 1;
@@ -42,18 +257,12 @@ impl Weld {
         self.slots[slot]
     }
 
-    /// The slot of the vertex at this place, or the free one for it.
-    fn slot(&self, place: DVec3, places: &[DVec3]) -> usize {
-        // Odd multipliers; the high bits are the well mixed ones. (0 and -0
-        // are the same place.)
-        let [x, y, z] = place.to_array().map(|x| (x + 0.0).to_bits());
-        let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            ^ y.rotate_left(21).wrapping_mul(0xd1b5_4a32_d192_ed03)
-            ^ z.rotate_left(42).wrapping_mul(0x8cb9_2ba7_2f3d_8dd7);
-        let hash = (mixed ^ (mixed >> 32)).wrapping_mul(0xaef1_7502_108e_f2d9);
-        let mut slot = (hash >> (64 - self.slots.len().ilog2())) as usize;
-        while self.slots[slot] != FREE && places[self.slots[slot] as usize] != place {
-            slot = (slot + 1) % self.slots.len();
+    /// The slot of the key for which `same` holds, or the free one for it.
+    fn slot(&self, hash: u64, same: impl Fn(u32) -> bool) -> usize {
+        let mask = self.slots.len() - 1;
+        let mut slot = (hash >> 32) as usize & mask;
+        while self.slots[slot] != FREE && !same(self.slots[slot]) {
+            slot = (slot + 1) & mask;
         }
         slot
     }
@@ -61,27 +270,64 @@ impl Weld {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::collections::HashMap;
+    use std::convert::Infallible;
+
+    use super::*;
+
+    /// The distinct places, and which of them each place is.
+    fn welded(places: &[DVec3], length: usize) -> (Vec<DVec3>, Vec<u32>) {
+        let lengths: Vec<usize> = places.chunks(length).map(<[DVec3]>::len).collect();
+        let fill = |block: usize, to: &mut Vec<DVec3>| {
+            to.extend(&places[block * length..][..lengths[block]]);
+            Ok::<(), Infallible>(())
+        };
+        let mut numbers = vec![0; places.len()];
+        let Ok(distinct) = weld(&mut numbers, &lengths, fill);
+        (distinct.expect("not too many"), numbers)
+    }
 
     #[test]
     fn agrees_with_a_map_also_where_many_places_are_alike() {
-        let mut weld = Weld::default();
-        let mut places = Vec::new();
+        let places: Vec<DVec3> = (0..40_000u32)
+            .map(|i| {
+                let [x, y, z] = [i % 7, i % 33, i / 100 % 200].map(f64::from);
+                DVec3::new(-x / 3.0, y * 1e-300, f64::from(z as f32 / 3.0))
+            })
+            .collect();
         let mut map: HashMap<[u64; 3], u32> = HashMap::new();
-        for i in 0..40_000u32 {
-            let [x, y, z] = [i % 7, i % 33, i / 100 % 200].map(f64::from);
-            let place = DVec3::new(-x / 3.0, y * 1e-300, f64::from(z as f32 / 3.0));
-            let key = place.to_array().map(|x| (x + 0.0).to_bits());
-            let expected = *map.entry(key).or_insert(places.len() as u32);
-            let found = weld.find_or_insert(place, places.len() as u32, &places);
-            assert_eq!(found, expected);
-            if found as usize == places.len() {
-                places.push(place);
-            }
+        let mut positions = Vec::new();
+        let numbers: Vec<u32> = places
+            .iter()
+            .map(|place| {
+                let key = place.to_array().map(|x| (x + 0.0).to_bits());
+                *map.entry(key).or_insert_with(|| {
+                    positions.push(*place);
+                    positions.len() as u32 - 1
+                })
+            })
+            .collect();
+        assert!(positions.len() > 10_000);
+        for length in [1, 100, BLOCK] {
+            let found = welded(&places, length);
+            assert_eq!(found.0, positions, "{length}");
+            assert_eq!(found.1, numbers, "{length}");
         }
-        assert!(places.len() > 10_000);
-        assert_eq!(weld.find_or_insert(DVec3::ZERO, 7, &places), 0);
-        assert_eq!(weld.find_or_insert(-DVec3::ZERO, 7, &places), 0);
+    }
+
+    #[test]
+    fn both_zeros_are_one_place() {
+        let found = welded(&[DVec3::ZERO, DVec3::ONE, -DVec3::ZERO], 1);
+        assert_eq!(found.0, [DVec3::ZERO, DVec3::ONE]);
+        assert_eq!(found.1, [0, 1, 0]);
+    }
+
+    #[test]
+    fn the_first_error_counts() {
+        let fill = |block: usize, to: &mut Vec<DVec3>| {
+            to.push(DVec3::ZERO);
+            if block % 3 == 2 { Err(block) } else { Ok(()) }
+        };
+        assert_eq!(weld(&mut [0; 100], &[1; 100], fill).err(), Some(2));
     }
 }

@@ -233,3 +233,34 @@ fn python_finds_the_solid_in_a_3mf_file() {
         format!("millimeter 8 12 6.0{}", " -".repeat(12))
     );
 }
+
+/// Files of several megabytes are read in pieces.
+#[test]
+fn long_text_stl_is_read_as_a_whole_and_its_faults_have_their_line() {
+    let mesh = sphere(dvec3(0.1, 0.2, 0.3), 0.7, 120);
+    let file = bytes(|out| write_stl_text(&mesh, out));
+    assert!(file.len() > 10 << 20, "{}", file.len());
+    let back = read_stl(&file).expect("read");
+    assert_eq!(corners(&back), corners(&mesh));
+    assert_eq!(back.positions.len(), mesh.positions.len());
+
+    let text = String::from_utf8(file).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    for at in [lines.len() / 3, lines.len() / 2, lines.len() - 200] {
+        let line = (at..).find(|&k| lines[k].contains("vertex")).expect("one");
+        let mut broken = lines.clone();
+        broken[line] = "  vertex 1 2";
+        let error = read_stl(broken.join("\n").as_bytes()).expect_err("a fault");
+        let place = format!("line {}:", line + 1);
+        assert!(error.to_string().starts_with(&place), "{error}");
+        // A facet without its end runs into the next one.
+        let line = (at..).find(|&k| lines[k].contains("endloop")).expect("one");
+        let mut broken = lines.clone();
+        broken[line] = "";
+        let error = read_stl(broken.join("\n").as_bytes()).expect_err("a fault");
+        assert!(error.to_string().contains("exactly three"), "{error}");
+    }
+    let error = read_stl(lines[..lines.len() - 1].join("\n").as_bytes());
+    let error = error.expect_err("cut off").to_string();
+    assert!(error.contains("endsolid"), "{error}");
+}

@@ -3,10 +3,10 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::cluster::Cluster;
 use crate::fixed::SUBPIXEL_BITS;
 use crate::frame::FrameMatrix;
 use crate::geometry::{Facing, GeometryContext};
-use crate::scene::Cluster;
 use crate::tile::Tile;
 
 /// Why a cluster is left out, or how near it comes.

@@ -1,8 +1,10 @@
 //! Standard views and automatic framing.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
+use rayon::prelude::*;
 
 use crate::camera::{Camera, Frame, Lens};
+use crate::scene::finite_bounds;
 use crate::{Mesh, RasterError};
 
 /// The standard views of mechanical drawing (third-angle names), Z up: the
@@ -96,13 +98,12 @@ impl Camera {
         if !(frame.u.is_finite() && frame.v.is_finite() && frame.n.is_finite()) {
             return Err(RasterError::SingularView);
         }
-        let points = || mesh.positions.iter().copied().filter(|p| p.is_finite());
-        let first = points().next().ok_or(RasterError::NothingToFrame)?;
-        let (low, high) = points().fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        let points = || mesh.positions.par_iter().copied().filter(|p| p.is_finite());
+        let (low, high) = finite_bounds(&mesh.positions).ok_or(RasterError::NothingToFrame)?;
         let centre = low + (high - low) / 2.0;
         let radius = points()
             .map(|p| p.distance_squared(centre))
-            .fold(0.0, f64::max)
+            .reduce(|| 0.0, f64::max)
             .sqrt();
         // A single point is framed as if it had a size.
         let radius = if radius > 0.0 {
@@ -120,13 +121,11 @@ impl Camera {
                 // the mesh; the eye then is where opposite sides meet.
                 let tan_y = (fov_y / 2.0).tan() * FILL;
                 let tan_x = tan_y * aspect;
-                let mut reach = [f64::NEG_INFINITY; 4];
-                for q in points().map(local) {
-                    reach[0] = reach[0].max(q.x + q.z * tan_x);
-                    reach[1] = reach[1].max(-q.x + q.z * tan_x);
-                    reach[2] = reach[2].max(q.y + q.z * tan_y);
-                    reach[3] = reach[3].max(-q.y + q.z * tan_y);
-                }
+                let tangents = DVec4::new(tan_x, tan_x, tan_y, tan_y);
+                let reach = points()
+                    .map(local)
+                    .map(|q| DVec4::new(q.x, -q.x, q.y, -q.y) + tangents * q.z)
+                    .reduce(|| DVec4::NEG_INFINITY, DVec4::max);
                 let distance = ((reach[0] + reach[1]) / (2.0 * tan_x))
                     .max((reach[2] + reach[3]) / (2.0 * tan_y))
                     .max(radius * 1e-3);
@@ -141,12 +140,14 @@ impl Camera {
                     }
                     _ => (0.0, 0.0),
                 };
-                let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-                for q in points().map(local) {
-                    let drawn = DVec3::new(q.x - q.z * skew.0, q.y - q.z * skew.1, q.z);
-                    low = low.min(drawn);
-                    high = high.max(drawn);
-                }
+                let (low, high) = points()
+                    .map(local)
+                    .map(|q| DVec3::new(q.x - q.z * skew.0, q.y - q.z * skew.1, q.z))
+                    .map(|drawn| (drawn, drawn))
+                    .reduce(
+                        || (DVec3::INFINITY, DVec3::NEG_INFINITY),
+                        |a, b| (a.0.min(b.0), a.1.max(b.1)),
+                    );
                 let size = high - low;
                 let height = (size.y.max(size.x / aspect) / FILL).max(radius * 1e-3);
                 let middle = (low + high) / 2.0;

@@ -10,10 +10,12 @@
 use glam::{DVec3, DVec4};
 
 use crate::clip::{ClipVertex, clip_polygon};
+use crate::cluster::{CLUSTER_VERTICES, Cluster};
 use crate::cull::hidden;
 use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
-use crate::scene::{CLUSTER_VERTICES, Cluster, Scene};
+use crate::options::RenderOptions;
+use crate::scene::Scene;
 use crate::set_up::{Corners, SetUp, depth_plane, set_up_one, set_up_triangles};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
@@ -67,6 +69,16 @@ impl Bins {
 pub(crate) struct Facing {
     pub front: bool,
     pub back: bool,
+}
+
+impl Facing {
+    /// Back faces show where they are asked for, or the solid is cut open.
+    pub fn of(scene: &Scene, options: &RenderOptions) -> Self {
+        Self {
+            front: true,
+            back: !options.cull_back_faces || !scene.sections.is_empty(),
+        }
+    }
 }
 
 /// What all clusters of a frame share.

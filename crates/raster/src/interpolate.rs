@@ -18,11 +18,12 @@
 
 use glam::{DVec2, DVec4, Vec3};
 
+use crate::cluster::CLUSTER_VERTICES;
 use crate::deferred::{Fragments, Job, MIXED, ShadeContext};
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
-use crate::scene::{CLUSTER_VERTICES, Scene};
+use crate::scene::Scene;
 use crate::shade::Interpolation;
 use crate::simd::vector::{Triple, load, splat, store};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};

@@ -129,6 +129,7 @@
 mod buffers;
 mod camera;
 pub mod clip;
+mod cluster;
 pub mod cohen_sutherland;
 mod cull;
 mod deferred;

@@ -129,9 +129,12 @@ impl Renderer {
         }
         image.width = width;
         image.height = height;
-        image
-            .pixels
-            .resize(width as usize * height as usize, [0; 4]);
+        let pixels = width as usize * height as usize;
+        if image.pixels.is_empty() {
+            // Zeros from the system, which the threads that shade touch first.
+            image.pixels = vec![[0; 4]; pixels];
+        }
+        image.pixels.resize(pixels, [0; 4]);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         let context = ShadeContext::new(scene, view, &matrix, options);
         let columns = (width as usize).div_ceil(TILE);
@@ -144,10 +147,7 @@ impl Renderer {
             tiles: self.tiles.len() as u64,
             ..Stats::default()
         };
-        let facing = Facing {
-            front: true,
-            back: !options.cull_back_faces || !scene.sections.is_empty(),
-        };
+        let facing = Facing::of(scene, options);
         self.order_clusters(scene, &matrix, facing, &mut stats);
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);

@@ -5,35 +5,17 @@ use std::sync::OnceLock;
 
 use csg::{Color, Mesh};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
-use crate::normals::{CREASE_ANGLE, corner_normals};
+use crate::camera::View;
+use crate::cluster::{Cluster, Clusters, split};
+use crate::cull::{Visibility, cluster_visibility};
+use crate::error::MAX_SIZE;
+use crate::frame::FrameMatrix;
+use crate::geometry::Facing;
+use crate::normals::{CREASE_ANGLE, compute, corner_normals};
+use crate::options::RenderOptions;
 use crate::section::Section;
-
-/// Most triangles in a cluster.
-const CLUSTER_TRIANGLES: usize = 128;
-/// Most vertices in a cluster.
-pub(crate) const CLUSTER_VERTICES: usize = 128;
-
-/// A few neighbouring triangles that are culled, transformed and set up
-/// together, with vertices of their own.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cluster {
-    /// First triangle in drawing order; a cluster's triangles are consecutive.
-    pub first_triangle: u32,
-    pub triangles: u32,
-    /// First vertex in [`Scene::cluster_vertices`], a multiple of 16.
-    pub first_vertex: u32,
-    pub vertices: u32,
-    /// Bounding sphere.
-    pub centre: Vec3,
-    pub radius: f32,
-    /// Normals are within the cone about `axis` of half-angle asin(`sine`);
-    /// sine is above 1 where there is no such cone.
-    pub axis: Vec3,
-    pub sine: f32,
-    /// Whether the corners at each vertex share their normal.
-    pub smooth: bool,
-}
 
 /// A mesh made ready for drawing, any number of times. Building one costs
 /// O(vertices + triangles); it does not refer to the mesh.
@@ -54,7 +36,7 @@ pub struct Scene {
     pub(crate) cluster_vertices: [Vec<f32>; 3],
     /// Their normals, where the cluster is smooth.
     pub(crate) cluster_normals: [Vec<f32>; 3],
-    /// The cluster of every so manieth triangle (see `cluster_of`).
+    /// The cluster of every so manieth triangle (see `cluster_view`).
     pub(crate) cluster_starts: Vec<u32>,
     /// For each triangle the numbers of its vertices within the cluster.
     pub(crate) local: Vec<[u8; 4]>,
@@ -68,18 +50,63 @@ impl Scene {
     /// Makes a mesh ready. Triangles that name a vertex out of range, or one
     /// that is not finite, keep their number but are never drawn. Missing
     /// corner normals are computed (see [`corner_normals`]).
+    ///
+    /// Copies triangles and normals: where the mesh is not needed any more,
+    /// `Scene::from(mesh)` takes them over.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
-        let finite = || mesh.positions.iter().copied().filter(|p| p.is_finite());
-        let first = finite().next().unwrap_or_default();
-        let (low, high) = finite().fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
+        let scene = Self::without_normals(mesh, mesh.triangles.clone());
+        scene.with_normals(corner_normals(mesh, CREASE_ANGLE))
+    }
+
+    /// A scene to be drawn with this view, at this size and with these options
+    /// only: corner normals that the mesh does not bring are computed only
+    /// where they may be seen, which is about half of them. The picture is
+    /// that of [`Scene::new`].
+    #[must_use]
+    pub fn for_view(
+        mut mesh: Mesh,
+        view: &View,
+        width: u32,
+        height: u32,
+        options: &RenderOptions,
+    ) -> Self {
+        // Silhouettes are looked for in faces that turn away, too.
+        let whole = mesh.corner_normals.len() == mesh.triangles.len() || options.edges.is_some();
+        let [width, height] =
+            [width, height].map(|side| side.saturating_mul(options.anti_aliasing.scale()));
+        if whole || width.max(height) > MAX_SIZE {
+            return Self::from(mesh);
+        }
+        let triangles = std::mem::take(&mut mesh.triangles);
+        let mut scene = Self::without_normals(&mesh, triangles);
+        mesh.triangles = std::mem::take(&mut scene.triangles);
+        // The very test that the renderer makes.
+        let matrix = FrameMatrix::new(view, scene.centre, width, height);
+        let facing = Facing::of(&scene, options);
+        let mut normals = vec![[Vec3::ZERO; 3]; mesh.triangles.len()];
+        let lengths = scene.clusters.iter().map(|c| c.triangles as usize);
+        let parts = scene.clusters.iter().zip(split(&mut normals, lengths));
+        let seen = parts.filter(|(cluster, _)| {
+            let visibility = cluster_visibility(cluster, &matrix, facing);
+            matches!(visibility, Visibility::Possible(_))
+        });
+        let seen = seen.map(|(cluster, part)| (cluster.first_triangle as usize, part));
+        compute(&mesh, CREASE_ANGLE, seen.collect());
+        scene.triangles = std::mem::take(&mut mesh.triangles);
+        scene.with_normals(normals)
+    }
+
+    /// Makes a mesh ready, but for its normals.
+    fn without_normals(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Self {
+        let (low, high) = finite_bounds(&mesh.positions).unwrap_or_default();
         let centre = low / 2.0 + high / 2.0;
         let positions: Vec<Vec3> = mesh
             .positions
-            .iter()
+            .par_iter()
             .map(|&p| (p - centre).as_vec3())
             .collect();
-        let surfaces = if mesh.triangle_surfaces.len() == mesh.triangles.len() {
+        let surfaces = if mesh.triangle_surfaces.len() == triangles.len() {
             let none = mesh.surfaces.len() as u32;
             mesh.triangle_surfaces
                 .iter()
@@ -94,23 +121,35 @@ impl Scene {
             mesh.surfaces.iter().map(|surface| surface.color).collect()
         };
         colors.push(None);
-        let mut scene = Self {
+        let Clusters {
+            clusters,
+            vertices,
+            local,
+        } = Clusters::new(&positions, &triangles);
+        let scene = Self {
             centre,
             low,
             high,
             positions,
-            triangles: mesh.triangles.clone(),
-            normals: corner_normals(mesh, CREASE_ANGLE),
+            triangles,
             triangle_surfaces: surfaces,
             colors,
+            clusters,
+            cluster_vertices: vertices,
+            local,
             ..Self::default()
         };
         if !mesh.feature_edges.is_empty() {
             let _ = scene.feature_edges.set(mesh.feature_edges.clone());
         }
-        scene.build_clusters();
-        scene.gather_normals();
         scene
+    }
+
+    /// Adds the normals of all triangles' corners.
+    fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
+        self.normals = normals;
+        self.gather_normals();
+        self
     }
 
     /// The smallest box around all finite vertices.
@@ -140,95 +179,31 @@ impl Scene {
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
+}
 
-    /// Cuts the triangles, in drawing order, into clusters.
-    fn build_clusters(&mut self) {
-        // The cluster a vertex was last seen in, and its number there.
-        let mut seen = vec![(u32::MAX, 0u8); self.positions.len()];
-        let mut members: Vec<u32> = Vec::with_capacity(CLUSTER_VERTICES);
-        let mut first = 0usize;
-        self.local.reserve(self.triangles.len());
-        for index in 0..self.triangles.len() {
-            let mut triangle = self.triangles[index];
-            let usable = triangle.iter().all(|&v| {
-                self.positions
-                    .get(v as usize)
-                    .is_some_and(|p| p.is_finite())
-            });
-            if !usable {
-                // Three times one vertex has no area, and is never drawn.
-                triangle = [members.first().copied().unwrap_or(u32::MAX); 3];
-            }
-            let number = self.clusters.len() as u32;
-            let fresh = |v: &&u32| seen.get(**v as usize).is_some_and(|s| s.0 != number);
-            let added = triangle.iter().filter(fresh).count();
-            if index - first >= CLUSTER_TRIANGLES || members.len() + added > CLUSTER_VERTICES {
-                self.finish_cluster(first, index, &members);
-                members.clear();
-                first = index;
-            }
-            let number = self.clusters.len() as u32;
-            let mut local = [0u8; 4];
-            for (slot, v) in local.iter_mut().zip(triangle) {
-                let Some(entry) = seen.get_mut(v as usize) else {
-                    continue;
-                };
-                if entry.0 != number {
-                    *entry = (number, members.len() as u8);
-                    members.push(v);
-                }
-                *slot = entry.1;
-            }
-            self.local.push(local);
-        }
-        if first < self.triangles.len() {
-            self.finish_cluster(first, self.triangles.len(), &members);
-        }
-    }
-
-    fn finish_cluster(&mut self, first: usize, end: usize, members: &[u32]) {
-        let first_vertex = self.cluster_vertices[0].len();
-        let points = || members.iter().map(|&v| self.positions[v as usize]);
-        let start = points().next().unwrap_or_default();
-        let (low, high) = points().fold((start, start), |(low, high), p| (low.min(p), high.max(p)));
-        let centre = low / 2.0 + high / 2.0;
-        let radius = points()
-            .map(|p| p.distance_squared(centre))
-            .fold(0.0, f32::max)
-            .sqrt();
-        let normals = || {
-            (first..end).filter_map(|index| {
-                let [a, b, c] = self.triangles[index];
-                let at = |v: u32| self.positions.get(v as usize).copied();
-                let (a, b, c) = (at(a)?, at(b)?, at(c)?);
-                (b - a).cross(c - a).try_normalize()
-            })
-        };
-        let axis = normals().sum::<Vec3>().normalize_or_zero();
-        let cosine = normals().map(|n| n.dot(axis)).fold(1.0, f32::min);
-        let sine = if cosine > 0.1 {
-            // A little wider: rounding, and triangles that snapping tilts.
-            (1.0 - cosine * cosine).max(0.0).sqrt() + 0.02
+impl From<Mesh> for Scene {
+    /// [`Scene::new`], faster by the copies it need not make.
+    fn from(mut mesh: Mesh) -> Self {
+        let normals = if mesh.corner_normals.len() == mesh.triangles.len() {
+            std::mem::take(&mut mesh.corner_normals)
         } else {
-            2.0
+            corner_normals(&mesh, CREASE_ANGLE)
         };
-        for axis in 0..3 {
-            let coordinates = members.iter().map(|&v| self.positions[v as usize][axis]);
-            self.cluster_vertices[axis].extend(coordinates);
-            let padded = self.cluster_vertices[axis].len().next_multiple_of(16);
-            self.cluster_vertices[axis].resize(padded, 0.0);
-        }
-        self.clusters.push(Cluster {
-            first_triangle: first as u32,
-            triangles: (end - first) as u32,
-            first_vertex: first_vertex as u32,
-            vertices: members.len() as u32,
-            // A cluster's own rounding, and that of its culling.
-            radius: radius * 1.0001 + f32::MIN_POSITIVE,
-            centre,
-            axis,
-            sine,
-            smooth: false,
-        });
+        let triangles = std::mem::take(&mut mesh.triangles);
+        Self::without_normals(&mesh, triangles).with_normals(normals)
     }
+}
+
+/// The smallest box around those points that are finite, if there is any.
+pub(crate) fn finite_bounds(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    /// Points per parallel task.
+    const CHUNK: usize = 1 << 14;
+    let wider = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+    points
+        .par_chunks(CHUNK)
+        .filter_map(|chunk| {
+            let finite = chunk.iter().filter(|p| p.is_finite());
+            finite.map(|&p| (p, p)).reduce(wider)
+        })
+        .reduce_with(wider)
 }

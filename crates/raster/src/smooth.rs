@@ -7,44 +7,54 @@
 
 use std::ops::Range;
 
-use crate::scene::{CLUSTER_VERTICES, Scene};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::cluster::{CLUSTER_VERTICES, Cluster, split};
+use crate::scene::Scene;
 
 /// Triangles for each entry of [`Scene::cluster_starts`].
 const GROUP: usize = 32;
+/// Clusters per parallel task.
+const CHUNK: usize = 64;
 
 impl Scene {
     /// Finds the clusters whose vertices have one normal each, and keeps
     /// these. O(triangles).
     pub(crate) fn gather_normals(&mut self) {
-        for axis in &mut self.cluster_vertices {
-            // So that every cluster's part can be taken for a full one.
-            axis.resize(axis.len() + CLUSTER_VERTICES, 0.0);
-        }
-        let vertices = self.cluster_vertices[0].len();
-        let mut normals = [(); 3].map(|()| vec![f32::NAN; vertices]);
         self.cluster_starts.clear();
-        for (index, cluster) in self.clusters.iter_mut().enumerate() {
-            let first = cluster.first_triangle as usize;
-            let end = first + cluster.triangles as usize;
+        for (index, cluster) in self.clusters.iter().enumerate() {
+            let end = (cluster.first_triangle + cluster.triangles) as usize;
             while self.cluster_starts.len() * GROUP < end {
                 self.cluster_starts.push(index as u32);
             }
-            let corners = self.local[first..end].iter().zip(&self.normals[first..end]);
-            let [x, y, z] = &mut normals;
-            cluster.smooth = true;
-            for (local, corner_normals) in corners {
-                for (vertex, normal) in local.iter().zip(corner_normals) {
-                    let at = cluster.first_vertex as usize + usize::from(*vertex);
-                    let Some(old) = x.get(at) else { continue };
-                    if old.is_nan() {
-                        (x[at], y[at], z[at]) = (normal.x, normal.y, normal.z);
-                    } else if [*old, y[at], z[at]] != normal.to_array() {
-                        cluster.smooth = false;
-                    }
-                }
-            }
         }
-        self.cluster_normals = normals;
+        let vertices = self.cluster_vertices[0].len();
+        let mut axes = [(); 3].map(|()| vec![f32::NAN; vertices]);
+        let chunks = self.clusters.chunks(CHUNK);
+        let padded = |chunk: &[Cluster]| chunk.iter().map(Cluster::padded_vertices).sum();
+        let lengths: Vec<usize> = chunks.map(padded).collect();
+        let [x, y, z] = axes
+            .each_mut()
+            .map(|axis| split(axis, lengths.iter().copied()));
+        let (local, normals) = (&self.local[..], &self.normals[..]);
+        self.clusters
+            .par_chunks_mut(CHUNK)
+            .zip(x)
+            .zip(y)
+            .zip(z)
+            .for_each(|(((clusters, x), y), z)| {
+                let mut at = 0;
+                for cluster in clusters {
+                    let own = at..at + cluster.padded_vertices();
+                    at = own.end;
+                    let own = [&mut x[own.clone()], &mut y[own.clone()], &mut z[own]];
+                    let first = cluster.first_triangle as usize;
+                    let range = first..first + cluster.triangles as usize;
+                    cluster.smooth = gather(&local[range.clone()], &normals[range], own);
+                }
+            });
+        self.cluster_normals = axes;
     }
 
     /// The cluster that a triangle is in.
@@ -53,7 +63,6 @@ impl Scene {
         let mut later = self.clusters.get(start..)?.iter();
         let cluster = later.find(|c| triangle < (c.first_triangle + c.triangles) as usize)?;
         let first = cluster.first_vertex as usize;
-
         let [px, py, pz] = &self.cluster_vertices;
         let [nx, ny, nz] = &self.cluster_normals;
         let end = (cluster.first_triangle + cluster.triangles) as usize;
@@ -64,6 +73,25 @@ impl Scene {
             normals: [part(nx, first)?, part(ny, first)?, part(nz, first)?],
         })
     }
+}
+
+/// Puts the normals of a cluster's corners to its vertices; returns whether
+/// there is but one at each.
+fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], [x, y, z]: [&mut [f32]; 3]) -> bool {
+    let mut smooth = true;
+    for (local, corner_normals) in local.iter().zip(normals) {
+        for (&vertex, normal) in local.iter().zip(corner_normals) {
+            let at = usize::from(vertex);
+            // A cluster of triangles that are not drawn has no vertices.
+            let Some(old) = x.get(at) else { continue };
+            if old.is_nan() {
+                (x[at], y[at], z[at]) = (normal.x, normal.y, normal.z);
+            } else if [*old, y[at], z[at]] != normal.to_array() {
+                smooth = false;
+            }
+        }
+    }
+    smooth
 }
 
 fn part(axis: &[f32], first: usize) -> Option<&[f32; CLUSTER_VERTICES]> {

@@ -60,10 +60,14 @@ struct FallbackAccount {
 }
 
 impl Account {
-    /// Measures the mesh; that is the last stage.
+    /// Checks the mesh, unless the mesher did, and measures it.
     pub(crate) fn of(product: &mut Product) -> Self {
+        let check = match &product.report {
+            Some(report) => report.check.clone(),
+            None => product.stage("check", |product| product.mesh.check()),
+        };
         let measure = product.stage("measure", |product| product.mesh.measure());
-        let (mesh, check) = (&product.mesh, &product.check);
+        let mesh = &product.mesh;
         let mut seconds: BTreeMap<&str, f64> = BTreeMap::new();
         let mut total = 0.0;
         for &(stage, time) in &product.seconds {

@@ -25,7 +25,7 @@ pub(crate) fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, &progress)?;
+    let mut product = produce(subject, &options.mesher, true, &progress)?;
     let account = Account::of(&mut product);
     drop(progress);
     if let Some(path) = &options.json {

@@ -33,7 +33,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     output::check(&options.outputs, options.json.as_deref())?;
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, &progress)?;
+    let mut product = produce(subject, &options.mesher, true, &progress)?;
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use csg::Color;
+use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
     Camera, Image, Lens, RasterError, Renderer, Scene, StandardView, contact_sheet, depth_image,
@@ -13,7 +13,7 @@ use raster::{
 use super::looks::{Looks, Show};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
-use crate::mesher::{MesherOptions, produce};
+use crate::mesher::{MesherOptions, Product, produce};
 use crate::output;
 use crate::progress::Progress;
 
@@ -193,25 +193,30 @@ pub(crate) fn run(
         ));
     }
     let progress = Progress::new();
-    let product = produce(subject, &options.mesher, &progress)?;
+    let mut product = produce(subject, &options.mesher, false, &progress)?;
     progress.stage("drawing");
-    let png = draw(&product.mesh, options).map_err(|error| {
+    let empty = product.mesh.triangles.is_empty();
+    let png = draw(&mut product, options).map_err(|error| {
         let context = "cannot draw the model";
         let failure = Failure::new(exit_codes::MODEL, context, error);
-        if product.mesh.triangles.is_empty() {
+        if empty {
             failure.hint("the mesh is empty: is the solid, or are its parts smaller than a cell?")
         } else {
             failure
         }
     })?;
     progress.stage("writing");
-    output::write_bytes(&options.output, &png)
+    product.stage("write", |_| output::write_bytes(&options.output, &png))?;
+    if options.looks.stats {
+        for (stage, seconds) in &product.seconds {
+            eprintln!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
+        }
+    }
+    Ok(())
 }
 
-/// The picture as the bytes of a PNG file.
-fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
-    let Size { width, height } = options.size;
-    let aspect = f64::from(width) / f64::from(height);
+/// The lens, and the width of the picture by its height.
+fn lens_and_aspect(options: &Options) -> (Lens, f64) {
     // Framing finds the height of parallel projections.
     let lens = match options.projection {
         Projection::Orthographic => Lens::Orthographic { height: 1.0 },
@@ -225,7 +230,14 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
             fov_y: options.fov.to_radians(),
         },
     };
-    let camera = match options.camera {
+    let Size { width, height } = options.size;
+    (lens, f64::from(width) / f64::from(height))
+}
+
+/// The camera that sees the mesh as the options say.
+fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
+    let (lens, aspect) = lens_and_aspect(options);
+    Ok(match options.camera {
         View::Standard(view) => Camera::standard(mesh, view, lens, aspect)?,
         View::Along(direction) => {
             Camera::framing(mesh, direction, up_for(direction), lens, aspect)?
@@ -247,18 +259,32 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
                 ..framed
             }
         }
-    };
+    })
+}
+
+/// The picture as the bytes of a PNG file. A single picture uses up the mesh.
+fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError> {
+    let Size { width, height } = options.size;
+    let camera = product.stage("frame", |product| camera(&product.mesh, options))?;
     let looks = &options.looks;
     let mut render = looks.render_options();
     if let Some(background) = options.background {
         render.background = background;
     }
     let sections = looks.sections();
-    let scene = if sections.is_empty() {
-        Scene::new(mesh)
-    } else {
-        Scene::with_sections(mesh, &sections)?
-    };
+    let several = looks.sheet || looks.turntable.is_some();
+    let view = camera.view(width, height)?;
+    let scene = product.stage("prepare", |product| {
+        if !sections.is_empty() {
+            Scene::with_sections(&product.mesh, &sections)
+        } else if several {
+            Ok(Scene::new(&product.mesh))
+        } else {
+            let mesh = std::mem::take(&mut product.mesh);
+            Ok(Scene::for_view(mesh, &view, width, height, &render))
+        }
+    })?;
+    let (mesh, (lens, aspect)) = (&product.mesh, lens_and_aspect(options));
     if looks.sheet {
         return contact_sheet(mesh, &scene, lens, width, height, &render)?.to_png();
     }
@@ -276,10 +302,11 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
         write_apng(&frames, FRAMES_PER_SECOND, &mut file)?;
         return Ok(file);
     }
-    let view = camera.view(width, height)?;
     let mut renderer = Renderer::default();
     let mut image = Image::default();
-    let stats = renderer.draw(&scene, &view, width, height, &render, &mut image)?;
+    let stats = product.stage("draw", |_| {
+        renderer.draw(&scene, &view, width, height, &render, &mut image)
+    })?;
     if looks.stats {
         eprint!("{stats}");
     }
@@ -290,7 +317,7 @@ fn draw(mesh: &csg::Mesh, options: &Options) -> Result<Vec<u8>, RasterError> {
         Show::Surfaces => id_image(&renderer.surface_buffer(&scene)),
         Show::Occlusion => occlusion_image(&renderer.ambient_occlusion(&scene, &view)),
     };
-    shown.to_png()
+    product.stage("encode", |_| shown.to_png())
 }
 
 /// Speed of a turntable.

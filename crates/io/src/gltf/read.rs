@@ -1,12 +1,17 @@
 //! The glTF reader: the triangles of the default scene, in the model's own
 //! axes and unit. Animations, skins, textures and cameras are passed over.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use csg::{Color, LengthUnit, Mesh};
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
+use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::Z_UP_TO_Y_UP;
 use crate::assemble::Assembler;
+use crate::weld::{self, weld};
 use crate::{Error, MeshFormat, units};
 
 /// Reads a binary glTF file (GLB) that holds all of its data.
@@ -53,9 +58,8 @@ pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
         at += 8 + content.len();
     }
     let json = json.ok_or_else(|| malformed("byte 12", "there is no JSON chunk"))?;
-    let mut bin = bin.map(<[u8]>::to_vec);
     read(json, &mut |index, uri| match uri {
-        None if index == 0 => bin.take().ok_or_else(|| {
+        None if index == 0 => bin.map(Cow::Borrowed).ok_or_else(|| {
             malformed(
                 "buffer 0",
                 "the file has no binary chunk; it may be cut off",
@@ -65,7 +69,7 @@ pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
             format!("buffer {index}"),
             "it has neither URI nor chunk",
         )),
-        Some(uri) => data_uri(uri, index)?.ok_or_else(|| {
+        Some(uri) => data_uri(uri, index)?.map(Cow::Owned).ok_or_else(|| {
             let problem = format!("its data is in {uri:?}; give the path, or embed the data");
             malformed(format!("buffer {index}"), problem)
         }),
@@ -84,8 +88,8 @@ pub fn read_gltf(
     read(json, &mut |index, uri| {
         let uri = uri.ok_or_else(|| malformed(format!("buffer {index}"), "it has no URI"))?;
         match data_uri(uri, index)? {
-            Some(data) => Ok(data),
-            None => load(&percent_decoded(uri)),
+            Some(data) => Ok(Cow::Owned(data)),
+            None => load(&percent_decoded(uri)).map(Cow::Owned),
         }
     })
 }
@@ -227,9 +231,9 @@ impl Node {
 }
 
 /// Gives a buffer's bytes by its index and URI.
-type LoadBuffer<'a> = dyn FnMut(usize, Option<&str>) -> Result<Vec<u8>, Error> + 'a;
+type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Cow<'data, [u8]>, Error> + 'a;
 
-fn read(json: &[u8], load: &mut LoadBuffer<'_>) -> Result<Mesh, Error> {
+fn read<'data>(json: &[u8], load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
     let document: Document = serde_json::from_slice(json)
         .map_err(|error| malformed("JSON", format!("it is not a glTF document: {error}")))?;
     if !document.asset.version.starts_with("2.") {
@@ -269,12 +273,56 @@ fn read(json: &[u8], load: &mut LoadBuffer<'_>) -> Result<Mesh, Error> {
     reader.scene(unit)
 }
 
-struct Reader {
+struct Reader<'data> {
     document: Document,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Cow<'data, [u8]>>,
 }
 
-impl Reader {
+/// Triangles to be read: a primitive where a node places it.
+struct Item<'a> {
+    node: &'a Node,
+    primitive: &'a Primitive,
+    /// Where it stands in the file.
+    place: String,
+    transform: DMat4,
+    positions: Vectors<'a>,
+    normals: Option<Vectors<'a>>,
+    indices: Indices<'a>,
+}
+
+impl Item<'_> {
+    fn mode(&self) -> u32 {
+        self.primitive.mode.unwrap_or(LIST)
+    }
+
+    fn is_mirrored(&self) -> bool {
+        DMat3::from_mat4(self.transform).determinant() < 0.0
+    }
+
+    /// The normals in the model's axes.
+    fn turned_normals(&self) -> Vec<Vec3> {
+        let Some(normals) = &self.normals else {
+            return Vec::new();
+        };
+        // Normals go with the cofactors, which need no inverse; their sign
+        // under mirroring is undone.
+        let linear = DMat3::from_mat4(self.transform);
+        let cofactors = DMat3::from_cols(
+            linear.y_axis.cross(linear.z_axis),
+            linear.z_axis.cross(linear.x_axis),
+            linear.x_axis.cross(linear.y_axis),
+        );
+        let sign = if self.is_mirrored() { -1.0 } else { 1.0 };
+        let turn = |i| {
+            (cofactors * normals.get(i) * sign)
+                .normalize_or_zero()
+                .as_vec3()
+        };
+        (0..normals.count()).into_par_iter().map(turn).collect()
+    }
+}
+
+impl Reader<'_> {
     fn scene(&self, unit: LengthUnit) -> Result<Mesh, Error> {
         let document = &self.document;
         let scene = document.scene.unwrap_or(0);
@@ -285,7 +333,7 @@ impl Reader {
             }
             None => return Err(malformed("scene", format!("there is no scene {scene}"))),
         };
-        let mut assembler = Assembler::new(unit);
+        let mut items = Vec::new();
         let mut visited = vec![false; document.nodes.len()];
         let mut stack: Vec<(usize, Option<DMat4>)> =
             roots.into_iter().rev().map(|root| (root, None)).collect();
@@ -317,11 +365,130 @@ impl Reader {
                 let entry = entry.ok_or_else(|| malformed(place(), "there is no such mesh"))?;
                 for (number, primitive) in entry.primitives.iter().enumerate() {
                     let place = format!("mesh {mesh}, primitive {number}");
-                    self.primitive(primitive, &place, transform, node, &mut assembler)?;
+                    // Points, lines and what has no place are passed over.
+                    let position = primitive.attributes.position;
+                    let triangles = primitive.mode.unwrap_or(LIST) >= LIST;
+                    if let Some(position) = position.filter(|_| triangles) {
+                        items.push(self.item(node, primitive, position, place, transform)?);
+                    }
                 }
             }
         }
+        self.assemble(&items, unit)
+    }
+
+    /// Looks up what a primitive consists of.
+    fn item<'a>(
+        &'a self,
+        node: &'a Node,
+        primitive: &'a Primitive,
+        position: usize,
+        place: String,
+        transform: DMat4,
+    ) -> Result<Item<'a>, Error> {
+        let positions = self.vectors(position, &place)?;
+        let normals = match primitive.attributes.normal {
+            Some(normal) => Some(self.vectors(normal, &place)?).filter(|n| n.count() != 0),
+            None => None,
+        };
+        if normals
+            .as_ref()
+            .is_some_and(|n| n.count() != positions.count())
+        {
+            return Err(malformed(place, "it has not as many normals as positions"));
+        }
+        let indices = match primitive.indices {
+            Some(indices) => self.indices(indices, &place)?,
+            None => Indices::Counted(positions.count()),
+        };
+        Ok(Item {
+            node,
+            primitive,
+            place,
+            transform,
+            positions,
+            normals,
+            indices,
+        })
+    }
+
+    /// Welds the vertices of all items, then puts their triangles together.
+    fn assemble(&self, items: &[Item], unit: LengthUnit) -> Result<Mesh, Error> {
+        let blocks = blocks(items, |item| item.positions.count(), weld::BLOCK);
+        let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
+        let mut numbers = vec![0; lengths.iter().sum()];
+        let positions = weld(&mut numbers, &lengths, |block, places| {
+            let (item, range) = &blocks[block];
+            let item = &items[*item];
+            for index in range.clone() {
+                let place = item.transform.transform_point3(item.positions.get(index));
+                if !place.is_finite() {
+                    return Err(malformed(&*item.place, "a position is not finite"));
+                }
+                places.push(place);
+            }
+            Ok(())
+        })?;
+        let positions = positions.ok_or_else(|| malformed("meshes", "too many vertices"))?;
+        let mut assembler = Assembler::new(unit);
+        assembler.add_vertices(positions);
+        self.triangles(items, &numbers, &mut assembler)?;
         Ok(assembler.finish())
+    }
+
+    /// Adds the triangles of all items; `numbers` has the vertices of one
+    /// after the other.
+    fn triangles(
+        &self,
+        items: &[Item],
+        numbers: &[u32],
+        assembler: &mut Assembler,
+    ) -> Result<(), Error> {
+        let count = |item: &Item| triangle_count(item.mode(), item.indices.count());
+        let with_normals = items.iter().all(|i| i.normals.is_some() || count(i) == 0);
+        let mut rest = numbers;
+        let vertices: Vec<(&[u32], Vec<Vec3>)> = items
+            .iter()
+            .map(|item| {
+                let own;
+                (own, rest) = rest.split_at(item.positions.count());
+                let turned = if with_normals {
+                    item.turned_normals()
+                } else {
+                    Vec::new()
+                };
+                (own, turned)
+            })
+            .collect();
+        let blocks = blocks(items, count, weld::BLOCK / 3);
+        let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
+        let part = |block: usize| {
+            let item = &items[blocks[block].0];
+            (
+                item.node.name.as_deref(),
+                self.color(item.primitive.material),
+            )
+        };
+        assembler.all_triangles(&lengths, with_normals, part, |block, triangles, normals| {
+            let (item, range) = &blocks[block];
+            let (vertices, turned) = &vertices[*item];
+            let item = &items[*item];
+            let (mode, mirrored) = (item.mode(), item.is_mirrored());
+            for (k, (index, to)) in range.clone().zip(triangles).enumerate() {
+                let [a, b, c] = item.indices.corners(mode, index);
+                let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+                let count = vertices.len();
+                if let Some(beyond) = corners.iter().find(|&&i| i as usize >= count) {
+                    let problem = format!("index {beyond} is beyond its {count} positions");
+                    return Err(malformed(&*item.place, problem));
+                }
+                *to = corners.map(|i| vertices[i as usize]);
+                if let Some(normals) = normals.get_mut(k) {
+                    *normals = corners.map(|i| turned[i as usize]);
+                }
+            }
+            Ok(())
+        })
     }
 
     fn nodes_without_parent(&self) -> Vec<usize> {
@@ -335,65 +502,6 @@ impl Reader {
         (0..nodes.len()).filter(|&index| !is_child[index]).collect()
     }
 
-    fn primitive(
-        &self,
-        primitive: &Primitive,
-        place: &str,
-        transform: DMat4,
-        node: &Node,
-        assembler: &mut Assembler,
-    ) -> Result<(), Error> {
-        let mode = primitive.mode.unwrap_or(4);
-        let Some(position) = primitive.attributes.position.filter(|_| mode >= 4) else {
-            // Points, lines, and what has no place to be drawn at.
-            return Ok(());
-        };
-        let positions = self.vectors(position, place)?;
-        let normals = match primitive.attributes.normal {
-            Some(normal) => self.vectors(normal, place)?,
-            None => Vec::new(),
-        };
-        if !normals.is_empty() && normals.len() != positions.len() {
-            return Err(malformed(place, "it has not as many normals as positions"));
-        }
-        let indices: Vec<u32> = match primitive.indices {
-            Some(indices) => self.indices(indices, place)?,
-            None => (0..positions.len() as u32).collect(),
-        };
-        if let Some(index) = indices.iter().find(|&&i| i as usize >= positions.len()) {
-            let problem = format!("index {index} is beyond its {} positions", positions.len());
-            return Err(malformed(place, problem));
-        }
-        let linear = DMat3::from_mat4(transform);
-        let mirrored = linear.determinant() < 0.0;
-        // Normals go with the cofactors, which need no inverse; their sign
-        // under mirroring is undone.
-        let cofactors = DMat3::from_cols(
-            linear.y_axis.cross(linear.z_axis),
-            linear.z_axis.cross(linear.x_axis),
-            linear.x_axis.cross(linear.y_axis),
-        );
-        let sign = if mirrored { -1.0 } else { 1.0 };
-        assembler.reserve(positions.len(), indices.len() / 3);
-        let vertices = positions
-            .iter()
-            .map(|&p| assembler.weld(transform.transform_point3(p)))
-            .collect::<Option<Vec<u32>>>()
-            .ok_or_else(|| malformed(place, "a position is not finite, or there are too many"))?;
-        let turned: Vec<Vec3> = normals
-            .iter()
-            .map(|&n| (cofactors * n * sign).normalize_or_zero().as_vec3())
-            .collect();
-        assembler.begin_part(node.name.as_deref(), self.color(primitive.material));
-        for [a, b, c] in triangles(mode, &indices) {
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-            let corners = corners.map(|index| index as usize);
-            let normals = (!turned.is_empty()).then(|| corners.map(|corner| turned[corner]));
-            assembler.triangle(corners.map(|corner| vertices[corner]), normals);
-        }
-        Ok(())
-    }
-
     fn color(&self, material: Option<usize>) -> Option<Color> {
         let material = self.document.materials.get(material?)?;
         if material.name.as_deref() == Some(crate::parts::DEFAULT_MATERIAL) {
@@ -403,27 +511,20 @@ impl Reader {
         Some(Color::from_linear([r, g, b]).with_alpha(alpha))
     }
 
-    fn vectors(&self, accessor: usize, place: &str) -> Result<Vec<DVec3>, Error> {
-        let (entry, elements) = self.elements(accessor, "VEC3", 3, place)?;
-        let component = component_reader(entry, place)?;
-        let size = component_size(entry.component_type);
-        Ok(elements
-            .map(|bytes| DVec3::from_array([0, 1, 2].map(|i| component(&bytes[i * size..]))))
-            .collect())
+    fn vectors(&self, accessor: usize, place: &str) -> Result<Vectors<'_>, Error> {
+        let elements = self.elements(accessor, "VEC3", 3, place)?;
+        Ok(Vectors {
+            component: component_reader(elements.entry, place)?,
+            elements,
+        })
     }
 
-    fn indices(&self, accessor: usize, place: &str) -> Result<Vec<u32>, Error> {
-        let (entry, elements) = self.elements(accessor, "SCALAR", 1, place)?;
-        Ok(match entry.component_type {
-            5121 => elements.map(|b| u32::from(b[0])).collect(),
-            5123 => elements
-                .map(|b| u32::from(u16::from_le_bytes([b[0], b[1]])))
-                .collect(),
-            5125 => elements
-                .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-                .collect(),
-            _ => return Err(malformed(place, "its indices are no unsigned integers")),
-        })
+    fn indices(&self, accessor: usize, place: &str) -> Result<Indices<'_>, Error> {
+        let elements = self.elements(accessor, "SCALAR", 1, place)?;
+        match elements.entry.component_type {
+            5121 | 5123 | 5125 => Ok(Indices::Listed(elements)),
+            _ => Err(malformed(place, "its indices are no unsigned integers")),
+        }
     }
 
     /// The bytes of each element of an accessor, all of them in range.
@@ -433,7 +534,7 @@ impl Reader {
         kind: &str,
         components: usize,
         place: &str,
-    ) -> Result<(&Accessor, impl Iterator<Item = &[u8]>), Error> {
+    ) -> Result<Elements<'_>, Error> {
         let wrong = |problem: &str| malformed(format!("{place}, accessor {accessor}"), problem);
         let entry = self.document.accessors.get(accessor);
         let entry = entry.ok_or_else(|| wrong("there is no such accessor"))?;
@@ -475,8 +576,119 @@ impl Reader {
             }
         })();
         let bytes = bytes.ok_or_else(|| wrong(CUT_OFF))?;
-        Ok((entry, bytes.chunks(stride).map(move |chunk| &chunk[..size])))
+        Ok(Elements {
+            entry,
+            bytes,
+            stride,
+            size,
+        })
     }
+}
+
+/// The elements of an accessor, all of them in range.
+struct Elements<'a> {
+    entry: &'a Accessor,
+    bytes: &'a [u8],
+    stride: usize,
+    /// Bytes of an element.
+    size: usize,
+}
+
+impl Elements<'_> {
+    fn count(&self) -> usize {
+        self.entry.count
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> &[u8] {
+        &self.bytes[index * self.stride..][..self.size]
+    }
+}
+
+/// An accessor of three coordinates an element.
+struct Vectors<'a> {
+    elements: Elements<'a>,
+    component: fn(&[u8]) -> f64,
+}
+
+impl Vectors<'_> {
+    fn count(&self) -> usize {
+        self.elements.count()
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> DVec3 {
+        let bytes = self.elements.get(index);
+        if let ([x, y, z], []) = bytes.as_chunks::<4>()
+            && self.elements.entry.component_type == FLOAT
+        {
+            return DVec3::from_array([x, y, z].map(|c| f64::from(f32::from_le_bytes(*c))));
+        }
+        let size = self.elements.size / 3;
+        DVec3::from_array([0, 1, 2].map(|i| (self.component)(&bytes[i * size..])))
+    }
+}
+
+/// The indices of a primitive.
+enum Indices<'a> {
+    Listed(Elements<'a>),
+    /// 0, 1, 2, ...
+    Counted(usize),
+}
+
+impl Indices<'_> {
+    fn count(&self) -> usize {
+        match self {
+            Self::Listed(elements) => elements.count(),
+            Self::Counted(count) => *count,
+        }
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> u32 {
+        match self {
+            Self::Listed(elements) => match *elements.get(index) {
+                [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+                [a, b] => u32::from(u16::from_le_bytes([a, b])),
+                [a] => u32::from(a),
+                _ => u32::MAX,
+            },
+            Self::Counted(_) => index as u32,
+        }
+    }
+
+    /// The corners of a triangle of a list, a strip or a fan.
+    #[inline]
+    fn corners(&self, mode: u32, triangle: usize) -> [u32; 3] {
+        if let Self::Listed(Elements {
+            bytes, stride: 4, ..
+        }) = self
+            && mode == LIST
+            && let Some((&[a, b, c], _)) = bytes
+                .get(12 * triangle..)
+                .and_then(|rest| rest.as_chunks::<4>().0.split_first_chunk::<3>())
+            && matches!(self, Self::Listed(elements) if elements.size == 4)
+        {
+            return [a, b, c].map(u32::from_le_bytes);
+        }
+        corners_of(mode, triangle).map(|index| self.get(index))
+    }
+}
+
+/// Pieces of at most `most` elements of each item, of which `count` says how
+/// many there are: the item's number and a range of its elements.
+fn blocks(
+    items: &[Item],
+    count: impl Fn(&Item) -> usize,
+    most: usize,
+) -> Vec<(usize, Range<usize>)> {
+    let mut blocks = Vec::new();
+    for (number, item) in items.iter().enumerate() {
+        let count = count(item);
+        let starts = (0..count).step_by(most);
+        blocks.extend(starts.map(|start| (number, start..count.min(start + most))));
+    }
+    blocks
 }
 
 /// A root's transform, followed by the change from metres with Y up to the
@@ -494,12 +706,15 @@ fn to_model(root: DMat4, unit: LengthUnit) -> DMat4 {
     )
 }
 
+/// The component type of single precision.
+const FLOAT: u32 = 5126;
+
 /// Bytes of a component type, 0 for an unknown one.
 fn component_size(component_type: u32) -> usize {
     match component_type {
         5120 | 5121 => 1,
         5122 | 5123 => 2,
-        5125 | 5126 => 4,
+        5125 | FLOAT => 4,
         _ => 0,
     }
 }
@@ -508,7 +723,7 @@ fn component_size(component_type: u32) -> usize {
 /// KHR_mesh_quantization allows in their place).
 fn component_reader(entry: &Accessor, place: &str) -> Result<fn(&[u8]) -> f64, Error> {
     Ok(match (entry.component_type, entry.normalized) {
-        (5126, _) => |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+        (FLOAT, _) => |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
         (5120, false) => |b| f64::from(i8::from_le_bytes([b[0]])),
         (5121, false) => |b| f64::from(b[0]),
         (5122, false) => |b| f64::from(i16::from_le_bytes([b[0], b[1]])),
@@ -526,29 +741,25 @@ fn component_reader(entry: &Accessor, place: &str) -> Result<fn(&[u8]) -> f64, E
     })
 }
 
-/// The triangles of a list, a strip (5) or a fan (6).
-fn triangles(mode: u32, indices: &[u32]) -> Vec<[u32; 3]> {
+/// The mode of a list of triangles; the modes below are points and lines.
+const LIST: u32 = 4;
+
+/// How many triangles so many indices make in a list, a strip (5) or a fan (6).
+const fn triangle_count(mode: u32, indices: usize) -> usize {
     match mode {
-        5 => indices
-            .windows(3)
-            .enumerate()
-            .map(|(i, w)| {
-                if i % 2 == 0 {
-                    [w[0], w[1], w[2]]
-                } else {
-                    [w[1], w[0], w[2]]
-                }
-            })
-            .collect(),
-        6 => indices
-            .windows(2)
-            .skip(1)
-            .map(|w| [indices[0], w[0], w[1]])
-            .collect(),
-        _ => indices
-            .chunks_exact(3)
-            .map(|t| [t[0], t[1], t[2]])
-            .collect(),
+        5 | 6 => indices.saturating_sub(2),
+        _ => indices / 3,
+    }
+}
+
+/// Which of the indices are the corners of a triangle.
+const fn corners_of(mode: u32, triangle: usize) -> [usize; 3] {
+    let t = triangle;
+    match mode {
+        5 if t.is_multiple_of(2) => [t, t + 1, t + 2],
+        5 => [t + 1, t, t + 2],
+        6 => [0, t + 1, t + 2],
+        _ => [3 * t, 3 * t + 1, 3 * t + 2],
     }
 }
 

@@ -1,0 +1,291 @@
+//! Clusters: a few neighbouring triangles that are culled, transformed and
+//! set up together.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Most triangles in a cluster.
+const CLUSTER_TRIANGLES: usize = 128;
+/// Most vertices in a cluster.
+pub(crate) const CLUSTER_VERTICES: usize = 128;
+/// A cluster's vertices begin at a multiple of this.
+const ALIGNMENT: usize = 16;
+/// Triangles per parallel task: clusters end there, whatever the number of
+/// threads.
+const BLOCK: usize = CLUSTER_TRIANGLES * 128;
+
+/// A few neighbouring triangles with vertices of their own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cluster {
+    /// First triangle in drawing order; a cluster's triangles are consecutive.
+    pub first_triangle: u32,
+    pub triangles: u32,
+    /// First vertex in [`Clusters::vertices`], a multiple of 16.
+    pub first_vertex: u32,
+    pub vertices: u32,
+    /// Bounding sphere.
+    pub centre: Vec3,
+    pub radius: f32,
+    /// Normals are within the cone about `axis` of half-angle asin(`sine`);
+    /// sine is above 1 where there is no such cone.
+    pub axis: Vec3,
+    pub sine: f32,
+    /// Whether the corners at each vertex share their normal.
+    pub smooth: bool,
+}
+
+impl Cluster {
+    /// Vertices with the gap before the next cluster's first.
+    pub fn padded_vertices(&self) -> usize {
+        (self.vertices as usize).next_multiple_of(ALIGNMENT)
+    }
+}
+
+/// A mesh cut into clusters, in drawing order.
+pub(crate) struct Clusters {
+    pub clusters: Vec<Cluster>,
+    /// x, y and z of all clusters' vertices, and zeros after them, so that
+    /// every cluster's part can be taken for a full one.
+    pub vertices: [Vec<f32>; 3],
+    /// For each triangle the numbers of its vertices within the cluster.
+    pub local: Vec<[u8; 4]>,
+}
+
+impl Clusters {
+    /// Cuts triangles, in drawing order, into clusters. Those that name a
+    /// vertex out of range or not finite become points, which are not drawn.
+    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let mut local = vec![[0; 4]; triangles.len()];
+        let mut blocks: Vec<Block> = local
+            .par_chunks_mut(BLOCK)
+            .zip(triangles.par_chunks(BLOCK))
+            .map(|(local, triangles)| Block::cut(positions, triangles, local))
+            .collect();
+        let (mut clusters, mut vertices) = (0, 0);
+        for (index, block) in blocks.iter_mut().enumerate() {
+            for cluster in &mut block.clusters {
+                cluster.first_triangle += (index * BLOCK) as u32;
+                cluster.first_vertex = vertices as u32;
+                vertices += cluster.padded_vertices();
+            }
+            clusters += block.clusters.len();
+        }
+        let mut axes = [(); 3].map(|()| vec![0f32; vertices + CLUSTER_VERTICES]);
+        let lengths: Vec<usize> = blocks.iter().map(Block::padded_vertices).collect();
+        let [x, y, z] = axes
+            .each_mut()
+            .map(|axis| split(axis, lengths.iter().copied()));
+        blocks
+            .par_iter_mut()
+            .zip(x)
+            .zip(y)
+            .zip(z)
+            .for_each(|(((block, x), y), z)| block.finish(positions, triangles, [x, y, z]));
+        let mut all = Vec::with_capacity(clusters);
+        for block in &blocks {
+            all.extend_from_slice(&block.clusters);
+        }
+        Self {
+            clusters: all,
+            vertices: axes,
+            local,
+        }
+    }
+}
+
+/// Cuts a slice into pieces of the given lengths.
+pub(crate) fn split<T>(mut rest: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    lengths
+        .map(|length| {
+            let (piece, later) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = later;
+            piece
+        })
+        .collect()
+}
+
+/// The clusters of one block of triangles.
+struct Block {
+    clusters: Vec<Cluster>,
+    /// The vertices of one cluster after the other.
+    members: Vec<u32>,
+}
+
+impl Block {
+    /// Decides where clusters end, and numbers their vertices. Triangles and
+    /// vertices are counted from the block's first.
+    fn cut(positions: &[Vec3], triangles: &[[u32; 3]], local: &mut [[u8; 4]]) -> Self {
+        let mut block = Self {
+            clusters: Vec::with_capacity(triangles.len() / CLUSTER_TRIANGLES * 3 / 2 + 1),
+            members: Vec::with_capacity(triangles.len()),
+        };
+        let mut numbers = Numbers::new();
+        let (mut first, mut first_member) = (0, 0);
+        for (index, (triangle, local)) in triangles.iter().zip(local).enumerate() {
+            let usable = triangle
+                .iter()
+                .all(|&v| positions.get(v as usize).is_some_and(|p| p.is_finite()));
+            if !usable {
+                // Three times one vertex has no area, and is never drawn.
+                if index - first >= CLUSTER_TRIANGLES {
+                    block.end_cluster(first, index, first_member);
+                    (first, first_member) = (index, block.members.len());
+                    numbers.clear();
+                }
+                continue;
+            }
+            let fresh = |v: &&u32| numbers.get(**v).is_none();
+            let count = block.members.len() - first_member;
+            if index - first >= CLUSTER_TRIANGLES
+                || (count + 3 > CLUSTER_VERTICES
+                    && count + triangle.iter().filter(fresh).count() > CLUSTER_VERTICES)
+            {
+                block.end_cluster(first, index, first_member);
+                (first, first_member) = (index, block.members.len());
+                numbers.clear();
+            }
+            for (slot, &v) in local.iter_mut().zip(triangle) {
+                let next = block.members.len() - first_member;
+                *slot = numbers.get_or_insert(v, next as u8);
+                if usize::from(*slot) == next {
+                    block.members.push(v);
+                }
+            }
+        }
+        if first < triangles.len() {
+            block.end_cluster(first, triangles.len(), first_member);
+        }
+        block
+    }
+
+    fn end_cluster(&mut self, first: usize, end: usize, first_member: usize) {
+        self.clusters.push(Cluster {
+            first_triangle: first as u32,
+            triangles: (end - first) as u32,
+            first_vertex: 0,
+            vertices: (self.members.len() - first_member) as u32,
+            centre: Vec3::ZERO,
+            radius: 0.0,
+            axis: Vec3::ZERO,
+            sine: 2.0,
+            smooth: false,
+        });
+    }
+
+    /// Vertices with the gaps that align each cluster's first.
+    fn padded_vertices(&self) -> usize {
+        self.clusters.iter().map(Cluster::padded_vertices).sum()
+    }
+
+    /// Copies the vertices to where they belong, and bounds each cluster.
+    fn finish(
+        &mut self,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        [xs, ys, zs]: [&mut [f32]; 3],
+    ) {
+        let mut members = &self.members[..];
+        let mut at = 0;
+        let mut points = Vec::with_capacity(CLUSTER_VERTICES);
+        let mut normals = Vec::with_capacity(CLUSTER_TRIANGLES);
+        for cluster in &mut self.clusters {
+            let (own, rest) = members.split_at(cluster.vertices as usize);
+            members = rest;
+            points.clear();
+            points.extend(own.iter().map(|&v| positions[v as usize]));
+            for (k, point) in points.iter().enumerate() {
+                xs[at + k] = point.x;
+                ys[at + k] = point.y;
+                zs[at + k] = point.z;
+            }
+            at += cluster.padded_vertices();
+            (cluster.centre, cluster.radius) = bounding_sphere(&points);
+            let first = cluster.first_triangle as usize;
+            normals.clear();
+            normals.extend(
+                triangles[first..first + cluster.triangles as usize]
+                    .iter()
+                    .filter_map(|&[a, b, c]| {
+                        let at = |v: u32| positions.get(v as usize).copied();
+                        let (a, b, c) = (at(a)?, at(b)?, at(c)?);
+                        (b - a).cross(c - a).try_normalize()
+                    }),
+            );
+            (cluster.axis, cluster.sine) = normal_cone(&normals);
+        }
+    }
+}
+
+/// A sphere around points, a little larger for its own rounding and that of
+/// culling.
+fn bounding_sphere(points: &[Vec3]) -> (Vec3, f32) {
+    let start = points.first().copied().unwrap_or_default();
+    let (low, high) = points
+        .iter()
+        .fold((start, start), |(low, high), &p| (low.min(p), high.max(p)));
+    let centre = low / 2.0 + high / 2.0;
+    let squares = points.iter().map(|p| p.distance_squared(centre));
+    let radius = squares.fold(0.0, f32::max).sqrt();
+    (centre, radius * 1.0001 + f32::MIN_POSITIVE)
+}
+
+/// The axis of a cone of unit normals and the sine of its half-angle, above 1
+/// where it is (nearly) a half-space or more.
+fn normal_cone(normals: &[Vec3]) -> (Vec3, f32) {
+    let axis = normals.iter().sum::<Vec3>().normalize_or_zero();
+    let cosine = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
+    let sine = if cosine > 0.1 {
+        // A little wider: rounding, and triangles that snapping tilts.
+        (1.0 - cosine * cosine).max(0.0).sqrt() + 0.02
+    } else {
+        2.0
+    };
+    (axis, sine)
+}
+
+/// The numbers of vertices within a cluster: a hash table that fits the first
+/// level cache and is emptied fast.
+struct Numbers {
+    /// Vertex and number, probed one after another.
+    slots: [(u32, u8); SLOTS],
+}
+
+/// At least twice [`CLUSTER_VERTICES`].
+const SLOTS: usize = 512;
+
+/// No vertex: too large an index to be one that is in range.
+const FREE: (u32, u8) = (u32::MAX, 0);
+
+impl Numbers {
+    fn new() -> Self {
+        Self {
+            slots: [FREE; SLOTS],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.slots.fill(FREE);
+    }
+
+    /// The slot of a vertex, or the free one for it.
+    fn slot(&self, vertex: u32) -> usize {
+        let mut slot = (vertex.wrapping_mul(0x9e37_79b9) >> 23) as usize % SLOTS;
+        while self.slots[slot].0 != vertex && self.slots[slot].0 != FREE.0 {
+            slot = (slot + 1) % SLOTS;
+        }
+        slot
+    }
+
+    fn get(&self, vertex: u32) -> Option<u8> {
+        let (found, number) = self.slots[self.slot(vertex)];
+        (found == vertex).then_some(number)
+    }
+
+    fn get_or_insert(&mut self, vertex: u32, number: u8) -> u8 {
+        let slot = self.slot(vertex);
+        if self.slots[slot].0 != vertex {
+            self.slots[slot] = (vertex, number);
+        }
+        self.slots[slot].1
+    }
+}
