@@ -1,6 +1,6 @@
 //! One picture for each stage and mode of the pipeline.
 //!
-//! `cargo run --release -p raster --example gallery -- FOLDER`
+//! `cargo run --release -p raster --example tour -- FOLDER`
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -37,9 +37,7 @@ fn save(folder: &Path, name: &str, image: &Image) -> Result<()> {
 }
 
 fn main() -> Result<()> {
-    let folder = std::env::args()
-        .nth(1)
-        .unwrap_or_else(|| "gallery".to_owned());
+    let folder = std::env::args().nth(1).unwrap_or_else(|| "tour".to_owned());
     let folder = Path::new(&folder);
     fs::create_dir_all(folder)?;
     let mesh = subject()?;
