@@ -69,75 +69,157 @@ pub(super) fn estimate(surface: &Surface, [p, q, r]: [DVec3; 3]) -> (f64, f64) {
 /// triangle is too large for the surface's curvature.
 #[must_use]
 pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
-    let [p, q, r] = corners;
-    let at_corners = surface
-        .value(p)
-        .abs()
-        .max(surface.value(q).abs())
-        .max(surface.value(r).abs());
+    let mut corners = corners.map(|at| Corner::new(surface, at));
     if surface.is_plane() {
-        return at_corners;
+        return corners[0].off.max(corners[1].off).max(corners[2].off);
     }
-    let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
-    let mut quarters = [quarter(q - p), quarter(r - q), quarter(p - r)];
-    let mut gradients = [
-        surface.gradient(p),
-        surface.gradient(q),
-        surface.gradient(r),
-    ];
+    let mut quarters = quarters(surface, &corners);
     if let Some(apex) = surface.apex()
-        && let Some(tip) = corners.iter().position(|&corner| corner == apex)
+        && let Some(tip) = corners.iter().position(|corner| corner.at == apex)
     {
         // f is homogeneous about the apex, and so is the distance: it is the
         // largest on the opposite side.
         let opposite = (tip + 1) % 3;
         quarters = [quarters[opposite], 0.0, 0.0];
-        let (u, w) = (gradients[opposite], gradients[(tip + 2) % 3]);
-        gradients = [u, w, w];
+        let (u, w) = (corners[opposite].gradient, corners[(tip + 2) % 3].gradient);
+        for (corner, gradient) in corners.iter_mut().zip([u, w, w]) {
+            corner.gradient = gradient;
+        }
     }
-    // The gradient's component along any direction is linear.
-    let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
-    let slopes = [
-        gradients[0].dot(mean),
-        gradients[1].dot(mean),
-        gradients[2].dot(mean),
-    ];
-    let least = slopes[0].min(slopes[1]).min(slopes[2]);
-    let greatest = slopes[0].max(slopes[1]).max(slopes[2]);
-    let lipschitz = hessian_norm(surface);
-    // With f = Σ 2 b_ij λ_i λ_j and the slope Σ s_i λ_i >= (Σ √s_i λ_i)² by
-    // Cauchy and Schwarz: in terms of √s_i λ_i the ratio is one of quadratic
-    // forms again.
-    let ratio = |distance: f64| {
-        let less = lipschitz * distance;
-        let least = least - less;
+    let ratio = Ratio::new(hessian_norm(surface), &corners, quarters);
+    // A distance that the map shrinks is a bound, and so is its image.
+    let guess = 1.25 * ratio.of(0.0);
+    let bound = ratio.of(guess);
+    if bound <= guess {
+        bound
+    } else if ratio.of(2.0 * bound) <= 2.0 * bound {
+        ratio.of(2.0 * bound)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The corner of a triangle: where it is, and f's gradient and magnitude there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub at: DVec3,
+    gradient: DVec3,
+    off: f64,
+}
+
+impl Corner {
+    #[inline(always)]
+    pub fn new(surface: &Surface, at: DVec3) -> Self {
+        Self {
+            at,
+            gradient: surface.gradient(at),
+            off: surface.value(at).abs(),
+        }
+    }
+}
+
+/// [`of_triangle`] for many triangles of one quadric's smooth part.
+pub(super) struct Judge<'a> {
+    surface: &'a Surface,
+    /// 1 where the gradient points out of the solid, else -1.
+    outward: f64,
+    lipschitz: f64,
+    tolerance: f64,
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(surface: &'a Surface, outward: f64, tolerance: f64) -> Self {
+        Self {
+            surface,
+            outward,
+            lipschitz: hessian_norm(surface),
+            tolerance,
+        }
+    }
+
+    /// The bound of a triangle's distance; `None` for one that does not face
+    /// outward, or hardly.
+    #[inline(always)]
+    pub fn judge(&self, corners: &[Corner; 3]) -> Option<f64> {
+        /// Far from folded: the squared cosine between the triangle's normal
+        /// and the surface's.
+        const LEAST_COSINE_SQUARED: f64 = 0.04;
+        let [p, q, r] = corners.map(|corner| corner.at);
+        let normal = (q - p).cross(r - p);
+        let sum = corners[0].gradient + corners[1].gradient + corners[2].gradient;
+        let along = self.outward * normal.dot(sum);
+        let lengths = normal.length_squared() * sum.length_squared();
+        if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * lengths {
+            return None;
+        }
+        let ratio = Ratio::new(self.lipschitz, corners, quarters(self.surface, corners));
+        // Mostly the tolerance itself is a distance that the map shrinks.
+        let bound = ratio.of(self.tolerance);
+        if bound <= self.tolerance {
+            return Some(bound);
+        }
+        Some(of_triangle(self.surface, [p, q, r]))
+    }
+}
+
+/// f over the triangle is Σ 2 b_ij λ_i λ_j plus what it is at the corners:
+/// b01, b12, b20.
+#[inline(always)]
+fn quarters(surface: &Surface, [p, q, r]: &[Corner; 3]) -> [f64; 3] {
+    let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
+    [
+        quarter(q.at - p.at),
+        quarter(r.at - q.at),
+        quarter(p.at - r.at),
+    ]
+}
+
+/// The map from a distance from the triangle to a bound of that of the surface,
+/// if the way to it is not longer.
+///
+/// With f = Σ 2 b_ij λ_i λ_j and the slope Σ s_i λ_i >= (Σ √s_i λ_i)² by Cauchy
+/// and Schwarz: in terms of √s_i λ_i their ratio is one of quadratic forms
+/// again.
+struct Ratio {
+    lipschitz: f64,
+    slopes: [f64; 3],
+    least: f64,
+    greatest: f64,
+    quarters: [f64; 3],
+    at_corners: f64,
+}
+
+impl Ratio {
+    #[inline(always)]
+    fn new(lipschitz: f64, corners: &[Corner; 3], quarters: [f64; 3]) -> Self {
+        let gradients = corners.map(|corner| corner.gradient);
+        // The gradient's component along any direction is linear.
+        let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
+        let slopes = gradients.map(|gradient| gradient.dot(mean));
+        Self {
+            lipschitz,
+            slopes,
+            least: slopes[0].min(slopes[1]).min(slopes[2]),
+            greatest: slopes[0].max(slopes[1]).max(slopes[2]),
+            quarters,
+            at_corners: corners[0].off.max(corners[1].off).max(corners[2].off),
+        }
+    }
+
+    #[inline(always)]
+    fn of(&self, distance: f64) -> f64 {
+        let less = self.lipschitz * distance;
+        let least = self.least - less;
         if least <= 0.0 {
             return f64::INFINITY;
         }
-        if greatest <= 1.01 * least {
-            return (largest_on_triangle(quarters) + at_corners) / least;
+        let [b01, b12, b20] = self.quarters;
+        if self.greatest <= 1.01 * least {
+            return (largest_on_triangle([b01, b12, b20]) + self.at_corners) / least;
         }
-        let roots = [
-            (slopes[0] - less).sqrt(),
-            (slopes[1] - less).sqrt(),
-            (slopes[2] - less).sqrt(),
-        ];
-        let scaled = [
-            quarters[0] / (roots[0] * roots[1]),
-            quarters[1] / (roots[1] * roots[2]),
-            quarters[2] / (roots[2] * roots[0]),
-        ];
-        largest_on_triangle(scaled) + at_corners / least
-    };
-    // A distance that the map shrinks is a bound, and so is its image.
-    let guess = 1.25 * ratio(0.0);
-    let bound = ratio(guess);
-    if bound <= guess {
-        bound
-    } else if ratio(2.0 * bound) <= 2.0 * bound {
-        ratio(2.0 * bound)
-    } else {
-        f64::INFINITY
+        let [r0, r1, r2] = self.slopes.map(|slope| (slope - less).sqrt());
+        let scaled = [b01 / (r0 * r1), b12 / (r1 * r2), b20 / (r2 * r0)];
+        largest_on_triangle(scaled) + self.at_corners / least
     }
 }
 

@@ -7,7 +7,7 @@
 //! nearest in angle, so that no triangle spans more of it than one chord does.
 
 use super::half_edges::{HalfEdges, next, previous};
-use super::regions::metric;
+use super::regions::{Bend, Region, Way, metric};
 use super::shape::faces_out_in_the_middle;
 
 /// Flips all edges on the stack, and the neighbours of what was flipped, until
@@ -44,23 +44,38 @@ pub(super) fn flip_and_note(
 
 #[inline]
 fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
-    let flips = !mesh.is_feature(half) && is_better_flipped(mesh, half) && may_flip(mesh, half);
+    let flips = !mesh.is_feature(half)
+        && mesh.region(half).way != Way::Done
+        && is_better_flipped(mesh, half)
+        && may_flip(mesh, half);
     if flips {
         mesh.flip(half);
     }
     flips
 }
 
+/// A tie but for rounding is no reason to flip.
+const CLEARLY: f64 = 1e-9;
+
 /// Whether the angles across from the edge add up to more than π.
 #[inline]
 fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let twin = mesh.twin(half);
     let surface = mesh.surface(half);
-    let bend = mesh.region(half).bend;
+    let Region { bend, outward, .. } = *mesh.region(half);
     let a = mesh.at(mesh.origin(half));
     let b = mesh.at(mesh.origin(twin));
     let c = mesh.at(mesh.apex(half));
     let d = mesh.at(mesh.apex(twin));
+    if bend == Bend::Double {
+        // The circles of the metric are the sections by planes, as on a sphere:
+        // the edges of the convex hull are the right ones.
+        let normal = (b - a).cross(c - a);
+        let convex = outward * surface.curvature_along(b - a);
+        let above = normal.dot(d - a) * convex.signum();
+        let scale = normal.length_squared() * (d - a).length_squared();
+        return above > 0.0 && above * above > CLEARLY * CLEARLY * scale;
+    }
     let ab = metric(surface, bend, b - a);
     // Twice the product of the sides and the cosine, and the sides' squares.
     let angle = |ca: f64, cb: f64| (ca + cb - ab, 4.0 * ca * cb);
@@ -72,8 +87,7 @@ fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
     if at_c < 0.0 && at_d < 0.0 {
         return true;
     }
-    // One is obtuse: compare the cosines. A tie is no reason to flip.
-    const CLEARLY: f64 = 1e-9;
+    // One is obtuse: compare the cosines.
     let (c2, d2) = (at_c * at_c * sides_d, at_d * at_d * sides_c);
     if at_c < 0.0 {
         c2 > d2 * (1.0 + CLEARLY)

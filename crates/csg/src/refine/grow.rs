@@ -8,42 +8,45 @@
 //! all times, few flips are needed, and the last round ends with as many chords
 //! as the tolerance asks for, not with the next power of two. Edges inside
 //! developable faces wait until the end, when hardly one is left to be cut.
+//! Faces that bend both ways and come to many triangles are left to
+//! [`super::patches`].
 
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
 use super::flips::{flip_all, flip_and_note};
 use super::half_edges::{HalfEdges, Kind, NONE, next};
-use super::regions::Bend;
+use super::regions::{Bend, Way};
 use super::shape::faces_out_in_the_middle;
+use super::tessellate::Fine;
 use super::{Goal, Unkept, deviation};
 use crate::control::Control;
 use crate::error::Error;
 use crate::program::Surface;
 
-/// A stretch of a curve that is still one edge: the points that are going to
+/// A stretch of a curve that is still one edge: the vertices that are going to
 /// cut it up, in its half-edge's direction.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    first: u32,
-    count: u32,
+pub(super) struct Piece {
+    pub first: u32,
+    pub count: u32,
 }
 
 pub(super) struct Grower<'m, 's> {
-    mesh: &'m mut HalfEdges<'s>,
-    goal: &'m Goal,
+    pub(super) mesh: &'m mut HalfEdges<'s>,
+    pub(super) goal: &'m Goal,
     /// How near a point must come to its surfaces.
     precision: f64,
-    pieces: Vec<Piece>,
-    /// The points of all pieces.
-    points: Vec<DVec3>,
+    pub(super) pieces: Vec<Piece>,
     /// Edges to be looked at for flipping.
-    stack: Vec<u32>,
+    pub(super) stack: Vec<u32>,
     /// Edges whose triangles changed since they were looked at.
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
-    stuck: Vec<(u32, DVec3)>,
+    pub(super) stuck: Vec<(u32, DVec3)>,
     pub unkept: Vec<(Unkept, DVec3)>,
+    /// The triangles of the faces that are done.
+    pub fine: Fine,
 }
 
 /// Twice as many vertices may come as triangles that are too far off, and
@@ -57,7 +60,7 @@ impl<'m, 's> Grower<'m, 's> {
             goal,
             precision,
             pieces: Vec::new(),
-            points: Vec::new(),
+            fine: Fine::default(),
             stack: Vec::new(),
             changed: Vec::new(),
             stuck: Vec::new(),
@@ -68,20 +71,10 @@ impl<'m, 's> Grower<'m, 's> {
     pub fn run(&mut self, control: &Control) -> Result<(), Error> {
         self.measure_curves();
         self.flip_everything();
-        let longest_piece = self.pieces.iter().map(|p| p.count + 1).max();
-        let longest_edge = self.longest_edge();
-        let most = f64::from(longest_piece.unwrap_or(1)).max(longest_edge);
-        // More than 2^levels chords are asked of no edge.
-        let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
-        for level in (0..levels).rev() {
-            control.check()?;
-            let chords = (f64::from(level)).exp2();
-            self.halve_pieces(chords);
-            self.halve_edges(chords, false);
-            self.free_stuck();
-        }
-        self.halve_edges(1.0, true);
-        self.cut_far_triangles(control)?;
+        self.finish_curved_faces(control)?;
+        self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
+        self.halve_edges(1.0, Self::chords_of_developable);
+        self.cut_triangles(control, Self::is_far)?;
         self.free_stuck();
         for (vertex, place) in std::mem::take(&mut self.stuck) {
             // On its surfaces, whatever it folds.
@@ -115,8 +108,10 @@ impl<'m, 's> Grower<'m, 's> {
         if !move_vertices(self.mesh, chain, &division) {
             return false;
         }
-        let mut first = self.points.len() as u32;
-        self.points.extend(&division.points);
+        let mut first = self.mesh.positions.len() as u32;
+        for &point in &division.points {
+            self.mesh.add_vertex(point, Kind::Curve);
+        }
         let mut before = 0;
         for (&half, &end) in chain.iter().zip(&division.ends) {
             let count = end - before - 1;
@@ -136,24 +131,63 @@ impl<'m, 's> Grower<'m, 's> {
         flip_all(self.mesh, &mut self.stack);
     }
 
-    fn longest_edge(&self) -> f64 {
+    /// Halves the pieces of curves and the edges inside faces that should become
+    /// more than 2^k parts, for all k down to 0.
+    pub(super) fn halve_all(
+        &mut self,
+        control: &Control,
+        of_piece: impl Fn(&Self, usize) -> f64,
+        of_edge: impl Fn(&Self, u32) -> f64,
+    ) -> Result<(), Error> {
         let halves = 0..self.mesh.halves.len() as u32;
-        halves
-            .filter(|&half| !self.mesh.is_gone(half / 3))
-            .map(|half| self.chords_of(half, false))
-            .fold(1.0, f64::max)
+        let edges = halves.filter(|&half| !self.mesh.is_gone(half / 3));
+        let most = edges.map(|half| of_edge(self, half)).fold(1.0, f64::max);
+        let pieces = (0..self.pieces.len()).map(|index| of_piece(self, index));
+        let most = pieces.fold(most, f64::max);
+        // More than 2^levels parts are asked of none.
+        let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
+        for level in (0..levels).rev() {
+            control.check()?;
+            let most = f64::from(level).exp2();
+            self.halve_pieces(most, &of_piece);
+            self.halve_edges(most, &of_edge);
+            self.free_stuck();
+        }
+        Ok(())
+    }
+
+    fn chords_of_piece(&self, index: usize) -> f64 {
+        f64::from(self.pieces[index].count + 1)
+    }
+
+    /// How many chords an edge inside a face that bends both ways should become.
+    fn chords_of_curved(&self, half: u32) -> f64 {
+        if self.mesh.region(half).way == Way::OneByOne {
+            self.chords_of(half, false)
+        } else {
+            0.0
+        }
+    }
+
+    /// How many chords an edge inside a developable face should become.
+    fn chords_of_developable(&self, half: u32) -> f64 {
+        if self.mesh.region(half).bend == Bend::Single {
+            self.chords_of(half, true)
+        } else {
+            0.0
+        }
     }
 
     /// How many chords an edge inside a face should become; 0 where that is
     /// not to be asked.
     #[inline]
-    fn chords_of(&self, half: u32, developable: bool) -> f64 {
+    pub(super) fn chords_of(&self, half: u32, developable: bool) -> f64 {
         let region = self.mesh.region(half);
-        let share = match region.bend {
-            Bend::Single if developable => 1.0,
+        match region.bend {
+            Bend::Single if developable => {}
             Bend::Flat | Bend::Single => return 0.0,
-            Bend::Double | Bend::Saddle => 1.0,
-        };
+            Bend::Double | Bend::Saddle => {}
+        }
         let twin = self.mesh.twin(half);
         if self.mesh.is_feature(half) && region.surface != self.mesh.surface_index(twin) {
             return 0.0;
@@ -163,7 +197,7 @@ impl<'m, 's> Grower<'m, 's> {
         let q = self.mesh.at(self.mesh.origin(twin));
         let gradient = surface.gradient(0.5 * (p + q)).length();
         let sag = 0.125 * surface.curvature_along(q - p).abs();
-        let for_distance = (sag / (share * self.goal.aim() * gradient)).sqrt();
+        let for_distance = (sag / (self.goal.aim() * gradient)).sqrt();
         match self.goal.angle {
             None => for_distance,
             Some(angle) => {
@@ -173,29 +207,33 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    /// Halves the pieces of curves of more than `chords` chords.
-    fn halve_pieces(&mut self, chords: f64) {
+    /// Halves the pieces of curves that should become more than `most` parts.
+    fn halve_pieces(&mut self, most: f64, parts: impl Fn(&Self, usize) -> f64) {
         let mut index = 0;
         while index < self.pieces.len() {
-            let Piece { first, count } = self.pieces[index];
-            if f64::from(count + 1) <= chords || count == 0 {
+            // What is left of it may still be too long.
+            if self.pieces[index].count > 0 && parts(self, index) > most {
+                self.halve_piece(index);
+            } else {
                 index += 1;
-                continue;
             }
-            let half = self.mesh.piece_halves[index];
-            let before = count / 2;
-            self.pieces[index].count = before;
-            if before == 0 {
-                self.mark(half, NONE);
-            }
-            let target = self.points[(first + before) as usize];
-            let on = Piece {
-                first: first + before + 1,
-                count: count - before - 1,
-            };
-            self.insert(half, target, Kind::Curve, Some(on));
         }
         self.flip();
+    }
+
+    pub(super) fn halve_piece(&mut self, index: usize) {
+        let Piece { first, count } = self.pieces[index];
+        let half = self.mesh.piece_halves[index];
+        let before = count / 2;
+        self.pieces[index].count = before;
+        if before == 0 {
+            self.mark(half, NONE);
+        }
+        let on = Piece {
+            first: first + before + 1,
+            count: count - before - 1,
+        };
+        self.insert(half, first + before, Some(on));
     }
 
     /// Lets an edge stand for a piece.
@@ -214,9 +252,9 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    /// Halves the edges inside faces that should become more than `chords`
-    /// chords, and what comes of that.
-    fn halve_edges(&mut self, chords: f64, developable: bool) {
+    /// Halves the edges inside faces that should become more than `most` parts,
+    /// and what comes of that.
+    fn halve_edges(&mut self, most: f64, parts: impl Fn(&Self, u32) -> f64) {
         self.changed.clear();
         self.changed.extend(0..self.mesh.halves.len() as u32);
         for _ in 0..MOST_ROUNDS {
@@ -227,13 +265,9 @@ impl<'m, 's> Grower<'m, 's> {
                 if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
                     continue;
                 }
-                let is_single = self.mesh.region(half).bend == Bend::Single;
-                if is_single != developable {
-                    continue;
-                }
-                let wanted = self.chords_of(half, developable);
+                let wanted = parts(self, half);
                 // What is cut evenly comes out a hair too long.
-                if wanted > chords * (1.0 + 1e-3) {
+                if wanted > most * (1.0 + 1e-3) {
                     self.cut(half, wanted);
                 }
             }
@@ -241,13 +275,13 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    fn flip(&mut self) {
+    pub(super) fn flip(&mut self) {
         flip_and_note(self.mesh, &mut self.stack, &mut self.changed);
     }
 
     /// Cuts an edge inside a face that should become `wanted` chords near its
     /// middle.
-    fn cut(&mut self, half: u32, wanted: f64) -> bool {
+    pub(super) fn cut(&mut self, half: u32, wanted: f64) -> bool {
         let chords = (wanted - 1e-3).ceil().max(2.0);
         let share = (0.5 * chords).floor() / chords;
         let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
@@ -257,26 +291,30 @@ impl<'m, 's> Grower<'m, 's> {
         if target.distance_squared(0.5 * (p + q)) > 0.49 * p.distance_squared(q) {
             return false;
         }
-        if self.mesh.is_feature(half) {
-            self.insert(half, target, Kind::Corner, None);
-            return true;
-        }
-        if !self.splits_well(half, target) {
+        let kind = if self.mesh.is_feature(half) {
+            Kind::Corner
+        } else if self.splits_well(half, target) {
+            Kind::Face
+        } else {
             return false;
-        }
-        self.insert(half, target, Kind::Face, None);
+        };
+        let vertex = self.mesh.add_vertex(target, kind);
+        self.insert(half, vertex, None);
         true
     }
 
-    /// Cuts the triangles that are farther from their surface than the
-    /// tolerance though their edges are not.
-    fn cut_far_triangles(&mut self, control: &Control) -> Result<(), Error> {
+    /// Cuts triangles in two, whose edges are short enough.
+    pub(super) fn cut_triangles(
+        &mut self,
+        control: &Control,
+        is_wanted: impl Fn(&Self, u32) -> bool,
+    ) -> Result<(), Error> {
         let mut triangles: Vec<u32> = (0..self.mesh.triangle_count()).collect();
         for _ in 0..MOST_ROUNDS {
             control.check()?;
             self.changed.clear();
             for &triangle in &triangles {
-                if !self.mesh.is_gone(triangle) && self.is_far(triangle) {
+                if !self.mesh.is_gone(triangle) && is_wanted(self, triangle) {
                     let longest = (3 * triangle..3 * triangle + 3)
                         .filter(|&side| !self.mesh.is_feature(side))
                         .max_by(|&a, &b| {
@@ -305,7 +343,8 @@ impl<'m, 's> Grower<'m, 's> {
         /// Relative error of the estimate, and more, where it is to be trusted.
         const ROUGHLY: f64 = 0.05;
         let surface = self.mesh.surface(3 * triangle);
-        if surface.is_plane() {
+        let region = self.mesh.region(3 * triangle);
+        if surface.is_plane() || region.way == Way::Done {
             return false;
         }
         let corners = self.mesh.corners(triangle);
@@ -331,18 +370,18 @@ impl<'m, 's> Grower<'m, 's> {
         side_is_good(half) && side_is_good(mesh.twin(half))
     }
 
-    /// Splits an edge and brings the new vertex to `target`, which on a face must
-    /// split it well; `on` is the piece that the edge beyond it stands for.
-    fn insert(&mut self, half: u32, target: DVec3, kind: Kind, on: Option<Piece>) {
-        let is_free = kind == Kind::Face || self.splits_well(half, target);
-        let place = if is_free {
-            target
-        } else {
+    /// Splits an edge at a new vertex, which on a face must split it well; `on`
+    /// is the piece that the edge beyond it stands for.
+    fn insert(&mut self, half: u32, vertex: u32, on: Option<Piece>) {
+        let target = self.mesh.at(vertex);
+        let is_face = self.mesh.kinds[vertex as usize] == Kind::Face;
+        let is_free = is_face || self.splits_well(half, target);
+        if !is_free {
             let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
             let share = (target - p).dot(q - p) / p.distance_squared(q);
-            p.lerp(q, share.clamp(0.05, 0.95))
-        };
-        let (vertex, rest) = self.mesh.split(half, place, kind);
+            self.mesh.positions[vertex as usize] = p.lerp(q, share.clamp(0.05, 0.95));
+        }
+        let rest = self.mesh.split(half, vertex);
         if let Some(piece) = on {
             self.add_piece(rest, piece);
         }
@@ -394,7 +433,7 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     /// Tries again to bring vertices to where they ought to be.
-    fn free_stuck(&mut self) {
+    pub(super) fn free_stuck(&mut self) {
         let stuck = std::mem::take(&mut self.stuck);
         for (vertex, target) in stuck {
             if self.push(vertex, target) {
@@ -408,7 +447,7 @@ impl<'m, 's> Grower<'m, 's> {
 }
 
 /// The point of a surface near `start`, by Newton's method along the gradient.
-fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
+pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
     const MOST_STEPS: usize = 8;
     let mut point = start;
     for _ in 0..MOST_STEPS {

@@ -37,6 +37,7 @@ pub(super) enum Kind {
     Gone,
 }
 
+#[derive(Clone)]
 pub(super) struct HalfEdges<'a> {
     pub surfaces: &'a [Surface],
     pub regions: Vec<Region>,
@@ -307,11 +308,9 @@ impl<'a> HalfEdges<'a> {
     ///     \ /            \ | /
     ///      d               d
     /// ```
-    /// `half`, u → w, becomes u → x. Returns x and the half-edge x → w.
-    pub fn split(&mut self, half: u32, position: DVec3, kind: Kind) -> (u32, u32) {
-        let x = self.positions.len() as u32;
-        self.positions.push(position);
-        self.kinds.push(kind);
+    /// `half`, u → w, becomes u → x, where x is in no triangle yet. Returns the
+    /// half-edge x → w.
+    pub fn split(&mut self, half: u32, x: u32) -> u32 {
         let twin = self.twin(half);
         let (n, p) = (next(half), previous(half));
         let (tn, tp) = (next(twin), previous(twin));
@@ -333,10 +332,18 @@ impl<'a> HalfEdges<'a> {
         self.join(n, b + 2);
         self.join(tp, e + 1);
         self.join(b, e);
-        self.leaving.push(b);
+        self.leaving[x as usize] = b;
         self.leaving[w as usize] = b + 1;
         debug_assert!(self.origin(tn) == self.target(twin));
-        (x, b)
+        b
+    }
+
+    /// Adds a vertex that is in no triangle yet.
+    pub fn add_vertex(&mut self, position: DVec3, kind: Kind) -> u32 {
+        self.positions.push(position);
+        self.kinds.push(kind);
+        self.leaving.push(NONE);
+        self.positions.len() as u32 - 1
     }
 
     /// Turns the edge between two triangles: a → b becomes d → c.

@@ -6,10 +6,12 @@
 //! 2. [`curves`] finds for every curve between two faces the points that it
 //!    needs, and [`grow`] puts them in, coarse to fine, and those that the
 //!    faces need; [`flips`] keeps triangles in shape.
-//! 3. [`deviation`] bounds how far the result strays.
+//! 3. Faces that bend both ways are only cut into large triangles that way
+//!    ([`patches`]), which [`tessellate`] then fills with small ones in one step.
+//! 4. [`deviation`] bounds how far the result strays.
 //!
-//! Vertices never leave their surfaces. One thread does all of this, in a
-//! fixed order.
+//! Vertices never leave their surfaces. One thread does all but the
+//! tessellation, in a fixed order.
 
 mod chains;
 mod coarsen;
@@ -18,13 +20,19 @@ pub(crate) mod deviation;
 mod flips;
 mod grow;
 mod half_edges;
+mod patch;
+mod patches;
 mod regions;
 mod shape;
+mod smooth;
+mod tessellate;
 
 use glam::DVec3;
 
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
+use self::regions::Way;
+use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;
 use crate::program::Surface;
@@ -135,15 +143,15 @@ pub(crate) fn to_tolerance(
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
     grower.run(control)?;
-    let unkept = grower.unkept;
-    let mut outcome = measure(&mesh, goal);
+    let (unkept, fine) = (grower.unkept, grower.fine);
+    let mut outcome = measure(&mesh, &fine, goal);
     outcome.unkept.splice(0..0, unkept);
-    hand_back(&mesh, surfaced);
+    hand_back(&mesh, &fine, surfaced);
     Ok(outcome)
 }
 
 /// Bounds how far the mesh strays.
-fn measure(mesh: &HalfEdges<'_>, goal: &Goal) -> Outcome {
+fn measure(mesh: &HalfEdges<'_>, fine: &Fine, goal: &Goal) -> Outcome {
     let mut outcome = Outcome::default();
     let mut note = |bound: f64, place: DVec3| {
         if bound > outcome.deviation {
@@ -160,7 +168,7 @@ fn measure(mesh: &HalfEdges<'_>, goal: &Goal) -> Outcome {
         let half = 3 * triangle;
         let surface = mesh.surface(half);
         let corners = mesh.corners(triangle);
-        if !surface.is_plane() {
+        if !surface.is_plane() && mesh.region(half).way != Way::Done {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             note(deviation::of_triangle(surface, corners), middle);
         }
@@ -174,28 +182,57 @@ fn measure(mesh: &HalfEdges<'_>, goal: &Goal) -> Outcome {
             }
         }
     }
+    for part in &fine.parts {
+        note(part.deviation, part.farthest);
+    }
     outcome
 }
 
-/// The mesh without what is gone.
-fn hand_back(mesh: &HalfEdges<'_>, surfaced: &mut Surfaced) {
+/// The mesh without what is gone, and with what was tessellated.
+fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
     surfaced.triangles.clear();
     surfaced.groups.clear();
     let mut places = vec![NONE; mesh.positions.len()];
-    let mut positions = Vec::with_capacity(mesh.positions.len());
-    for triangle in 0..mesh.triangle_count() {
-        if mesh.is_gone(triangle) {
-            continue;
-        }
-        let corners = mesh.triangle(triangle).map(|vertex| {
-            let place = &mut places[vertex as usize];
+    let mut places_on_sides = vec![NONE; fine.points.len()];
+    let mut positions = Vec::with_capacity(mesh.positions.len() + fine.points.len());
+    for part in &fine.parts {
+        let first_inner = positions.len() as u32;
+        positions.extend_from_slice(&part.inner);
+        let mut place = |vertex: u32| {
+            let (place, position) = if vertex >= ON_SIDE {
+                let point = (vertex - ON_SIDE) as usize;
+                (&mut places_on_sides[point], fine.points[point])
+            } else if vertex >= INNER {
+                return vertex - INNER + first_inner;
+            } else {
+                (&mut places[vertex as usize], mesh.at(vertex))
+            };
             if *place == NONE {
                 *place = positions.len() as u32;
-                positions.push(mesh.at(vertex));
+                positions.push(position);
             }
             *place
-        });
-        surfaced.triangles.push(corners);
+        };
+        let group = mesh.region(3 * part.large).group;
+        let triangles = part.triangles.iter().map(|corners| corners.map(&mut place));
+        surfaced.triangles.extend(triangles);
+        surfaced.groups.resize(surfaced.triangles.len(), group);
+    }
+    let mut place = |vertex: u32| {
+        let place = &mut places[vertex as usize];
+        if *place == NONE {
+            *place = positions.len() as u32;
+            positions.push(mesh.at(vertex));
+        }
+        *place
+    };
+    for triangle in 0..mesh.triangle_count() {
+        if mesh.is_gone(triangle) || mesh.region(3 * triangle).way == Way::Done {
+            continue;
+        }
+        surfaced
+            .triangles
+            .push(mesh.triangle(triangle).map(&mut place));
         surfaced.groups.push(mesh.region(3 * triangle).group);
     }
     surfaced.positions = positions;

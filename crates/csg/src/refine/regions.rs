@@ -28,6 +28,18 @@ pub(super) struct Region {
     pub bend: Bend,
     /// 1 where the surface's gradient points out of the solid, else -1.
     pub outward: f64,
+    pub way: Way,
+}
+
+/// How the triangles of a face come about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// By cutting edges.
+    OneByOne,
+    /// Large ones by cutting edges, the small ones by tessellation.
+    AtOnce,
+    /// They were tessellated: the large ones only keep the mesh closed.
+    Done,
 }
 
 impl Bend {
@@ -130,6 +142,7 @@ pub(super) fn regions(
             group,
             bend: Bend::of(surface),
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
+            way: Way::OneByOne,
         });
     }
     (regions, region_of)

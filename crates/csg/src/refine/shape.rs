@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::regions::{Bend, Region};
+use super::regions::{Bend, Region, Way};
 use crate::program::Surface;
 
 /// A triangle whose height is less than this share of its longest side has no
@@ -40,6 +40,9 @@ pub(super) fn faces_out_in_the_middle(
 ) -> bool {
     /// Far from folded.
     const LEAST_COSINE: f64 = 0.2;
+    if region.way == Way::Done {
+        return true;
+    }
     let Some(normal) = normal(corners) else {
         return false;
     };

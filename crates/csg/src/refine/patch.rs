@@ -1,0 +1,249 @@
+//! One large triangle filled with small ones: a regular pattern inside, strips
+//! along the sides.
+
+use glam::DVec3;
+
+use super::deviation::Corner;
+use super::grow::project;
+use super::regions::{Region, metric};
+use super::tessellate::INNER;
+use crate::program::Surface;
+
+/// A large triangle being filled; scratch memory.
+#[derive(Default)]
+pub(super) struct Patch {
+    /// What the vertices are called elsewhere.
+    pub names: Vec<u32>,
+    /// First the rim, counter-clockwise, then the inner vertices.
+    pub positions: Vec<DVec3>,
+    /// Where on the rim the sides begin; the last is the rim's length.
+    pub starts: [u32; 4],
+    pub triangles: Vec<[u32; 3]>,
+    pub corners: Vec<Corner>,
+    outer: Vec<u32>,
+    inner: Vec<u32>,
+}
+
+impl Patch {
+    pub fn clear(&mut self) {
+        self.names.clear();
+        self.positions.clear();
+        self.triangles.clear();
+        self.corners.clear();
+    }
+
+    pub fn add(&mut self, name: u32, position: DVec3) {
+        self.names.push(name);
+        self.positions.push(position);
+    }
+
+    fn at(&self, vertex: u32) -> DVec3 {
+        self.positions[vertex as usize]
+    }
+
+    /// The number of chords on a side.
+    fn chords(&self, side: usize) -> u32 {
+        self.starts[side + 1] - self.starts[side]
+    }
+
+    /// The i-th vertex of a side from its start.
+    fn on_side(&self, side: usize, i: u32) -> u32 {
+        let vertex = self.starts[side] + i;
+        if vertex == self.starts[3] { 0 } else { vertex }
+    }
+
+    pub fn fill(&mut self, surface: &Surface, region: &Region, rows: u32) {
+        let length = |a: DVec3, b: DVec3| metric(surface, region.bend, b - a);
+        if rows < 3 {
+            self.fill_polygon(length);
+            return;
+        }
+        self.place_inner(surface, rows);
+        // Inside: a regular pattern of so many rows.
+        let k = rows - 3;
+        let base = self.starts[3];
+        // The i-th vertex of the j-th row, counted from the first side.
+        let inner = |i: u32, j: u32| base + j * (k + 1) - (j * j - j) / 2 + i;
+        for j in 0..k {
+            for i in 0..k - j {
+                let (a, b, c) = (inner(i, j), inner(i + 1, j), inner(i, j + 1));
+                self.triangles.push([a, b, c]);
+                if i + j + 1 < k {
+                    self.triangles.push([b, inner(i + 1, j + 1), c]);
+                }
+            }
+        }
+        // At a corner: across it, or from it to the pattern.
+        let insides = [inner(0, 0), inner(k, 0), inner(0, k)];
+        let mut cut = [false; 3];
+        for ((corner, cut), inside) in cut.iter_mut().enumerate().zip(insides) {
+            let previous = (corner + 2) % 3;
+            let before = self.chords(previous);
+            let vertex = self.on_side(corner, 0);
+            let on = self.on_side(corner, 1);
+            let back = self.on_side(previous, before - 1);
+            *cut = before > 1
+                && self.chords(corner) > 1
+                && length(self.at(on), self.at(back)) < length(self.at(vertex), self.at(inside));
+            if *cut {
+                self.triangles.push([back, vertex, on]);
+                self.triangles.push([back, on, inside]);
+            }
+        }
+        for side in 0..3 {
+            let (from, to) = (
+                u32::from(cut[side]),
+                self.chords(side) - u32::from(cut[(side + 1) % 3]),
+            );
+            self.outer.clear();
+            for i in from..=to {
+                self.outer.push(self.on_side(side, i));
+            }
+            self.inner.clear();
+            self.inner.extend((0..=k).map(|i| match side {
+                0 => inner(i, 0),
+                1 => inner(k - i, i),
+                _ => inner(0, k - i),
+            }));
+            zip(
+                &self.outer,
+                &self.inner,
+                &self.positions,
+                &mut self.triangles,
+                length,
+            );
+        }
+    }
+
+    /// Puts the inner vertices where the rim says, and then on the surface.
+    fn place_inner(&mut self, surface: &Surface, rows: u32) {
+        let [a, b, c] = [0, 1, 2].map(|side| self.at(self.starts[side]));
+        let n = f64::from(rows);
+        let mut name = INNER;
+        for j in 1..rows - 1 {
+            for i in 1..rows - j {
+                let (v, w) = (f64::from(i) / n, f64::from(j) / n);
+                let u = 1.0 - v - w;
+                let flat = u * a + v * b + w * c;
+                // By how much the sides are off their chords (Coons).
+                let off = self.off_chord(0, v / (u + v)) * (1.0 - w) * (1.0 - w)
+                    + self.off_chord(1, w / (v + w)) * (1.0 - u) * (1.0 - u)
+                    + self.off_chord(2, u / (w + u)) * (1.0 - v) * (1.0 - v);
+                let start = flat + off;
+                self.add(name, project(surface, start).unwrap_or(start));
+                name += 1;
+            }
+        }
+    }
+
+    /// How far a side is off its chord at a share of it.
+    fn off_chord(&self, side: usize, share: f64) -> DVec3 {
+        let chords = self.chords(side);
+        let along = share * f64::from(chords);
+        let i = (along as u32).min(chords - 1);
+        let (p, q) = (
+            self.at(self.on_side(side, i)),
+            self.at(self.on_side(side, i + 1)),
+        );
+        let (from, to) = (
+            self.at(self.on_side(side, 0)),
+            self.at(self.on_side(side, chords)),
+        );
+        p.lerp(q, along - f64::from(i)) - from.lerp(to, share)
+    }
+
+    /// Fills the rim without vertices inside.
+    fn fill_polygon(&mut self, length: impl Fn(DVec3, DVec3) -> f64 + Copy) {
+        let single = (0..3).find(|&side| self.chords(side) == 1);
+        if let Some(single) = single {
+            // From the corner across up both sides.
+            let (down, up) = ((single + 1) % 3, (single + 2) % 3);
+            let apex = self.on_side(up, 0);
+            self.outer.clear();
+            for i in 1..=self.chords(up) {
+                self.outer.push(self.on_side(up, i));
+            }
+            self.inner.clear();
+            for i in (0..self.chords(down)).rev() {
+                self.inner.push(self.on_side(down, i));
+            }
+            self.triangles.push([apex, self.outer[0], self.inner[0]]);
+            zip(
+                &self.outer,
+                &self.inner,
+                &self.positions,
+                &mut self.triangles,
+                length,
+            );
+            return;
+        }
+        // From the middle of the longest side to the corner across.
+        let longest = (0..3).max_by_key(|&side| self.chords(side)).unwrap_or(0);
+        let (after, before) = ((longest + 1) % 3, (longest + 2) % 3);
+        let middle = self.chords(longest) / 2;
+        // Up from the ends of the longest side: between it and the sides.
+        self.outer.clear();
+        for i in 1..=middle {
+            self.outer.push(self.on_side(longest, i));
+        }
+        self.inner.clear();
+        for i in (0..self.chords(before)).rev() {
+            self.inner.push(self.on_side(before, i));
+        }
+        let corner = self.on_side(longest, 0);
+        self.triangles.push([corner, self.outer[0], self.inner[0]]);
+        zip(
+            &self.outer,
+            &self.inner,
+            &self.positions,
+            &mut self.triangles,
+            length,
+        );
+        self.outer.clear();
+        for i in 1..=self.chords(after) {
+            self.outer.push(self.on_side(after, i));
+        }
+        self.inner.clear();
+        for i in (middle..self.chords(longest)).rev() {
+            self.inner.push(self.on_side(longest, i));
+        }
+        let corner = self.on_side(after, 0);
+        self.triangles.push([corner, self.outer[0], self.inner[0]]);
+        zip(
+            &self.outer,
+            &self.inner,
+            &self.positions,
+            &mut self.triangles,
+            length,
+        );
+    }
+}
+
+/// Fills the strip between two rows of vertices, the second to the left of the
+/// first: of the two next edges across always the shorter one.
+fn zip(
+    right: &[u32],
+    left: &[u32],
+    positions: &[DVec3],
+    triangles: &mut Vec<[u32; 3]>,
+    length: impl Fn(DVec3, DVec3) -> f64,
+) {
+    let at = |vertex: u32| positions[vertex as usize];
+    let (mut i, mut j) = (0, 0);
+    while i + 1 < right.len() || j + 1 < left.len() {
+        let goes_right = if i + 1 == right.len() {
+            false
+        } else if j + 1 == left.len() {
+            true
+        } else {
+            length(at(right[i + 1]), at(left[j])) <= length(at(right[i]), at(left[j + 1]))
+        };
+        if goes_right {
+            triangles.push([right[i], right[i + 1], left[j]]);
+            i += 1;
+        } else {
+            triangles.push([right[i], left[j + 1], left[j]]);
+            j += 1;
+        }
+    }
+}

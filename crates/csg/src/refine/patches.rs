@@ -1,0 +1,197 @@
+//! Faces that bend both ways and come to many triangles: they are cut into large
+//! ones of like size, nearly flat, which are then tessellated in one step.
+
+use super::grow::{Grower, Piece};
+use super::half_edges::{HalfEdges, NONE};
+use super::regions::{Bend, Way};
+use super::smooth::smooth;
+use super::tessellate::{Fine, Tessellator, rows_of};
+use crate::control::Control;
+use crate::error::Error;
+
+/// An edge is tessellated into no more chords than about this.
+const MOST_CHORDS: f64 = 12.0;
+
+/// A surface turns by no more than about this along an edge that is
+/// tessellated.
+const MOST_TURN: f64 = 0.5;
+
+/// Into how many parts an edge that comes to so many chords, along which its
+/// surface turns so far, should be cut before it is tessellated.
+fn parts_of(chords: f64, turn: f64) -> f64 {
+    let parts = (chords / MOST_CHORDS).max(turn / MOST_TURN);
+    if chords < FEWEST_CHORDS * parts {
+        chords
+    } else {
+        parts
+    }
+}
+
+/// An edge that is tessellated into fewer chords may as well be cut up one by
+/// one.
+const FEWEST_CHORDS: f64 = 3.0;
+
+impl Grower<'_, '_> {
+    /// Tessellates the faces that bend both ways, once their triangles are all
+    /// of like size and small enough to be nearly flat. Those where that folds
+    /// a triangle are left to be cut one by one.
+    pub(super) fn finish_curved_faces(&mut self, control: &Control) -> Result<(), Error> {
+        self.choose();
+        while self.mesh.regions.iter().any(|r| r.way == Way::AtOnce) {
+            let before = (self.mesh.clone(), self.pieces.clone(), self.stuck.clone());
+            let folded = self.try_at_once(control)?;
+            if folded.is_empty() {
+                for region in &mut self.mesh.regions {
+                    if region.way == Way::AtOnce {
+                        region.way = Way::Done;
+                    }
+                }
+                break;
+            }
+            (*self.mesh, self.pieces, self.stuck) = before;
+            self.fine = Fine::default();
+            for region in &mut self.mesh.regions {
+                if folded.contains(&region.surface) {
+                    region.way = Way::OneByOne;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Tessellates the chosen faces; returns the surfaces of those where that
+    /// folds a triangle.
+    fn try_at_once(&mut self, control: &Control) -> Result<Vec<u32>, Error> {
+        const MOST_TRIES: usize = 2;
+        self.halve_all(control, Self::parts_of_piece, Self::parts_of_edge)?;
+        smooth(self.mesh, &mut self.stack);
+        self.cut_triangles(control, Self::is_hardly_far)?;
+        let mut tries = 0;
+        loop {
+            control.check()?;
+            self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces);
+            tries += 1;
+            let parts = self.fine.parts.iter().filter(|part| part.is_folded);
+            let folded: Vec<u32> = parts.map(|part| part.large).collect();
+            if !folded.is_empty() && tries < MOST_TRIES {
+                for triangle in folded {
+                    self.cut_folded(triangle);
+                }
+                self.flip();
+                self.free_stuck();
+                continue;
+            }
+            let around = |&(vertex, _): &(u32, _)| self.mesh.around(vertex);
+            let stuck = self.stuck.iter().flat_map(around);
+            let stuck = stuck.filter(|&half| is_at_once(self.mesh, half));
+            let folded = folded.into_iter().map(|triangle| 3 * triangle);
+            let surface = |half| self.mesh.surface_index(half);
+            return Ok(folded.chain(stuck).map(surface).collect());
+        }
+    }
+
+    /// Chooses the faces that are to be tessellated: those of surfaces that
+    /// turn little along a chord.
+    fn choose(&mut self) {
+        let bends_twice = |bend| matches!(bend, Bend::Double | Bend::Saddle);
+        // For each surface the chords of all edges, and how far it turns.
+        let mut sums = vec![(0.0, 0.0); self.mesh.surfaces.len()];
+        for half in 0..self.mesh.halves.len() as u32 {
+            if !self.mesh.is_gone(half / 3) && bends_twice(self.mesh.region(half).bend) {
+                let (chords, turn) = (self.chords_of(half, false), self.turn(half));
+                let sum = &mut sums[self.mesh.surface_index(half) as usize];
+                *sum = (sum.0 + chords, sum.1 + turn);
+            }
+        }
+        for region in &mut self.mesh.regions {
+            let (chords, turn) = sums[region.surface as usize];
+            if bends_twice(region.bend) && chords * MOST_TURN > FEWEST_CHORDS * turn {
+                region.way = Way::AtOnce;
+            }
+        }
+    }
+
+    /// Cuts up a triangle that cannot be filled without a fold.
+    fn cut_folded(&mut self, triangle: u32) {
+        for half in 3 * triangle..3 * triangle + 3 {
+            let piece = self.mesh.halves[half as usize].piece;
+            if piece != NONE && self.pieces[piece as usize].count > 0 {
+                self.halve_piece(piece as usize);
+                return;
+            }
+        }
+        let length = |half: u32| {
+            let ends = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
+            ends[0].distance_squared(ends[1])
+        };
+        let sides = 3 * triangle..3 * triangle + 3;
+        let longest = sides.max_by(|&a, &b| length(a).total_cmp(&length(b)));
+        if let Some(half) = longest
+            && self.mesh.surface_index(half) == self.mesh.surface_index(self.mesh.twin(half))
+        {
+            self.cut(half, 2.0);
+        }
+    }
+
+    /// Into how many edges one inside a face that is to be tessellated should
+    /// be cut before; 0 for others.
+    fn parts_of_edge(&self, half: u32) -> f64 {
+        if !is_at_once(self.mesh, half) {
+            return 0.0;
+        }
+        parts_of(self.chords_of(half, false), self.turn(half))
+    }
+
+    /// The same for a piece of a curve along such a face.
+    fn parts_of_piece(&self, index: usize) -> f64 {
+        let half = self.mesh.piece_halves[index];
+        let chords = f64::from(self.pieces[index].count + 1);
+        let sides = [half, self.mesh.twin(half)];
+        let open = sides
+            .into_iter()
+            .filter(|&side| is_at_once(self.mesh, side));
+        let turn = open.map(|side| self.turn(side)).reduce(f64::max);
+        turn.map_or(0.0, |turn| {
+            parts_of(chords, turn.max(self.turn_of_piece(index)))
+        })
+    }
+
+    /// How far the curve turns along a piece.
+    fn turn_of_piece(&self, index: usize) -> f64 {
+        let Piece { first, count } = self.pieces[index];
+        let half = self.mesh.piece_halves[index];
+        let ends = [self.mesh.origin(half), self.mesh.target(half)];
+        let direction =
+            |from: u32, to: u32| (self.mesh.at(to) - self.mesh.at(from)).normalize_or_zero();
+        if count == 0 {
+            return 0.0;
+        }
+        let last = first + count - 1;
+        direction(ends[0], first).distance(direction(last, ends[1]))
+    }
+
+    /// How far the surface of a half-edge turns along it, about in radians.
+    fn turn(&self, half: u32) -> f64 {
+        let surface = self.mesh.surface(half);
+        let ends = [self.mesh.origin(half), self.mesh.target(half)];
+        let [a, b] = ends.map(|v| surface.gradient(self.mesh.at(v)).normalize_or_zero());
+        a.distance(b)
+    }
+
+    /// Whether a triangle is to be tessellated and needs more rows than one, but
+    /// not nearly two.
+    fn is_hardly_far(&self, triangle: u32) -> bool {
+        const NOT_NEARLY_TWO: f64 = 1.6;
+        let sides = 3 * triangle..3 * triangle + 3;
+        is_at_once(self.mesh, 3 * triangle)
+            && sides
+                .into_iter()
+                .all(|side| self.mesh.halves[side as usize].piece == NONE)
+            && (1.0..NOT_NEARLY_TWO).contains(&rows_of(self.mesh, triangle, self.goal).next_down())
+    }
+}
+
+/// Whether the face of a half-edge is to be tessellated.
+fn is_at_once(mesh: &HalfEdges<'_>, half: u32) -> bool {
+    mesh.region(half).way == Way::AtOnce
+}

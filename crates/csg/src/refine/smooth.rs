@@ -1,0 +1,49 @@
+//! Evens out triangles before they are tessellated, so that as few small ones
+//! as possible do.
+
+use super::flips::flip_all;
+use super::grow::project;
+use super::half_edges::{HalfEdges, Kind, next};
+use super::regions::Way;
+use super::shape::faces_out_in_the_middle;
+
+/// Moves the vertices inside the faces that are to be tessellated amid their
+/// neighbours, and flips edges accordingly.
+pub(super) fn smooth(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
+    const SWEEPS: usize = 3;
+    let is_wanted = |vertex: &u32| {
+        mesh.kinds[*vertex as usize] == Kind::Face
+            && mesh.region(mesh.leaving[*vertex as usize]).way == Way::AtOnce
+    };
+    let vertices: Vec<u32> = (0..mesh.positions.len() as u32).filter(is_wanted).collect();
+    for _ in 0..SWEEPS {
+        for &vertex in &vertices {
+            centre(mesh, vertex);
+        }
+        for &vertex in &vertices {
+            stack.extend(mesh.around(vertex).flat_map(|spoke| [spoke, next(spoke)]));
+        }
+        flip_all(mesh, stack);
+    }
+}
+
+/// Moves a vertex amid its neighbours, unless that folds a triangle.
+fn centre(mesh: &mut HalfEdges<'_>, vertex: u32) {
+    let surface = mesh.surface(mesh.leaving[vertex as usize]);
+    let (mut sum, mut count) = (glam::DVec3::ZERO, 0.0);
+    for spoke in mesh.around(vertex) {
+        sum += mesh.at(mesh.target(spoke));
+        count += 1.0;
+    }
+    let Some(place) = project(surface, sum / count) else {
+        return;
+    };
+    let fits = mesh.around(vertex).all(|spoke| {
+        let rim = next(spoke);
+        let corners = [place, mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
+        faces_out_in_the_middle(surface, mesh.region(spoke), corners)
+    });
+    if fits {
+        mesh.positions[vertex as usize] = place;
+    }
+}

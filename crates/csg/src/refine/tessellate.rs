@@ -1,0 +1,289 @@
+//! Fills the triangles of doubly curved faces with as many small ones as the
+//! tolerance asks for, in one step.
+//!
+//! Every triangle has a number n of rows, by how far it strays: n² small
+//! triangles stray an n²-th as far. Every edge is cut once, for both its sides:
+//! a curve into its chords, any other by what its two triangles need. Inside,
+//! the vertices of the regular pattern that are not on the rim are put on the
+//! surface, and the strips between them and the rim are filled like a zip, so
+//! that any numbers fit together, as in the tessellation of graphics hardware.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::deviation::{Corner, Judge};
+use super::grow::{Piece, project};
+use super::half_edges::{HalfEdges, NONE};
+use super::patch::Patch;
+use super::regions::Way;
+use super::{Goal, deviation};
+
+/// Marks vertices on the sides of large triangles: the rest is their number in
+/// [`Fine::points`].
+pub(super) const ON_SIDE: u32 = 1 << 31;
+
+/// Marks vertices inside of large triangles: the rest is their number in
+/// [`Part::inner`].
+pub(super) const INNER: u32 = 1 << 30;
+
+/// The small triangles of faces.
+#[derive(Default)]
+pub(super) struct Fine {
+    /// Those on sides, not all of which are in use.
+    pub points: Vec<DVec3>,
+    pub parts: Vec<Part>,
+}
+
+/// A large triangle and its small ones.
+#[derive(Default)]
+pub(super) struct Part {
+    /// Its number in the half-edge mesh.
+    pub large: u32,
+    pub inner: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// The largest bound of a small triangle's distance; infinite if one is
+    /// folded.
+    pub deviation: f64,
+    pub farthest: DVec3,
+    pub is_folded: bool,
+    /// Whether it is not what it should be by now.
+    is_stale: bool,
+}
+
+/// The points on one side of a large triangle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    first: u32,
+    count: u32,
+    /// Whether they are numbered against the half-edge.
+    is_backward: bool,
+}
+
+/// What is known of a triangle of the half-edge mesh.
+#[derive(Clone, Copy, Debug, Default)]
+struct Large {
+    /// How many rows it needs, as a real number; 0 if it is left alone.
+    rows: f64,
+    /// Whether a small triangle of it was too far off.
+    strays: bool,
+}
+
+pub(super) struct Tessellator<'m, 's> {
+    mesh: &'m HalfEdges<'s>,
+    goal: &'m Goal,
+    /// For each triangle of the mesh.
+    large: Vec<Large>,
+    /// For each half-edge its points.
+    sides: Vec<Side>,
+    fine: Fine,
+}
+
+impl<'m, 's> Tessellator<'m, 's> {
+    /// For the triangles of the regions that are to be tessellated.
+    pub fn new(mesh: &'m HalfEdges<'s>, goal: &'m Goal) -> Self {
+        let count = mesh.triangle_count();
+        let is_wanted = |&t: &u32| !mesh.is_gone(t) && mesh.region(3 * t).way == Way::AtOnce;
+        let wanted: Vec<u32> = (0..count).filter(is_wanted).collect();
+        let mut large = vec![Large::default(); count as usize];
+        for &triangle in &wanted {
+            large[triangle as usize].rows = rows_of(mesh, triangle, goal);
+        }
+        let part = |large| Part {
+            large,
+            is_stale: true,
+            ..Part::default()
+        };
+        let parts = wanted.into_iter().map(part).collect();
+        Self {
+            mesh,
+            goal,
+            large,
+            sides: vec![Side::default(); mesh.halves.len()],
+            fine: Fine {
+                points: Vec::new(),
+                parts,
+            },
+        }
+    }
+
+    /// Fills all triangles; where the bound fails, again with more rows.
+    pub fn run(mut self, pieces: &[Piece]) -> Fine {
+        const MOST_TRIES: usize = 12;
+        for tries in 1.. {
+            self.cut_sides(pieces);
+            self.fill();
+            let parts = &mut self.fine.parts;
+            let strays = |part: &Part| part.deviation > self.goal.tolerance;
+            let is_folded = parts.iter().any(|part| part.is_folded);
+            if is_folded || tries == MOST_TRIES || !parts.iter().any(strays) {
+                break;
+            }
+            for part in parts.iter_mut().filter(|part| strays(part)) {
+                let excess = (part.deviation / self.goal.tolerance).min(4.0);
+                let Large { rows, strays } = &mut self.large[part.large as usize];
+                *rows = (*rows * excess.sqrt()).max(f64::from(whole(*rows)) + 0.01);
+                *strays = true;
+                part.is_stale = true;
+            }
+        }
+        self.fine
+    }
+
+    /// Finds the points on all sides that are new or need more than they have.
+    fn cut_sides(&mut self, pieces: &[Piece]) {
+        let mesh = self.mesh;
+        for index in 0..self.fine.parts.len() {
+            let triangle = self.fine.parts[index].large;
+            for half in 3 * triangle..3 * triangle + 3 {
+                let twin = mesh.twin(half);
+                let own = self.large[triangle as usize];
+                let beyond = self.large[twin as usize / 3];
+                let piece = mesh.halves[half as usize].piece;
+                let side = if beyond.rows > 0.0 && half > twin {
+                    let side = self.sides[twin as usize];
+                    Side {
+                        is_backward: !side.is_backward,
+                        ..side
+                    }
+                } else if piece != NONE {
+                    let Piece { first, count } = pieces[piece as usize];
+                    Side {
+                        first,
+                        count,
+                        is_backward: mesh.piece_halves[piece as usize] != half,
+                    }
+                } else if mesh.surface_index(half) != mesh.surface_index(twin) {
+                    Side::default()
+                } else {
+                    let at_least = |large: Large| if large.strays { large.rows } else { 0.0 };
+                    let mean = 0.5 * (own.rows + beyond.rows);
+                    let chords = whole(mean.max(at_least(own)).max(at_least(beyond)));
+                    let side = self.sides[half as usize];
+                    if side.count == chords - 1 {
+                        side
+                    } else {
+                        self.cut_side(half, chords)
+                    }
+                };
+                let known = &mut self.sides[half as usize];
+                if (known.first, known.count) != (side.first, side.count) {
+                    *known = side;
+                    self.fine.parts[index].is_stale = true;
+                }
+            }
+        }
+    }
+
+    /// Cuts a side into chords that are equal, or nearly.
+    fn cut_side(&mut self, half: u32, chords: u32) -> Side {
+        let mesh = self.mesh;
+        let surface = mesh.surface(half);
+        let (p, q) = (mesh.at(mesh.origin(half)), mesh.at(mesh.target(half)));
+        let first = ON_SIDE + self.fine.points.len() as u32;
+        let normals = [p, q].map(|at| surface.gradient(at).normalize_or_zero());
+        let turn = normals[0].distance_squared(normals[1]);
+        for i in 1..chords {
+            // Shares of a chord whose images are equal shares of an arc.
+            let x = f64::from(i) / f64::from(chords) - 0.5;
+            let share = 0.5 + x * (1.0 + turn * x * x / 3.0) / (1.0 + turn / 12.0);
+            let start = p.lerp(q, share);
+            let point = project(surface, start).unwrap_or(start);
+            self.fine.points.push(point);
+        }
+        Side {
+            first,
+            count: chords - 1,
+            is_backward: false,
+        }
+    }
+
+    /// Fills all triangles that are not as they should be.
+    fn fill(&mut self) {
+        /// Triangles worth a task of their own.
+        const FEWEST: usize = 8;
+        let mut parts = std::mem::take(&mut self.fine.parts);
+        let stale = parts.par_iter_mut().with_min_len(FEWEST);
+        stale.for_each_init(Patch::default, |patch, part| {
+            if part.is_stale {
+                self.fill_one(patch, part);
+            }
+        });
+        self.fine.parts = parts;
+    }
+
+    fn fill_one(&self, patch: &mut Patch, part: &mut Part) {
+        let triangle = part.large;
+        let mesh = self.mesh;
+        let half = 3 * triangle;
+        let (surface, region) = (mesh.surface(half), mesh.region(half));
+        patch.clear();
+        for side in half..half + 3 {
+            let corner = mesh.origin(side);
+            patch.starts[(side - half) as usize] = patch.names.len() as u32;
+            patch.add(corner, mesh.at(corner));
+            let Side {
+                first,
+                count,
+                is_backward,
+            } = self.sides[side as usize];
+            for i in 0..count {
+                let name = first + if is_backward { count - 1 - i } else { i };
+                let place = match name.checked_sub(ON_SIDE) {
+                    Some(point) => self.fine.points[point as usize],
+                    None => mesh.at(name),
+                };
+                patch.add(name, place);
+            }
+        }
+        patch.starts[3] = patch.names.len() as u32;
+        let rows = whole(self.large[triangle as usize].rows);
+        patch.fill(surface, region, rows);
+        part.inner.clear();
+        part.inner
+            .extend_from_slice(&patch.positions[patch.starts[3] as usize..]);
+        self.judge(patch, part);
+        part.is_stale = false;
+    }
+
+    /// Bounds how far the small triangles stray, and hands them over.
+    fn judge(&self, patch: &mut Patch, part: &mut Part) {
+        let half = 3 * part.large;
+        let (surface, region) = (self.mesh.surface(half), self.mesh.region(half));
+        let corner = |&at: &DVec3| Corner::new(surface, at);
+        patch.corners.extend(patch.positions.iter().map(corner));
+        let judge = Judge::new(surface, region.outward, self.goal.tolerance);
+        (part.deviation, part.is_folded) = (0.0, false);
+        part.triangles.clear();
+        for small in &patch.triangles {
+            let corners = small.map(|c| patch.corners[c as usize]);
+            let bound = judge.judge(&corners);
+            part.is_folded |= bound.is_none();
+            let bound = bound.unwrap_or(f64::INFINITY);
+            if bound > part.deviation {
+                (part.deviation, part.farthest) = (bound, corners[0].at);
+            }
+            part.triangles.push(small.map(|c| patch.names[c as usize]));
+        }
+    }
+}
+
+/// How many rows a triangle needs, as a real number.
+pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
+    let surface = mesh.surface(3 * triangle);
+    let corners = mesh.corners(triangle);
+    let (estimate, _) = deviation::estimate(surface, corners);
+    let for_distance = (estimate / goal.aim()).sqrt();
+    let for_angle = goal.angle.map_or(0.0, |angle| {
+        let [a, b, c] = corners.map(|corner| surface.gradient(corner));
+        let turn = a
+            .angle_between(b)
+            .max(b.angle_between(c))
+            .max(c.angle_between(a));
+        turn / angle
+    });
+    (1.02 * for_distance).max(for_angle).max(1.0)
+}
+
+fn whole(rows: f64) -> u32 {
+    (rows - 1e-3).ceil().max(1.0) as u32
+}
