@@ -1,8 +1,9 @@
-//! Measurements of the mesher, side by side with its peers: one subcommand
-//! for each question asked.
+//! Measurements of the mesher, side by side with its peers, and of the
+//! command: one subcommand for each question asked.
 
 mod cells;
 mod claims;
+mod cold;
 #[path = "../../../tests/meshing/defects.rs"]
 mod defects;
 mod deviation;
@@ -22,7 +23,7 @@ mod uniform;
 
 use clap::Parser;
 
-/// Measures the mesher beside its peers, in one process.
+/// Measures the mesher beside its peers, and the command.
 #[derive(Parser)]
 #[command(name = "bench")]
 enum Question {
@@ -38,6 +39,8 @@ enum Question {
     Claims(claims::Options),
     /// How much memory does one mesh take?
     Memory(memory::Options),
+    /// How long from a file to a picture, by a process just started?
+    Cold(cold::Options),
 }
 
 fn main() {
@@ -48,5 +51,6 @@ fn main() {
         Question::Robust(options) => robust::run(&options),
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
+        Question::Cold(options) => cold::run(&options),
     }
 }

@@ -31,8 +31,9 @@ pub(crate) enum Subject {
 }
 
 impl Input {
-    /// Reads the file by its extension; warnings go to standard error.
-    pub(crate) fn read(&self) -> Result<Subject, Failure> {
+    /// Reads the file by its extension; warnings go to standard error. With
+    /// `faces_only`, a mesh need not be connected ([`io::read_mesh_to_draw`]).
+    pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
         let options = ReadOptions::default().faceted(self.faceted);
         let scene = if self.path.as_os_str() == "-" {
             let mut bytes = Vec::new();
@@ -44,8 +45,12 @@ impl Input {
         } else {
             let name = self.path.display().to_string();
             if MeshFormat::from_path(&self.path).is_ok() {
-                let mesh =
-                    io::read_mesh(&self.path).map_err(|error| Failure::input(&name, error))?;
+                let mesh = if faces_only {
+                    io::read_mesh_to_draw(&self.path)
+                } else {
+                    io::read_mesh(&self.path)
+                };
+                let mesh = mesh.map_err(|error| Failure::input(&name, error))?;
                 return Ok(Subject::Mesh(mesh));
             }
             let extension = self.path.extension().and_then(|e| e.to_str());

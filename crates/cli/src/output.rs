@@ -67,11 +67,25 @@ pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Resu
 
 /// Writes bytes to a file, whole or not at all, or to standard output.
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_file(path, bytes, |file| file)
+}
+
+/// [`write_bytes`] for a picture, which is not worth waiting for the disk.
+pub(crate) fn write_picture(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_file(path, bytes, AtomicFile::without_flush)
+}
+
+fn write_file(
+    path: &Path,
+    bytes: &[u8],
+    kind: impl FnOnce(AtomicFile) -> AtomicFile,
+) -> Result<(), Failure> {
     if is_stream(path) {
         return print(bytes);
     }
     let name = path.display().to_string();
-    let mut file = AtomicFile::create(path).map_err(|error| Failure::output(&name, error))?;
+    let file = AtomicFile::create(path).map_err(|error| Failure::output(&name, error))?;
+    let mut file = kind(file);
     file.write_all(bytes)
         .map_err(|error| Failure::output(&name, error))?;
     file.commit().map_err(|error| Failure::output(&name, error))

@@ -69,9 +69,11 @@ struct NoArguments {}
 #[must_use]
 pub fn main() -> ExitCode {
     let result = match FileCommandLine::parse().command {
-        FileCommand::Mesh { input, options } => mesh::run(|| input.read(), &options),
-        FileCommand::Render { input, options } => render::run(|| input.read(), &options),
-        FileCommand::Measure { input, options } => measure::run(|| input.read(), &options),
+        FileCommand::Mesh { input, options } => mesh::run(|| input.read(false), &options),
+        FileCommand::Render { input, options } => {
+            render::run(|| input.read(options.faces_only()), &options)
+        }
+        FileCommand::Measure { input, options } => measure::run(|| input.read(false), &options),
     };
     exit(result)
 }

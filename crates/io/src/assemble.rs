@@ -121,7 +121,8 @@ impl Assembler {
         self.has_normals = with_normals;
         let mesh = &mut self.mesh;
         mesh.triangles = vec![[0; 3]; first];
-        mesh.corner_normals = vec![[Vec3::ZERO; 3]; if with_normals { first } else { 0 }];
+        // (Zeros from the system, which the threads touch first.)
+        mesh.corner_normals = bytemuck::zeroed_vec(if with_normals { first } else { 0 });
         let normals = lengths.iter().map(|&n| if with_normals { n } else { 0 });
         split(&mut mesh.triangles, lengths.iter().copied())
             .into_par_iter()

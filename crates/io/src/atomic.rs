@@ -20,6 +20,8 @@ pub struct AtomicFile {
     /// The place, links followed.
     path: PathBuf,
     target: Target,
+    /// Whether the data is flushed to the disk first.
+    flush: bool,
 }
 
 #[derive(Debug)]
@@ -49,7 +51,21 @@ impl AtomicFile {
         };
         // Replace what a symbolic link names, not the link.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        Ok(Self { path, target })
+        Ok(Self {
+            path,
+            target,
+            flush: true,
+        })
+    }
+
+    /// Leaves it to the system when the data reaches the disk: other programs
+    /// still find the old file or the new one, whole, but after a power
+    /// failure the new one may be empty. For what is quickly made again, such
+    /// as pictures; waiting for the disk can take longer than drawing them.
+    #[must_use]
+    pub fn without_flush(mut self) -> Self {
+        self.flush = false;
+        self
     }
 
     /// Puts the file in its place.
@@ -68,14 +84,17 @@ impl AtomicFile {
     /// # Errors
     /// As [`AtomicFile::commit`].
     pub fn commit_all(files: impl IntoIterator<Item = Self>) -> Result<(), Error> {
-        let mut ready = Vec::new();
+        let (mut ready, mut flushed) = (Vec::new(), Vec::new());
         for file in files {
             match file.target {
                 // Pipes and devices cannot always be flushed to a disk.
                 Target::Direct(_) => {}
                 Target::Beside(temporary) => {
-                    let synced = temporary.as_file().sync_all();
-                    synced.map_err(Error::file("write", &file.path))?;
+                    if file.flush {
+                        let synced = temporary.as_file().sync_all();
+                        synced.map_err(Error::file("write", &file.path))?;
+                        flushed.push(file.path.clone());
+                    }
                     ready.push((file.path, temporary.into_temp_path()));
                 }
             }
@@ -92,8 +111,8 @@ impl AtomicFile {
                 }
             }
         }
-        for replaced in &done {
-            sync_folder_of(&replaced.path);
+        for path in &flushed {
+            sync_folder_of(path);
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod atomic;
+mod contents;
 mod error;
 mod format;
 pub mod gltf;
@@ -17,4 +18,4 @@ mod weld;
 
 pub use atomic::AtomicFile;
 pub use error::Error;
-pub use format::{MeshFormat, WriteOptions, read_mesh, write_mesh};
+pub use format::{MeshFormat, WriteOptions, read_mesh, read_mesh_to_draw, write_mesh};

@@ -139,7 +139,7 @@ fn read_binary(data: &[u8]) -> Result<Mesh, Error> {
                     let place = format!("triangle {}", block * TRIANGLES + index);
                     return Err(malformed(place, problem));
                 }
-                places.push(place.as_dvec3());
+                places.push(place);
             }
         }
         Ok(())

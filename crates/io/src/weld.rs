@@ -7,7 +7,7 @@
 //! numbered in the order of their first appearance, whatever the number of
 //! threads.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Places per block: the tables of a block fit the second level cache.
@@ -26,18 +26,18 @@ const PLACE_BITS: u32 = 14;
 ///
 /// # Errors
 /// That of the first block whose `fill` fails.
-pub(crate) fn weld<E: Send>(
+pub(crate) fn weld<P: Place, E: Send>(
     numbers: &mut [u32],
     lengths: &[usize],
-    fill: impl Fn(usize, &mut Vec<DVec3>) -> Result<(), E> + Sync,
+    fill: impl Fn(usize, &mut Vec<P>) -> Result<(), E> + Sync,
 ) -> Result<Option<Vec<DVec3>>, E> {
     if lengths.len() >= 1 << (32 - PLACE_BITS) {
         return Ok(None);
     }
-    let blocks: Result<Vec<Block>, E> = split(numbers, lengths.iter().copied())
+    let blocks: Result<Vec<Block<P>>, E> = split(numbers, lengths.iter().copied())
         .into_par_iter()
         .enumerate()
-        .map_init(Scratch::default, |scratch, (index, numbers)| {
+        .map_init(Scratch::<P>::default, |scratch, (index, numbers)| {
             scratch.places.clear();
             fill(index, &mut scratch.places)?;
             Ok(scratch.weld(numbers))
@@ -96,7 +96,9 @@ pub(crate) fn weld<E: Send>(
     if total >= DOUBLE as usize {
         return Ok(None);
     }
-    let mut positions = vec![DVec3::ZERO; total];
+    // (Zeros from the system, which the threads touch first; `vec!` would write
+    // them here.)
+    let mut positions: Vec<DVec3> = bytemuck::zeroed_vec(total);
     split(&mut positions, own.iter().copied())
         .into_par_iter()
         .zip(split(&mut vertices, blocks.iter().map(|b| b.places.len())))
@@ -107,7 +109,7 @@ pub(crate) fn weld<E: Send>(
             for (vertex, &place) in vertices.iter_mut().zip(&block.places) {
                 if *vertex != DOUBLE {
                     *vertex = (first + count) as u32;
-                    positions[count] = place;
+                    positions[count] = place.position();
                     count += 1;
                 }
             }
@@ -128,13 +130,8 @@ pub(crate) fn weld<E: Send>(
 
 /// Cuts a slice into pieces of the given lengths.
 pub(crate) fn split<T>(mut rest: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
-    lengths
-        .map(|length| {
-            let (piece, later) = std::mem::take(&mut rest).split_at_mut(length);
-            rest = later;
-            piece
-        })
-        .collect()
+    let cut = |length| rest.split_off_mut(..length).unwrap_or_default();
+    lengths.map(cut).collect()
 }
 
 /// The sums of the lengths before each.
@@ -149,14 +146,42 @@ fn running_sum(lengths: &[usize]) -> Vec<usize> {
         .collect()
 }
 
+/// A place in single or in double precision, as files have it: half the bytes
+/// are half the time.
+pub(crate) trait Place: Copy + Default + PartialEq + Send + Sync {
+    /// Bits that are equal where places are. (0 and -0 are the same place.)
+    fn bits(self) -> [u64; 3];
+    fn position(self) -> DVec3;
+}
+
+impl Place for Vec3 {
+    fn bits(self) -> [u64; 3] {
+        self.to_array().map(|x| u64::from((x + 0.0).to_bits()))
+    }
+
+    fn position(self) -> DVec3 {
+        self.as_dvec3()
+    }
+}
+
+impl Place for DVec3 {
+    fn bits(self) -> [u64; 3] {
+        self.to_array().map(|x| (x + 0.0).to_bits())
+    }
+
+    fn position(self) -> DVec3 {
+        self
+    }
+}
+
 /// The distinct places of one block, in the order of first appearance.
-struct Block {
-    places: Vec<DVec3>,
+struct Block<P> {
+    places: Vec<P>,
     hashes: Vec<u64>,
 }
 
-impl Block {
-    fn place(&self, key: u32) -> DVec3 {
+impl<P: Place> Block<P> {
+    fn place(&self, key: u32) -> P {
         self.places[key as usize % (1 << PLACE_BITS)]
     }
 
@@ -167,13 +192,13 @@ impl Block {
 
 /// What a thread needs to weld a block.
 #[derive(Default)]
-struct Scratch {
-    places: Vec<DVec3>,
+struct Scratch<P> {
+    places: Vec<P>,
     table: Table,
 }
 
-impl Scratch {
-    fn weld(&mut self, numbers: &mut [u32]) -> Block {
+impl<P: Place> Scratch<P> {
+    fn weld(&mut self, numbers: &mut [u32]) -> Block<P> {
         self.table.clear();
         self.table.reserve(BLOCK / 4, |_| 0);
         let mut block = Block {
@@ -195,9 +220,9 @@ impl Scratch {
     }
 }
 
-/// A well mixed number for each place. (0 and -0 are the same place.)
-fn hash(place: DVec3) -> u64 {
-    let [x, y, z] = place.to_array().map(|x| (x + 0.0).to_bits());
+/// A well mixed number for each place.
+fn hash(place: impl Place) -> u64 {
+    let [x, y, z] = place.bits();
     // Odd multipliers.
     let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
         ^ y.rotate_left(21).wrapping_mul(0xd1b5_4a32_d192_ed03)

@@ -174,3 +174,65 @@ proptest! {
         }
     }
 }
+
+/// A file of some megabytes: fans of three triangles, of two names in turn,
+/// each with indices from 1 or counted backwards.
+fn large_file(backwards: bool) -> String {
+    let mut text = String::new();
+    for fan in 0..60_000 {
+        let name = ["odd", "even"][usize::from(fan % 1000 < 500)];
+        if fan % 500 == 0 {
+            text += &format!("g {name}\n");
+        }
+        for corner in 0..5 {
+            text += &format!("v {fan}.5 {corner}.25 -{}\n", fan % 7);
+        }
+        text += "vn 0 0 1\n";
+        let at = |corner: i64| {
+            if backwards {
+                corner - 5
+            } else {
+                5 * fan + corner + 1
+            }
+        };
+        let normal = if backwards { -1 } else { fan + 1 };
+        text += "f";
+        for corner in 0..5 {
+            text += &format!(" {}//{normal}", at(corner));
+            // (A line that goes on in the next one.)
+            if corner == 2 {
+                text += " \\\n";
+            }
+        }
+        text += "\n";
+    }
+    text
+}
+
+#[test]
+fn large_files_are_read_piece_by_piece() {
+    let read = |text: &str| read_obj(text.as_bytes(), |_| None);
+    let mesh = read(&large_file(false)).expect("valid");
+    assert_eq!(mesh.positions.len(), 300_000);
+    assert_eq!(mesh.triangles.len(), 180_000);
+    assert_eq!(mesh.corner_normals.len(), 180_000);
+    for fan in (0..60_000).step_by(77) {
+        let place = dvec3(fan as f64 + 0.5, 3.25, -((fan % 7) as f64));
+        assert_eq!(mesh.positions[5 * fan + 3], place);
+        let base = 5 * fan as u32;
+        assert_eq!(mesh.triangles[3 * fan + 2], [base, base + 3, base + 4]);
+        let surface = mesh.triangle_surfaces[3 * fan] as usize;
+        let name = ["odd", "even"][usize::from(fan % 1000 < 500)];
+        assert_eq!(mesh.surfaces[surface].name.as_deref(), Some(name));
+    }
+    assert!(read(&large_file(true)).expect("valid") == mesh);
+    // Wrong in the last line: a vertex that does not come, and one that comes
+    // too late.
+    for end in ["f 1 2 300001\n", "f 1 2 300001\nv 1 2 3\n"] {
+        let text = large_file(false) + end;
+        let line = large_file(false).lines().count() + 1;
+        let error = read(&text).expect_err("no such vertex").to_string();
+        let expected = format!("line {line}: \"300001\" names none of the 300000 vertices");
+        assert!(error.starts_with(&expected), "{error}");
+    }
+}

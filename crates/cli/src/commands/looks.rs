@@ -163,7 +163,7 @@ impl Looks {
             Smoothing::Supersample2 => AntiAliasing::Supersample(2),
             Smoothing::Supersample4 => AntiAliasing::Supersample(4),
         };
-        if self.edges || self.hidden_edges || self.wireframe || self.points {
+        if self.draws_edges() {
             let mut edges = EdgeOptions::default();
             edges.features = self.edges || self.hidden_edges;
             edges.silhouettes = edges.features;
@@ -181,6 +181,16 @@ impl Looks {
         options.two_sided = self.two_sided;
         options.cull_back_faces = !self.two_sided;
         options
+    }
+
+    /// Whether nothing is asked for that takes a mesh whose triangles are
+    /// connected: no edges, and no cuts.
+    pub(super) fn faces_only(&self) -> bool {
+        !self.draws_edges() && self.section.is_empty()
+    }
+
+    fn draws_edges(&self) -> bool {
+        self.edges || self.hidden_edges || self.wireframe || self.points
     }
 
     /// The planes that cut the model.

@@ -36,10 +36,11 @@ pub(crate) struct Options {
     )]
     camera: View,
     /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = field_of_view)]
+    #[arg(long, alias = "camera-view-angle", value_name = "DEGREES", default_value_t = 30.0,
+          value_parser = field_of_view)]
     fov: f64,
     /// Parallel instead of perspective projection
-    #[arg(long, conflicts_with = "fov")]
+    #[arg(long, alias = "camera-orthographic", conflicts_with = "fov")]
     orthographic: bool,
     /// perspective, ortho, cavalier or cabinet; or RATIO,DEGREES for any other
     /// oblique projection: depth is drawn at that part of its length, receding
@@ -84,6 +85,13 @@ impl FromStr for Size {
     }
 }
 
+impl Options {
+    /// Whether the picture shows no more of a mesh than its faces.
+    pub(crate) fn faces_only(&self) -> bool {
+        self.looks.faces_only()
+    }
+}
+
 /// How the camera projects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Projection {
@@ -104,8 +112,8 @@ impl FromStr for Projection {
             sound.then_some(Self::Oblique(ratio, degrees))
         };
         match text {
-            "perspective" => Ok(Self::Perspective),
-            "ortho" | "orthographic" => Ok(Self::Orthographic),
+            "perspective" | "p" => Ok(Self::Perspective),
+            "ortho" | "orthographic" | "o" => Ok(Self::Orthographic),
             "cavalier" => Ok(Self::Oblique(1.0, 45.0)),
             "cabinet" => Ok(Self::Oblique(0.5, 45.0)),
             _ => oblique(text).ok_or_else(|| {
@@ -130,7 +138,10 @@ impl FromStr for View {
         if let Some(view) = StandardView::from_name(text) {
             return Ok(Self::Standard(view));
         }
-        let view = match text.split_once(':') {
+        // Eye and target also as six numbers, as OpenSCAD has them.
+        let third_comma = text.match_indices(',').nth(2).map(|(at, _)| at);
+        let halves = third_comma.map(|at| (&text[..at], &text[at + 1..]));
+        let view = match text.split_once(':').or(halves) {
             Some((eye, target)) => point(eye)
                 .zip(point(target))
                 .and_then(|(eye, target)| (eye != target).then_some(Self::FromTo(eye, target))),
@@ -206,7 +217,7 @@ pub(crate) fn run(
         }
     })?;
     progress.stage("writing");
-    product.stage("write", |_| output::write_bytes(&options.output, &png))?;
+    product.stage("write", |_| output::write_picture(&options.output, &png))?;
     if options.looks.stats {
         for (stage, seconds) in &product.seconds {
             eprintln!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
@@ -359,7 +370,9 @@ mod tests {
             Ok(View::Along(DVec3::new(-1.0, 1.0, -1.0)))
         );
         let eye = DVec3::new(3.0, -3.0, 2.0);
-        assert_eq!("3,-3,2:0,0,0".parse(), Ok(View::FromTo(eye, DVec3::ZERO)));
+        for text in ["3,-3,2:0,0,0", "3,-3,2,0,0,0"] {
+            assert_eq!(text.parse(), Ok(View::FromTo(eye, DVec3::ZERO)));
+        }
         for faulty in [
             "",
             "above",
@@ -367,6 +380,9 @@ mod tests {
             "1,2",
             "1,2,nan",
             "1,1,1:1,1,1",
+            "1,1,1,1,1,1",
+            "1,2,3,4",
+            "1,2,3,4,5,6,7",
             "1,2,3:4,5",
         ] {
             assert!(faulty.parse::<View>().is_err(), "{faulty}");
@@ -376,6 +392,7 @@ mod tests {
     #[test]
     fn projections() {
         assert_eq!("ortho".parse(), Ok(Projection::Orthographic));
+        assert_eq!("p".parse(), Ok(Projection::Perspective));
         assert_eq!("cabinet".parse(), Ok(Projection::Oblique(0.5, 45.0)));
         assert_eq!("0.7,-30".parse(), Ok(Projection::Oblique(0.7, -30.0)));
         for faulty in ["", "fisheye", "1", "-1,30", "1,x", "nan,1", "1,inf"] {

@@ -12,10 +12,13 @@
 //! translation is a multiple of a power of two about as large as the model,
 //! which keeps it exact in single precision up to 2^24 times the model's size.
 
+mod accessors;
+mod document;
 mod read;
 mod write;
 
 pub use read::{read_glb, read_gltf};
+pub(crate) use read::{read_glb_with, read_gltf_with};
 pub use write::{write_glb, write_gltf};
 
 /// From model coordinates (Z up) to glTF's (Y up): x stays, z becomes y, y

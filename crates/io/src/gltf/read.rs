@@ -5,13 +5,14 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use csg::{Color, LengthUnit, Mesh};
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec3};
 use rayon::prelude::*;
-use serde::Deserialize;
 
 use super::Z_UP_TO_Y_UP;
+use super::accessors::{Indices, LIST, Loaded, Vectors, triangle_count};
+use super::document::{Document, Node, Primitive};
 use crate::assemble::Assembler;
-use crate::weld::{self, weld};
+use crate::weld::{self, split, weld};
 use crate::{Error, MeshFormat, units};
 
 /// Reads a binary glTF file (GLB) that holds all of its data.
@@ -25,6 +26,11 @@ use crate::{Error, MeshFormat, units};
 /// A damaged file, data in other files, required extensions that change the
 /// geometry (compression), sparse accessors.
 pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
+    read_glb_with(data, false)
+}
+
+/// [`read_glb`]; with `apart`, vertices that have normals are not welded.
+pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Mesh, Error> {
     let word = |at: usize| -> Result<usize, Error> {
         let bytes = data.get(at..at + 4).and_then(|b| b.try_into().ok());
         let bytes = bytes.ok_or_else(|| malformed(format!("byte {at}"), CUT_OFF))?;
@@ -58,7 +64,7 @@ pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
         at += 8 + content.len();
     }
     let json = json.ok_or_else(|| malformed("byte 12", "there is no JSON chunk"))?;
-    read(json, &mut |index, uri| match uri {
+    read(json, apart, &mut |index, uri| match uri {
         None if index == 0 => bin.map(Cow::Borrowed).ok_or_else(|| {
             malformed(
                 "buffer 0",
@@ -83,9 +89,18 @@ pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
 /// As [`read_glb`], and whatever `load` returns.
 pub fn read_gltf(
     json: &[u8],
+    load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
+) -> Result<Mesh, Error> {
+    read_gltf_with(json, false, load)
+}
+
+/// [`read_gltf`]; with `apart`, vertices that have normals are not welded.
+pub(crate) fn read_gltf_with(
+    json: &[u8],
+    apart: bool,
     mut load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
 ) -> Result<Mesh, Error> {
-    read(json, &mut |index, uri| {
+    read(json, apart, &mut |index, uri| {
         let uri = uri.ok_or_else(|| malformed(format!("buffer {index}"), "it has no URI"))?;
         match data_uri(uri, index)? {
             Some(data) => Ok(Cow::Owned(data)),
@@ -94,9 +109,9 @@ pub fn read_gltf(
     })
 }
 
-const CUT_OFF: &str = "the data ends too early; the file may have been cut off";
+pub(super) const CUT_OFF: &str = "the data ends too early; the file may have been cut off";
 
-fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {
+pub(super) fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {
     Error::Malformed {
         format: MeshFormat::Gltf,
         place: place.into(),
@@ -104,136 +119,10 @@ fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Document {
-    asset: Asset,
-    scene: Option<usize>,
-    #[serde(default)]
-    scenes: Vec<Scene>,
-    #[serde(default)]
-    nodes: Vec<Node>,
-    #[serde(default)]
-    meshes: Vec<MeshEntry>,
-    #[serde(default)]
-    materials: Vec<MaterialEntry>,
-    #[serde(default)]
-    accessors: Vec<Accessor>,
-    #[serde(default)]
-    buffer_views: Vec<BufferView>,
-    #[serde(default)]
-    buffers: Vec<Buffer>,
-    #[serde(default)]
-    extensions_required: Vec<String>,
-}
-
-#[derive(Deserialize)]
-struct Asset {
-    version: String,
-    #[serde(default)]
-    extras: serde_json::Value,
-}
-
-#[derive(Deserialize)]
-struct Scene {
-    #[serde(default)]
-    nodes: Vec<usize>,
-}
-
-#[derive(Deserialize)]
-struct Node {
-    name: Option<String>,
-    mesh: Option<usize>,
-    #[serde(default)]
-    children: Vec<usize>,
-    matrix: Option<[f64; 16]>,
-    translation: Option<[f64; 3]>,
-    rotation: Option<[f64; 4]>,
-    scale: Option<[f64; 3]>,
-}
-
-#[derive(Deserialize)]
-struct MeshEntry {
-    primitives: Vec<Primitive>,
-}
-
-#[derive(Deserialize)]
-struct Primitive {
-    attributes: Attributes,
-    indices: Option<usize>,
-    material: Option<usize>,
-    mode: Option<u32>,
-}
-
-#[derive(Deserialize)]
-struct Attributes {
-    #[serde(rename = "POSITION")]
-    position: Option<usize>,
-    #[serde(rename = "NORMAL")]
-    normal: Option<usize>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct MaterialEntry {
-    name: Option<String>,
-    #[serde(default)]
-    pbr_metallic_roughness: Pbr,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Pbr {
-    base_color_factor: Option<[f32; 4]>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Accessor {
-    buffer_view: Option<usize>,
-    #[serde(default)]
-    byte_offset: usize,
-    component_type: u32,
-    count: usize,
-    #[serde(rename = "type")]
-    kind: String,
-    #[serde(default)]
-    normalized: bool,
-    sparse: Option<serde_json::Value>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct BufferView {
-    buffer: usize,
-    #[serde(default)]
-    byte_offset: usize,
-    byte_length: usize,
-    byte_stride: Option<usize>,
-}
-
-#[derive(Deserialize)]
-struct Buffer {
-    uri: Option<String>,
-}
-
-impl Node {
-    fn transform(&self) -> DMat4 {
-        if let Some(matrix) = &self.matrix {
-            return DMat4::from_cols_array(matrix);
-        }
-        DMat4::from_scale_rotation_translation(
-            self.scale.map_or(DVec3::ONE, DVec3::from_array),
-            self.rotation.map_or(DQuat::IDENTITY, DQuat::from_array),
-            self.translation.map_or(DVec3::ZERO, DVec3::from_array),
-        )
-    }
-}
-
 /// Gives a buffer's bytes by its index and URI.
 type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Cow<'data, [u8]>, Error> + 'a;
 
-fn read<'data>(json: &[u8], load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
+fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
     let document: Document = serde_json::from_slice(json)
         .map_err(|error| malformed("JSON", format!("it is not a glTF document: {error}")))?;
     if !document.asset.version.starts_with("2.") {
@@ -269,13 +158,7 @@ fn read<'data>(json: &[u8], load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Er
         .as_str()
         .and_then(units::named)
         .unwrap_or_default();
-    let reader = Reader { document, buffers };
-    reader.scene(unit)
-}
-
-struct Reader<'data> {
-    document: Document,
-    buffers: Vec<Cow<'data, [u8]>>,
+    Loaded { document, buffers }.scene(unit, apart)
 }
 
 /// Triangles to be read: a primitive where a node places it.
@@ -293,6 +176,10 @@ struct Item<'a> {
 impl Item<'_> {
     fn mode(&self) -> u32 {
         self.primitive.mode.unwrap_or(LIST)
+    }
+
+    fn triangles(&self) -> usize {
+        triangle_count(self.mode(), self.indices.count())
     }
 
     fn is_mirrored(&self) -> bool {
@@ -322,8 +209,8 @@ impl Item<'_> {
     }
 }
 
-impl Reader<'_> {
-    fn scene(&self, unit: LengthUnit) -> Result<Mesh, Error> {
+impl Loaded<'_> {
+    fn scene(&self, unit: LengthUnit, apart: bool) -> Result<Mesh, Error> {
         let document = &self.document;
         let scene = document.scene.unwrap_or(0);
         let roots = match document.scenes.get(scene) {
@@ -374,7 +261,7 @@ impl Reader<'_> {
                 }
             }
         }
-        self.assemble(&items, unit)
+        self.assemble(&items, unit, apart)
     }
 
     /// Looks up what a primitive consists of.
@@ -412,27 +299,51 @@ impl Reader<'_> {
         })
     }
 
-    /// Welds the vertices of all items, then puts their triangles together.
-    fn assemble(&self, items: &[Item], unit: LengthUnit) -> Result<Mesh, Error> {
+    /// Finds the vertices of all items, then puts their triangles together.
+    fn assemble(&self, items: &[Item], unit: LengthUnit, apart: bool) -> Result<Mesh, Error> {
         let blocks = blocks(items, |item| item.positions.count(), weld::BLOCK);
         let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
-        let mut numbers = vec![0; lengths.iter().sum()];
-        let positions = weld(&mut numbers, &lengths, |block, places| {
-            let (item, range) = &blocks[block];
-            let item = &items[*item];
-            for index in range.clone() {
-                let place = item.transform.transform_point3(item.positions.get(index));
-                if !place.is_finite() {
-                    return Err(malformed(&*item.place, "a position is not finite"));
+        let count = lengths.iter().sum();
+        let place = |item: &Item, index: usize| {
+            let place = item.transform.transform_point3(item.positions.get(index));
+            let finite = place.is_finite().then_some(place);
+            finite.ok_or_else(|| malformed(&*item.place, "a position is not finite"))
+        };
+        let too_many = || malformed("meshes", "too many vertices");
+        let with_normals = items
+            .iter()
+            .all(|i| i.normals.is_some() || i.triangles() == 0);
+        let (positions, numbers);
+        if apart && with_normals {
+            numbers = (0..u32::try_from(count).map_err(|_| too_many())?).collect();
+            let mut places: Vec<DVec3> = bytemuck::zeroed_vec(count);
+            split(&mut places, lengths.iter().copied())
+                .into_par_iter()
+                .zip(&blocks)
+                .map(|(places, (item, range))| {
+                    let mut to = places.iter_mut().zip(range.clone());
+                    to.try_for_each(|(to, index)| place(&items[*item], index).map(|p| *to = p))
+                })
+                // (Not straight into a `Result`, which would keep any error.)
+                .collect::<Vec<_>>()
+                .into_iter()
+                .collect::<Result<(), Error>>()?;
+            positions = places;
+        } else {
+            let mut found = vec![0; count];
+            let places = weld(&mut found, &lengths, |block, places| {
+                let (item, range) = &blocks[block];
+                for index in range.clone() {
+                    places.push(place(&items[*item], index)?);
                 }
-                places.push(place);
-            }
-            Ok(())
-        })?;
-        let positions = positions.ok_or_else(|| malformed("meshes", "too many vertices"))?;
+                Ok::<_, Error>(())
+            })?;
+            positions = places.ok_or_else(too_many)?;
+            numbers = found;
+        }
         let mut assembler = Assembler::new(unit);
         assembler.add_vertices(positions);
-        self.triangles(items, &numbers, &mut assembler)?;
+        self.triangles(items, with_normals, &numbers, &mut assembler)?;
         Ok(assembler.finish())
     }
 
@@ -441,11 +352,10 @@ impl Reader<'_> {
     fn triangles(
         &self,
         items: &[Item],
+        with_normals: bool,
         numbers: &[u32],
         assembler: &mut Assembler,
     ) -> Result<(), Error> {
-        let count = |item: &Item| triangle_count(item.mode(), item.indices.count());
-        let with_normals = items.iter().all(|i| i.normals.is_some() || count(i) == 0);
         let mut rest = numbers;
         let vertices: Vec<(&[u32], Vec<Vec3>)> = items
             .iter()
@@ -460,7 +370,7 @@ impl Reader<'_> {
                 (own, turned)
             })
             .collect();
-        let blocks = blocks(items, count, weld::BLOCK / 3);
+        let blocks = blocks(items, Item::triangles, weld::BLOCK / 3);
         let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
         let part = |block: usize| {
             let item = &items[blocks[block].0];
@@ -510,176 +420,13 @@ impl Reader<'_> {
         let [r, g, b, alpha] = material.pbr_metallic_roughness.base_color_factor?;
         Some(Color::from_linear([r, g, b]).with_alpha(alpha))
     }
-
-    fn vectors(&self, accessor: usize, place: &str) -> Result<Vectors<'_>, Error> {
-        let elements = self.elements(accessor, "VEC3", 3, place)?;
-        Ok(Vectors {
-            component: component_reader(elements.entry, place)?,
-            elements,
-        })
-    }
-
-    fn indices(&self, accessor: usize, place: &str) -> Result<Indices<'_>, Error> {
-        let elements = self.elements(accessor, "SCALAR", 1, place)?;
-        match elements.entry.component_type {
-            5121 | 5123 | 5125 => Ok(Indices::Listed(elements)),
-            _ => Err(malformed(place, "its indices are no unsigned integers")),
-        }
-    }
-
-    /// The bytes of each element of an accessor, all of them in range.
-    fn elements(
-        &self,
-        accessor: usize,
-        kind: &str,
-        components: usize,
-        place: &str,
-    ) -> Result<Elements<'_>, Error> {
-        let wrong = |problem: &str| malformed(format!("{place}, accessor {accessor}"), problem);
-        let entry = self.document.accessors.get(accessor);
-        let entry = entry.ok_or_else(|| wrong("there is no such accessor"))?;
-        if entry.sparse.is_some() {
-            return Err(wrong(
-                "sparse accessors cannot be read; export without them",
-            ));
-        }
-        if entry.kind != kind {
-            return Err(wrong(&format!(
-                "its type is {:?} instead of {kind}",
-                entry.kind
-            )));
-        }
-        let view = entry
-            .buffer_view
-            .and_then(|view| self.document.buffer_views.get(view));
-        let view = view.ok_or_else(|| wrong("there is no such buffer view"))?;
-        let size = component_size(entry.component_type) * components;
-        if size == 0 {
-            return Err(wrong("its component type is unknown"));
-        }
-        let stride = view.byte_stride.unwrap_or(size);
-        if stride < size {
-            return Err(wrong(
-                "its elements overlap: the view's stride is too small",
-            ));
-        }
-        let bytes = (|| {
-            let view_end = view.byte_offset.checked_add(view.byte_length)?;
-            let data = self
-                .buffers
-                .get(view.buffer)?
-                .get(view.byte_offset..view_end)?;
-            let data = data.get(entry.byte_offset..)?;
-            match entry.count.checked_sub(1) {
-                None => Some(&data[..0]),
-                Some(before) => data.get(..stride.checked_mul(before)?.checked_add(size)?),
-            }
-        })();
-        let bytes = bytes.ok_or_else(|| wrong(CUT_OFF))?;
-        Ok(Elements {
-            entry,
-            bytes,
-            stride,
-            size,
-        })
-    }
-}
-
-/// The elements of an accessor, all of them in range.
-struct Elements<'a> {
-    entry: &'a Accessor,
-    bytes: &'a [u8],
-    stride: usize,
-    /// Bytes of an element.
-    size: usize,
-}
-
-impl Elements<'_> {
-    fn count(&self) -> usize {
-        self.entry.count
-    }
-
-    #[inline]
-    fn get(&self, index: usize) -> &[u8] {
-        &self.bytes[index * self.stride..][..self.size]
-    }
-}
-
-/// An accessor of three coordinates an element.
-struct Vectors<'a> {
-    elements: Elements<'a>,
-    component: fn(&[u8]) -> f64,
-}
-
-impl Vectors<'_> {
-    fn count(&self) -> usize {
-        self.elements.count()
-    }
-
-    #[inline]
-    fn get(&self, index: usize) -> DVec3 {
-        let bytes = self.elements.get(index);
-        if let ([x, y, z], []) = bytes.as_chunks::<4>()
-            && self.elements.entry.component_type == FLOAT
-        {
-            return DVec3::from_array([x, y, z].map(|c| f64::from(f32::from_le_bytes(*c))));
-        }
-        let size = self.elements.size / 3;
-        DVec3::from_array([0, 1, 2].map(|i| (self.component)(&bytes[i * size..])))
-    }
-}
-
-/// The indices of a primitive.
-enum Indices<'a> {
-    Listed(Elements<'a>),
-    /// 0, 1, 2, ...
-    Counted(usize),
-}
-
-impl Indices<'_> {
-    fn count(&self) -> usize {
-        match self {
-            Self::Listed(elements) => elements.count(),
-            Self::Counted(count) => *count,
-        }
-    }
-
-    #[inline]
-    fn get(&self, index: usize) -> u32 {
-        match self {
-            Self::Listed(elements) => match *elements.get(index) {
-                [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
-                [a, b] => u32::from(u16::from_le_bytes([a, b])),
-                [a] => u32::from(a),
-                _ => u32::MAX,
-            },
-            Self::Counted(_) => index as u32,
-        }
-    }
-
-    /// The corners of a triangle of a list, a strip or a fan.
-    #[inline]
-    fn corners(&self, mode: u32, triangle: usize) -> [u32; 3] {
-        if let Self::Listed(Elements {
-            bytes, stride: 4, ..
-        }) = self
-            && mode == LIST
-            && let Some((&[a, b, c], _)) = bytes
-                .get(12 * triangle..)
-                .and_then(|rest| rest.as_chunks::<4>().0.split_first_chunk::<3>())
-            && matches!(self, Self::Listed(elements) if elements.size == 4)
-        {
-            return [a, b, c].map(u32::from_le_bytes);
-        }
-        corners_of(mode, triangle).map(|index| self.get(index))
-    }
 }
 
 /// Pieces of at most `most` elements of each item, of which `count` says how
 /// many there are: the item's number and a range of its elements.
-fn blocks(
-    items: &[Item],
-    count: impl Fn(&Item) -> usize,
+fn blocks<'a>(
+    items: &[Item<'a>],
+    count: impl Fn(&Item<'a>) -> usize,
     most: usize,
 ) -> Vec<(usize, Range<usize>)> {
     let mut blocks = Vec::new();
@@ -704,63 +451,6 @@ fn to_model(root: DMat4, unit: LengthUnit) -> DMat4 {
         column(root.z_axis),
         column(root.w_axis),
     )
-}
-
-/// The component type of single precision.
-const FLOAT: u32 = 5126;
-
-/// Bytes of a component type, 0 for an unknown one.
-fn component_size(component_type: u32) -> usize {
-    match component_type {
-        5120 | 5121 => 1,
-        5122 | 5123 => 2,
-        5125 | FLOAT => 4,
-        _ => 0,
-    }
-}
-
-/// Reads a component of an accessor of floats (or of the integers that
-/// KHR_mesh_quantization allows in their place).
-fn component_reader(entry: &Accessor, place: &str) -> Result<fn(&[u8]) -> f64, Error> {
-    Ok(match (entry.component_type, entry.normalized) {
-        (FLOAT, _) => |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-        (5120, false) => |b| f64::from(i8::from_le_bytes([b[0]])),
-        (5121, false) => |b| f64::from(b[0]),
-        (5122, false) => |b| f64::from(i16::from_le_bytes([b[0], b[1]])),
-        (5123, false) => |b| f64::from(u16::from_le_bytes([b[0], b[1]])),
-        (5120, true) => |b| (f64::from(i8::from_le_bytes([b[0]])) / 127.0).max(-1.0),
-        (5121, true) => |b| f64::from(b[0]) / 255.0,
-        (5122, true) => |b| (f64::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0),
-        (5123, true) => |b| f64::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
-        _ => {
-            return Err(malformed(
-                place,
-                "its coordinates have an unknown component type",
-            ));
-        }
-    })
-}
-
-/// The mode of a list of triangles; the modes below are points and lines.
-const LIST: u32 = 4;
-
-/// How many triangles so many indices make in a list, a strip (5) or a fan (6).
-const fn triangle_count(mode: u32, indices: usize) -> usize {
-    match mode {
-        5 | 6 => indices.saturating_sub(2),
-        _ => indices / 3,
-    }
-}
-
-/// Which of the indices are the corners of a triangle.
-const fn corners_of(mode: u32, triangle: usize) -> [usize; 3] {
-    let t = triangle;
-    match mode {
-        5 if t.is_multiple_of(2) => [t, t + 1, t + 2],
-        5 => [t + 1, t, t + 2],
-        6 => [0, t + 1, t + 2],
-        _ => [3 * t, 3 * t + 1, 3 * t + 2],
-    }
 }
 
 /// The bytes of a `data:` URI; `None` if it is another kind of URI.
