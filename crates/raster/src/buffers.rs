@@ -11,7 +11,7 @@ use crate::interpolate::weights_at;
 use crate::pipeline::Renderer;
 use crate::scene::Scene;
 use crate::section::Section;
-use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE, decode};
+use crate::tile::{TILE, decode};
 use crate::viewport::Viewport;
 
 /// One value for each pixel, row by row from the top.
@@ -67,16 +67,8 @@ impl Renderer {
             y as usize * scale + scale / 2,
         );
         let columns = (self.width as usize * scale).div_ceil(TILE);
-        let tile = self.tiles.get(y / TILE * columns + x / TILE)?;
-        if !tile.drawn {
-            return None;
-        }
-        let (x, y) = (x % TILE, y % TILE);
-        let block = y / BLOCK * BLOCKS + x / BLOCK;
-        let lane = y % BLOCK * BLOCK + x % BLOCK;
-        let plane = tile.planes.first()?;
-        let number = plane.triangle.get(block)?[lane];
-        (number != NO_TRIANGLE).then(|| (number, plane.depth[block][lane]))
+        let tile = y / TILE * columns + x / TILE;
+        self.tiles.first_sample(tile, x % TILE, y % TILE)
     }
 
     fn buffer<T: Copy>(&self, value: impl Fn(Option<(u32, f32)>, u32, u32) -> T) -> Buffer<T> {

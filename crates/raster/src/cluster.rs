@@ -95,13 +95,8 @@ impl Clusters {
 
 /// Cuts a slice into pieces of the given lengths.
 pub(crate) fn split<T>(mut rest: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
-    lengths
-        .map(|length| {
-            let (piece, later) = std::mem::take(&mut rest).split_at_mut(length);
-            rest = later;
-            piece
-        })
-        .collect()
+    let cut = |length| rest.split_off_mut(..length).unwrap_or_default();
+    lengths.map(cut).collect()
 }
 
 /// The clusters of one block of triangles.

@@ -9,8 +9,14 @@
 //! from c beforehand at the edges that do not own their samples.
 
 use crate::fixed::SUBPIXEL_BITS;
-use crate::simd::{FloatLanes, IntLanes, Lanes, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, Plane, SQUARES, TILE, Tile};
+use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Lanes, MaskLanes, triple};
+use crate::tile::{BLOCK, BLOCKS, OfPixels, SQUARES, TILE, TileBuffer};
+
+/// Depth that changes by more than this from one sub-pixel to the next, a
+/// sixteenth of its range in a pixel, is set up and filled in double precision
+/// throughout: in single precision its change within a few pixels is rounded
+/// to more than a unit of 24 bits. Only faces seen nearly edge-on are so steep.
+pub(crate) const STEEP: f32 = 1.0 / 16.0 / 256.0;
 
 /// A triangle set up for filling, its corners taken clockwise as seen (y
 /// downwards).
@@ -59,6 +65,21 @@ impl Record {
         x * lane_x + y * lane_y
     }
 
+    /// [`Record::depth_in_block`] in double precision.
+    #[inline(always)]
+    fn precise_depth_in_block<S: Lanes>(&self, s: S) -> S::D {
+        let [x, y] = self.slope.map(|slope| s.d(slope));
+        let lane_x = s.load_i(&LANE_X).shl::<8>().to_double();
+        let lane_y = s.load_i(&LANE_Y).shl::<8>().to_double();
+        x * lane_x + y * lane_y
+    }
+
+    fn is_steep(&self) -> bool {
+        self.slope
+            .iter()
+            .any(|slope| slope.abs() > f64::from(STEEP))
+    }
+
     /// Whether every sample of a tile is inside, its first pixel being so many
     /// pixels from the record's.
     fn covers_tile(&self, from_first: [i32; 2]) -> bool {
@@ -82,9 +103,9 @@ pub(crate) struct PixelOfTriangle {
 }
 
 /// Draws single pixels into the first plane of a tile.
-pub(crate) fn fill_pixels(plane: &mut Plane, pixels: &[PixelOfTriangle]) {
-    let depths = plane.depth.as_flattened_mut();
-    let triangles = plane.triangle.as_flattened_mut();
+pub(crate) fn fill_pixels(tile: &mut TileBuffer, pixels: &[PixelOfTriangle]) {
+    let depths = tile.depth[0].as_flattened_mut();
+    let triangles = tile.triangle[0].as_flattened_mut();
     for p in pixels {
         let at = p.pixel as usize % (TILE * TILE);
         let old = depths[at];
@@ -136,7 +157,7 @@ const BLOCK_STEP: f64 = (BLOCK << SUBPIXEL_BITS) as f64;
 #[inline(always)]
 pub(crate) fn fill<S: Lanes>(
     s: S,
-    tile: &mut Tile,
+    buffer: &mut TileBuffer,
     origin: [i32; 2],
     record: &Record,
     samples: &[[i32; 2]],
@@ -152,16 +173,16 @@ pub(crate) fn fill<S: Lanes>(
     let (y0, y1) = range(record.y, 1);
     let from_first = [0, 1].map(|axis| origin[axis] - i32::from([record.x[0], record.y[0]][axis]));
     let whole = (x0, y0) == (0, 0) && (x1, y1) == (last, last) && record.covers_tile(from_first);
-    let fresh = !tile.drawn;
+    let fresh = !buffer.tile.drawn;
     if fresh {
-        tile.begin(samples.len(), whole);
+        buffer.begin(whole);
     }
     // Hierarchical depth: hidden if every 8x8 square it touches is nearer.
     let mut hidden = true;
     for square_y in y0 >> 3..=y1 >> 3 {
         for square_x in x0 >> 3..=x1 >> 3 {
             let square = (square_y as usize * SQUARES + square_x as usize) % (SQUARES * SQUARES);
-            hidden &= record.z_high < tile.farthest[square];
+            hidden &= record.z_high < buffer.tile.farthest[square];
         }
     }
     if hidden {
@@ -169,11 +190,11 @@ pub(crate) fn fill<S: Lanes>(
         return;
     }
     if whole {
-        for (plane, sample) in tile.planes.iter_mut().zip(samples) {
+        for (plane, sample) in buffer.planes().zip(samples) {
             let start = [0, 1].map(|axis| (from_first[axis] << SUBPIXEL_BITS) + sample[axis]);
             fill_whole(s, plane, record, start, fresh);
         }
-        counts.blocks += (tile.planes.len() * BLOCKS * BLOCKS) as u64;
+        counts.blocks += (samples.len() * BLOCKS * BLOCKS) as u64;
         return;
     }
     let block = BLOCK as i32;
@@ -183,25 +204,34 @@ pub(crate) fn fill<S: Lanes>(
         from_first[0] + blocks[0] * block,
         from_first[1] + blocks[2] * block,
     ];
-    for (plane, sample) in tile.planes.iter_mut().zip(samples) {
+    for (plane, sample) in buffer.planes().zip(samples) {
         let start = [
             (first[0] << SUBPIXEL_BITS) + sample[0],
             (first[1] << SUBPIXEL_BITS) + sample[1],
         ];
-        fill_plane(s, plane, record, start, blocks, counts);
+        if record.is_steep() {
+            let in_block = record.precise_depth_in_block(s);
+            let depth = |first: f64| (s.d(first) + in_block).to_single();
+            fill_plane(s, plane, record, start, blocks, depth, counts);
+        } else {
+            let in_block = record.depth_in_block(s);
+            let depth = |first: f64| s.f(first as f32) + in_block;
+            fill_plane(s, plane, record, start, blocks, depth, counts);
+        }
     }
 }
 
 /// Fills the blocks of a plane (first and last column, first and last row);
 /// the first sample of the first one is `start` sub-pixels from the record's
-/// first pixel.
+/// first pixel. `depth` continues that of a block's first sample to all.
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
-    plane: &mut Plane,
+    (depths, numbers): (&mut OfPixels<f32>, &mut OfPixels<i32>),
     record: &Record,
     start: [i32; 2],
     [bx0, bx1, by0, by1]: [i32; 4],
+    depth: impl Fn(f64) -> S::F,
     counts: &mut FillCounts,
 ) {
     let block = BLOCK as i32;
@@ -219,7 +249,6 @@ fn fill_plane<S: Lanes>(
     let step = triple!(|K| s.i(right[K] * block));
     let step_down = triple!(|K| s.i(down[K] * block));
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
-    let in_block = record.depth_in_block(s);
     let mut row_depth = record.depth_at(start);
     let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     for by in by0..=by1 {
@@ -230,15 +259,15 @@ fn fill_plane<S: Lanes>(
             let outside = (e[0] | e[1] | e[2]).lt(zero);
             if outside.bits() != 0xffff {
                 let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
-                let z = (s.f(depth_here as f32) + in_block).max(low).min(high);
-                let (depths, triangles) = (&mut plane.depth[index], &mut plane.triangle[index]);
-                let old = s.load_f(depths);
-                let old_id = s.load_i(triangles);
+                let z = depth(depth_here).max(low).min(high);
+                let (kept, number) = (&mut depths[index], &mut numbers[index]);
+                let old = s.load_f(kept);
+                let old_id = s.load_i(number);
                 // Equal depths go to the triangle drawn first.
                 let nearer = old.lt(z) | (old.eq(z) & id.lt(old_id));
                 let pass = nearer & !outside;
-                pass.update_f(z, old).store(depths);
-                pass.update_i(id, old_id).store(triangles);
+                pass.update_f(z, old).store(kept);
+                pass.update_i(id, old_id).store(number);
             }
             e = triple!(|K| e[K] + step[K]);
             depth_here += block_step[0];
@@ -251,14 +280,20 @@ fn fill_plane<S: Lanes>(
 /// Fills a whole plane, whose first sample is `start` sub-pixels from the
 /// record's first pixel. What is there does not matter if `fresh`.
 #[inline(always)]
-fn fill_whole<S: Lanes>(s: S, plane: &mut Plane, record: &Record, start: [i32; 2], fresh: bool) {
+fn fill_whole<S: Lanes>(
+    s: S,
+    (depths, numbers): (&mut OfPixels<f32>, &mut OfPixels<i32>),
+    record: &Record,
+    start: [i32; 2],
+    fresh: bool,
+) {
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
     let in_block = record.depth_in_block(s);
     let mut row_depth = record.depth_at(start);
     let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     let id = s.i(record.triangle);
-    let rows = plane.depth.chunks_exact_mut(BLOCKS);
-    for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(BLOCKS)) {
+    let rows = depths.chunks_exact_mut(BLOCKS);
+    for (depths, triangles) in rows.zip(numbers.chunks_exact_mut(BLOCKS)) {
         let mut depth_here = row_depth;
         for (depth, triangle) in depths.iter_mut().zip(triangles) {
             let z = (s.f(depth_here as f32) + in_block).max(low).min(high);

@@ -22,14 +22,18 @@
 //!
 //! # A tour of the pipeline
 //!
-//! Every stage has a page that names its formulas and where they come from.
-//! Each picture was drawn by this crate, and is kept as a test.
+//! Every stage has a page that names its formulas and where they come from,
+//! and one picture. The pictures are drawn by the example `tour`, which shows
+//! how, and are kept as a test.
 //!
 //! ## 1. Transforms: [`transform`]
 //!
 //! Translation, scaling, shear, rotation, change of basis, Euler angles, and
 //! the matrix that normals need. Column vectors, right-handed axes, Z up.
-//! Points move, directions do not: w = 1 and w = 0.
+//! Points move, directions do not: w = 1 and w = 0. A letter as it is, scaled
+//! along a slanted frame, sheared, rotated about (1, 1, 1) and mirrored:
+//!
+//! ![transforms]
 //!
 //! ## 2. Viewing: [`Camera`], [`view_reference`]
 //!
@@ -37,13 +41,17 @@
 //! coordinates: the camera at the origin, looking along -Z. The
 //! view-reference model does the same from VRP, VPN and VUP. Either gives a
 //! [`View`], proven to be finite and invertible; [`Camera::framing`] finds the
-//! camera that shows the whole of a mesh.
+//! camera that shows the whole of a mesh. On the left a camera with U (red),
+//! V (green) and N (blue) and the box that it sees, on the right what it sees:
+//!
+//! ![viewing]
 //!
 //! ## 3. Projection: [`projection`]
 //!
-//! Eye to clip coordinates: perspective, orthographic and oblique.
+//! Eye to clip coordinates: perspective, orthographic and oblique (cavalier
+//! and cabinet).
 //!
-//! ![perspective] ![orthographic] ![cabinet]
+//! ![projection]
 //!
 //! ## 4. Clipping: [`clip`], [`cohen_sutherland`]
 //!
@@ -52,12 +60,15 @@
 //! nearly all triangles the clipping at its sides. Here the camera is inside
 //! a hollow ball, and most triangles reach behind it:
 //!
-//! ![inside]
+//! ![clipping]
 //!
 //! ## 5. Viewport: [`viewport`]
 //!
 //! Division by w, and pixels. [`Viewport::unproject`] goes the other way, and
-//! [`Renderer::pick`] says what a pixel shows.
+//! [`Renderer::pick`] says what a pixel shows. One view on two screens, and
+//! where [`Viewport::project`] finds a point of the small ball on either:
+//!
+//! ![viewport]
 //!
 //! ## 6. Filling: [`fixed`], [`scanline`]
 //!
@@ -66,21 +77,20 @@
 //! leave no gap and draw no pixel twice. [`fixed::covers`] is the definition,
 //! [`scanline`] the classical way of filling, and the fast filler takes
 //! sixteen pixels at a time. Attributes are interpolated perspective-correctly.
+//! Which triangle covers each pixel:
 //!
-//! ![triangles]
+//! ![filling]
 //!
 //! ## 7. Hidden surfaces: [`hidden_surface`]
 //!
 //! The painter's algorithm sorts triangles, which fails where they cut each
 //! other (left); the depth buffer compares pixels (right).
 //!
-//! ![painter] ![depth-buffer]
+//! ![hidden-surfaces]
 //!
 //! The fast pipeline keeps depth reversed (1 near, 0 far), which spreads the
 //! precision of floats evenly, and the farthest depth of each 8x8 square, to
 //! leave out whole triangles and clusters behind it.
-//!
-//! ![depth] ![normals] ![surfaces]
 //!
 //! ## 8. Shading: [`shade`]
 //!
@@ -88,22 +98,35 @@
 //! corners (Gouraud) or at each pixel (Phong). Light is linear inside and
 //! encoded as sRGB at the end.
 //!
-//! ![flat] ![gouraud] ![phong]
+//! ![shading]
 //!
 //! ## 9. Anti-aliasing: [`AntiAliasing`]
 //!
 //! Coverage at four or eight samples a pixel with shading once, or everything
-//! at more samples.
+//! at more samples. None, four, eight, and supersampling; pixels enlarged:
 //!
-//! ![aliased] ![multisampled]
+//! ![anti-aliasing]
 //!
-//! ## 10. What engineers look at: [`EdgeOptions`], [`SectionPlane`]
+//! ## 10. Other outputs: [`Buffer`]
 //!
-//! Feature edges, silhouettes and hidden edges; sections with caps; ambient
-//! occlusion, a ground shadow and the axes; [`turntable`] and
-//! [`contact_sheet`].
+//! Depth, normals, surfaces, and how open each pixel is to light from
+//! everywhere.
 //!
-//! ![hidden-edges] ![section] ![presentation]
+//! ![outputs]
+//!
+//! ## 11. What engineers look at: [`EdgeOptions`], [`SectionPlane`]
+//!
+//! Feature edges, silhouettes and, dashed, hidden ones; wireframe and
+//! vertices; sections with hatched caps; ambient occlusion, a ground shadow
+//! and the axes.
+//!
+//! ![engineering]
+//!
+//! ## 12. Series: [`contact_sheet`], [`turntable`]
+//!
+//! Four views on one sheet, and the frames of an animation.
+//!
+//! ![series]
 //!
 //! # How the fast pipeline works
 //!

@@ -23,7 +23,9 @@ pub fn corner_normals(mesh: &Mesh, crease_angle: f64) -> Vec<[Vec3; 3]> {
     if mesh.corner_normals.len() == mesh.triangles.len() {
         return mesh.corner_normals.clone();
     }
-    let mut normals = vec![[Vec3::ZERO; 3]; mesh.triangles.len()];
+    // (Zeros from the system, which the threads touch first; `vec!` would write
+    // them here.)
+    let mut normals: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(mesh.triangles.len());
     let chunks = normals.chunks_mut(CHUNK).enumerate();
     let parts = chunks.map(|(k, chunk)| (k * CHUNK, chunk)).collect();
     compute(mesh, crease_angle, parts);

@@ -27,7 +27,7 @@ use crate::scene::Scene;
 use crate::section::cap_tile;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
-use crate::tile::{TILE, Tile};
+use crate::tile::{TILE, TileBuffer, Tiles};
 use crate::triad::draw_triad;
 
 /// Draws frames; keeps its working memory from one to the next.
@@ -39,7 +39,7 @@ pub struct Renderer {
     pub(crate) height: u32,
     /// Samples drawn along a pixel's side.
     pub(crate) scale: u32,
-    pub(crate) tiles: Vec<Tile>,
+    pub(crate) tiles: Tiles,
     bins: Vec<Bins>,
     order: Vec<(f32, u32)>,
 }
@@ -139,12 +139,12 @@ impl Renderer {
         let context = ShadeContext::new(scene, view, &matrix, options);
         let columns = (width as usize).div_ceil(TILE);
         let rows = (height as usize).div_ceil(TILE);
-        self.tiles.resize_with(columns * rows, Tile::default);
-        self.tiles.iter_mut().for_each(|tile| tile.drawn = false);
+        let samples = options.anti_aliasing.samples().len();
+        self.tiles.begin(columns * rows, samples);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
-            tiles: self.tiles.len() as u64,
+            tiles: (columns * rows) as u64,
             ..Stats::default()
         };
         let facing = Facing::of(scene, options);
@@ -184,7 +184,8 @@ impl Renderer {
             stats.triangles_clipped += counts.clipped;
             stats.triangles_tiny += counts.tiny;
         }
-        stats.tiles_empty = self.tiles.iter().filter(|tile| !tile.drawn).count() as u64;
+        let tiles = self.tiles.of_picture.iter();
+        stats.tiles_empty = tiles.filter(|tile| !tile.drawn).count() as u64;
         Ok(stats)
     }
 
@@ -206,11 +207,11 @@ impl Renderer {
             scene,
             matrix,
             facing,
-            tiles: &self.tiles,
+            tiles: &self.tiles.of_picture,
             columns,
             sample_range,
         };
-        let (level, tiles) = (self.level, self.tiles.len());
+        let (level, tiles) = (self.level, self.tiles.of_picture.len());
         let part = batch.len().div_ceil(self.bins.len()).max(1);
         self.bins.par_iter_mut().enumerate().for_each(|(k, bins)| {
             bins.clear(tiles);
@@ -230,9 +231,9 @@ impl Renderer {
         let samples = options.anti_aliasing.samples();
         let tiles = self.tiles.par_iter_mut().enumerate();
         tiles
-            .map(|(index, tile)| {
+            .map(|(index, mut tile)| {
                 let counts = level.run(FillTile {
-                    tile,
+                    tile: &mut tile,
                     index,
                     bins,
                     origin: origin(index, columns),
@@ -260,21 +261,21 @@ impl Renderer {
         let background = options.background;
         let tiles = self.tiles.par_iter_mut().zip(pieces).enumerate();
         tiles
-            .map_init(Scratch::default, |scratch, (index, (tile, rows))| {
+            .map_init(Scratch::default, |scratch, (index, (mut tile, rows))| {
                 let origin = origin(index, columns);
                 let mut counts = level.run(FillTile {
-                    tile,
+                    tile: &mut tile,
                     index,
                     bins,
                     origin,
                     samples,
                 });
                 if !context.scene.sections.is_empty() {
-                    cap_tile(tile, origin, samples, context);
+                    cap_tile(&mut tile, origin, samples, context);
                 }
                 counts.shaded = ResolveTile {
                     context,
-                    tile,
+                    tile: &tile,
                     origin: origin.map(|v| v as usize),
                     rows,
                     background,
@@ -326,15 +327,15 @@ fn batches(clusters: usize) -> Vec<usize> {
 }
 
 /// Fills the triangles of one batch into one tile.
-struct FillTile<'a> {
-    tile: &'a mut Tile,
+struct FillTile<'a, 'b> {
+    tile: &'a mut TileBuffer<'b>,
     index: usize,
     bins: &'a [Bins],
     origin: [i32; 2],
     samples: &'static [[i32; 2]],
 }
 
-impl Kernel for FillTile<'_> {
+impl Kernel for FillTile<'_, '_> {
     type Output = FillCounts;
     #[inline(always)]
     fn run<S: Lanes>(self, s: S) -> FillCounts {
@@ -342,11 +343,11 @@ impl Kernel for FillTile<'_> {
         for bins in self.bins {
             let pixels = &bins.pixels[self.index];
             if !pixels.is_empty() {
-                if !self.tile.drawn {
-                    self.tile.begin(self.samples.len(), false);
+                if !self.tile.tile.drawn {
+                    self.tile.begin(false);
                 }
                 counts.any = true;
-                fill_pixels(&mut self.tile.planes[0], pixels);
+                fill_pixels(self.tile, pixels);
             }
             for &entry in &bins.tiles[self.index] {
                 counts.any = true;

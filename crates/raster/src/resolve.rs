@@ -6,12 +6,12 @@ use crate::deferred::{Batch, Job, ShadeContext, shade};
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, TILE, Tile};
+use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
 
 /// Shades a tile into the pieces of the picture's rows that it covers.
 pub(crate) struct ResolveTile<'a, 'p> {
     pub context: &'a ShadeContext<'a>,
-    pub tile: &'a Tile,
+    pub tile: &'a TileBuffer<'a>,
     /// First pixel of the tile in the picture.
     pub origin: [usize; 2],
     pub rows: &'a mut [&'p mut [[u8; 4]]],
@@ -45,7 +45,7 @@ impl ResolveTile<'_, '_> {
     /// there are.
     pub fn run(self, level: Level) -> u64 {
         let background = encode(self.background);
-        if !self.tile.drawn {
+        if !self.tile.tile.drawn {
             for row in self.rows.iter_mut() {
                 row.fill(background);
             }
@@ -62,7 +62,7 @@ impl ResolveTile<'_, '_> {
             shares.clear();
             let blocks = &mut blocks[..width.div_ceil(BLOCK)];
             shaded += level.run(FindJobs {
-                tile: self.tile,
+                numbers: self.tile.triangle,
                 origin: self.origin,
                 by,
                 blocks,
@@ -86,7 +86,8 @@ impl ResolveTile<'_, '_> {
 
 /// Lists what is to be shaded in a row of blocks.
 struct FindJobs<'a> {
-    tile: &'a Tile,
+    /// The triangles of the tile, a plane for each sample.
+    numbers: &'a [OfPixels<i32>],
     origin: [usize; 2],
     /// Number of the row in the tile.
     by: usize,
@@ -107,7 +108,7 @@ impl Kernel for FindJobs<'_> {
                 self.origin[1] + self.by * BLOCK,
             ];
             let index = self.by * BLOCKS + bx;
-            *block = find_jobs(s, self.tile, index, at, self.batch, self.shares);
+            *block = find_jobs(s, self.numbers, index, at, self.batch, self.shares);
             shaded += u64::from(block.covered.count_ones());
         }
         shaded
@@ -164,20 +165,19 @@ fn copy_row(from: &[i32], to: &mut [[u8; 4]]) {
 #[inline(always)]
 fn find_jobs<S: Lanes>(
     s: S,
-    tile: &Tile,
+    planes: &[OfPixels<i32>],
     index: usize,
     at: [usize; 2],
     batch: &mut Batch,
     shares: &mut Vec<[f32; LANES]>,
 ) -> Block {
-    let planes = &tile.planes;
     let none = s.i(NO_TRIANGLE);
-    let first_lanes = &planes[0].triangle[index];
+    let first_lanes = &planes[0][index];
     let first = s.load_i(first_lanes);
     let mut alike = 0xffff;
     let mut covered = !first.eq(none).bits() & 0xffff;
     for plane in &planes[1..] {
-        let other = s.load_i(&plane.triangle[index]);
+        let other = s.load_i(&plane[index]);
         alike &= other.eq(first).bits();
         covered |= !other.eq(none).bits() & 0xffff;
     }
@@ -205,12 +205,12 @@ fn find_jobs<S: Lanes>(
     let zero = s.f(0.0);
     let weight = s.f(1.0 / planes.len() as f32);
     for (k, plane) in planes.iter().enumerate() {
-        let lanes = &plane.triangle[index];
+        let lanes = &plane[index];
         let triangle = s.load_i(lanes);
         let mut fresh = !triangle.eq(none).bits() & 0xffff;
         let mut samples = zero;
         for (other_k, other) in planes.iter().enumerate() {
-            let same = s.load_i(&other.triangle[index]).eq(triangle);
+            let same = s.load_i(&other[index]).eq(triangle);
             if other_k < k {
                 fresh &= !same.bits();
             }

@@ -60,8 +60,8 @@ impl Scene {
     }
 
     /// A scene to be drawn with this view, at this size and with these options
-    /// only: corner normals that the mesh does not bring are computed only
-    /// where they may be seen, which is about half of them. The picture is
+    /// only: corner normals are computed, or gathered, only where they may be
+    /// seen, which is about half of them. The picture is
     /// that of [`Scene::new`].
     #[must_use]
     pub fn for_view(
@@ -72,7 +72,7 @@ impl Scene {
         options: &RenderOptions,
     ) -> Self {
         // Silhouettes are looked for in faces that turn away, too.
-        let whole = mesh.corner_normals.len() == mesh.triangles.len() || options.edges.is_some();
+        let whole = options.edges.is_some();
         let [width, height] =
             [width, height].map(|side| side.saturating_mul(options.anti_aliasing.scale()));
         if whole || width.max(height) > MAX_SIZE {
@@ -84,17 +84,26 @@ impl Scene {
         // The very test that the renderer makes.
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         let facing = Facing::of(&scene, options);
-        let mut normals = vec![[Vec3::ZERO; 3]; mesh.triangles.len()];
-        let lengths = scene.clusters.iter().map(|c| c.triangles as usize);
-        let parts = scene.clusters.iter().zip(split(&mut normals, lengths));
-        let seen = parts.filter(|(cluster, _)| {
+        let seen = |cluster: &Cluster| {
             let visibility = cluster_visibility(cluster, &matrix, facing);
             matches!(visibility, Visibility::Possible(_))
-        });
-        let seen = seen.map(|(cluster, part)| (cluster.first_triangle as usize, part));
-        compute(&mesh, CREASE_ANGLE, seen.collect());
+        };
+        if mesh.corner_normals.len() == mesh.triangles.len() {
+            scene.normals = std::mem::take(&mut mesh.corner_normals);
+        } else {
+            scene.normals = bytemuck::zeroed_vec(mesh.triangles.len());
+            let lengths = scene.clusters.iter().map(|c| c.triangles as usize);
+            let parts = scene
+                .clusters
+                .iter()
+                .zip(split(&mut scene.normals, lengths));
+            let seen = parts.filter(|(cluster, _)| seen(cluster));
+            let seen = seen.map(|(cluster, part)| (cluster.first_triangle as usize, part));
+            compute(&mesh, CREASE_ANGLE, seen.collect());
+        }
         scene.triangles = std::mem::take(&mut mesh.triangles);
-        scene.with_normals(normals)
+        scene.gather_normals(seen);
+        scene
     }
 
     /// Makes a mesh ready, but for its normals.
@@ -148,7 +157,7 @@ impl Scene {
     /// Adds the normals of all triangles' corners.
     fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
         self.normals = normals;
-        self.gather_normals();
+        self.gather_normals(|_| true);
         self
     }
 

@@ -16,7 +16,7 @@ use crate::deferred::ShadeContext;
 use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
 use crate::scene::Scene;
-use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, Tile, capped};
+use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
 
 /// Most section planes at once.
 pub const MAX_SECTIONS: usize = 4;
@@ -255,20 +255,20 @@ impl Caps {
 
 /// Turns the samples of a tile that show the back of a face into cap.
 pub(crate) fn cap_tile(
-    tile: &mut Tile,
+    buffer: &mut TileBuffer,
     origin: [i32; 2],
     samples: &[[i32; 2]],
     context: &ShadeContext,
 ) {
     let (scene, matrix, caps) = (context.scene, context.matrix, &context.caps);
-    if !tile.drawn {
+    if !buffer.tile.drawn {
         return;
     }
     let mut last = (NO_TRIANGLE, false);
-    for (plane, sample) in tile.planes.iter_mut().zip(samples) {
+    for ((depths, numbers), sample) in buffer.planes().zip(samples) {
         for block in 0..BLOCKS * BLOCKS {
             for lane in 0..BLOCK_PIXELS {
-                let id = plane.triangle[block][lane];
+                let id = numbers[block][lane];
                 if id == NO_TRIANGLE {
                     continue;
                 }
@@ -284,11 +284,11 @@ pub(crate) fn cap_tile(
                     let sub = (pixel as i32 + origin[axis]) * 256 + sample[axis];
                     f64::from(sub - matrix.middle[axis])
                 };
-                let depth = &mut plane.depth[block][lane];
+                let depth = &mut depths[block][lane];
                 let (x, y) = (at(column, 0), at(row, 1));
                 if let Some((k, cap)) = caps.entry(&scene.sections, x, y, *depth) {
                     *depth = cap;
-                    plane.triangle[block][lane] = capped(id, k);
+                    numbers[block][lane] = capped(id, k);
                 }
             }
         }

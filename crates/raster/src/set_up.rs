@@ -4,9 +4,9 @@
 //! Sixteen triangles at a time while they are small; the few large ones one by
 //! one.
 
-use glam::{DMat3, DVec3, DVec4};
+use glam::{DMat3, DVec2, DVec3, DVec4};
 
-use crate::fill::{PixelOfTriangle, Record};
+use crate::fill::{PixelOfTriangle, Record, STEEP};
 use crate::fixed::{SUBPIXEL_BITS, SUBPIXELS, doubled_area, edge, is_top_left};
 use crate::geometry::{Bins, GeometryContext};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
@@ -125,6 +125,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
     let small = present & !empty & !large;
     bins.counts.facing_away += u64::from((small & !wanted).count_ones());
     let mut survivors = small & wanted;
+    let mut big = present & !empty & large;
     if survivors != 0 {
         // Edge functions, for corners taken clockwise, at the corner of the
         // first pixel.
@@ -157,6 +158,10 @@ pub(crate) fn set_up_triangles<S: Lanes>(
         let sound = zero_f.lt((exact_area.to_single() - half * snapped_area) * snapped_area);
         let right = sound.select_f(right, zero_f);
         let down = sound.select_f(down, zero_f);
+        let most = right.max(zero_f - right).max(down.max(zero_f - down));
+        let steep = survivors & s.f(STEEP).lt(most).bits();
+        survivors &= !steep;
+        big |= steep;
         let left_x = (x[0] - snapped_x[0].to_double()).to_single();
         let left_y = (y[0] - snapped_y[0].to_double()).to_single();
         // Snapping moves a corner by at most half a sub-pixel each way.
@@ -199,14 +204,12 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             push(record, context, bins);
         }
     }
-    let mut big = present & !empty & large;
     while big != 0 {
         let k = (big.trailing_zeros() as usize) % LANES;
         big &= big - 1;
         let corners = [0, 1, 2]
             .map(|c| DVec3::new(corners.x[c][k], corners.y[c][k], f64::from(corners.z[c][k])));
-        let plane = depth_plane(corners.map(|p| p.extend(1.0)));
-        set_up_one(corners, plane, first + k, context, bins);
+        set_up_one(corners, corner_plane(corners), first + k, context, bins);
     }
 }
 
@@ -301,21 +304,49 @@ fn push(record: Record, context: &GeometryContext, bins: &mut Bins) {
     }
 }
 
-/// The depth of a triangle's plane as (a, b, c) with Z/W = a X/W + b Y/W + c,
-/// from its corners in raster space, clipped or not; `None` if it is seen
-/// edge-on.
-pub(crate) fn depth_plane([p, q, r]: [DVec4; 3]) -> Option<DVec3> {
+/// The depth of a triangle's plane: at a point, in sub-pixels from the middle
+/// of the picture, and its change for one sub-pixel right and down.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DepthPlane {
+    at: DVec2,
+    z: f64,
+    slope: DVec2,
+}
+
+/// The plane with Z/W = a X/W + b Y/W + c through a triangle's corners in
+/// raster space, before clipping; `None` if it is seen edge-on.
+pub(crate) fn depth_plane([p, q, r]: [DVec4; 3]) -> Option<DepthPlane> {
     let window = |v: DVec4| DVec3::new(v.x, v.y, v.w);
     let matrix = DMat3::from_cols(window(p), window(q), window(r)).transpose();
     let plane = matrix.inverse() * DVec3::new(p.z, q.z, r.z);
-    (matrix.determinant() != 0.0 && plane.is_finite()).then_some(plane)
+    (matrix.determinant() != 0.0 && plane.is_finite()).then_some(DepthPlane {
+        at: DVec2::ZERO,
+        z: plane.z,
+        slope: plane.truncate(),
+    })
+}
+
+/// The plane through corners after the division. From differences to one of
+/// them, which keeps slivers far from the middle of the picture exact; `None`
+/// if one has less than half of its area before its corners are snapped.
+fn corner_plane([p, q, r]: [DVec3; 3]) -> Option<DepthPlane> {
+    let (d1, d2) = (q - p, r - p);
+    let area = d1.x * d2.y - d2.x * d1.y;
+    let [p0, q0, r0] = [p, q, r].map(|v| v.truncate().round());
+    let snapped = (q0 - p0).perp_dot(r0 - p0);
+    let slope = DVec2::new(d1.z * d2.y - d2.z * d1.y, d2.z * d1.x - d1.z * d2.x) / area;
+    ((area - snapped / 2.0) * snapped > 0.0 && slope.is_finite()).then_some(DepthPlane {
+        at: p.truncate(),
+        z: p.z,
+        slope,
+    })
 }
 
 /// Sets up one triangle of any size. Corners are in the order 0, 2, 1, in
 /// sub-pixels from the middle of the picture, with their depths.
 pub(crate) fn set_up_one(
     corners: [DVec3; 3],
-    plane: Option<DVec3>,
+    plane: Option<DepthPlane>,
     triangle: usize,
     context: &GeometryContext,
     bins: &mut Bins,
@@ -365,14 +396,18 @@ pub(crate) fn set_up_one(
         down[k] = b[0] - a[0];
     }
     let depths = corners.map(|p| p.z as f32);
-    let plane = plane.unwrap_or(DVec3::new(0.0, 0.0, corners[0].z));
+    let plane = plane.unwrap_or(DepthPlane {
+        at: DVec2::ZERO,
+        z: corners[0].z,
+        slope: DVec2::ZERO,
+    });
     // Depth is anchored at a corner, or where the picture comes nearest to it.
     let inside = |axis: usize, [low, high]: [i32; 2]| {
         points[0][axis].clamp(low * SUBPIXELS, high * SUBPIXELS + SUBPIXELS)
     };
     let anchor = [inside(0, x), inside(1, y)];
-    let [ax, ay] = [0, 1].map(|axis| f64::from(anchor[axis] - matrix.middle[axis]));
-    let slope = [plane.x, plane.y];
+    let from_middle = DVec2::from([0, 1].map(|axis| f64::from(anchor[axis] - matrix.middle[axis])));
+    let slope = plane.slope.to_array();
     let slack = (slope[0].abs() + slope[1].abs()) as f32;
     let record = Record {
         c,
@@ -381,7 +416,7 @@ pub(crate) fn set_up_one(
         x: x.map(|v| v as i16),
         y: y.map(|v| v as i16),
         anchor: [0, 1].map(|axis| (anchor[axis] - from[axis]) as f32),
-        z: plane.x * ax + plane.y * ay + plane.z,
+        z: plane.slope.dot(from_middle - plane.at) + plane.z,
         slope,
         z_low: (depths[0].min(depths[1]).min(depths[2]) - slack).max(0.0),
         z_high: depths[0].max(depths[1]).max(depths[2]) + slack,

@@ -20,8 +20,8 @@ const CHUNK: usize = 64;
 
 impl Scene {
     /// Finds the clusters whose vertices have one normal each, and keeps
-    /// these. O(triangles).
-    pub(crate) fn gather_normals(&mut self) {
+    /// these. O(triangles). Those that are not `seen` are passed over.
+    pub(crate) fn gather_normals(&mut self, seen: impl Fn(&Cluster) -> bool + Sync) {
         self.cluster_starts.clear();
         for (index, cluster) in self.clusters.iter().enumerate() {
             let end = (cluster.first_triangle + cluster.triangles) as usize;
@@ -30,7 +30,7 @@ impl Scene {
             }
         }
         let vertices = self.cluster_vertices[0].len();
-        let mut axes = [(); 3].map(|()| vec![f32::NAN; vertices]);
+        let mut axes = [(); 3].map(|()| vec![0f32; vertices]);
         let chunks = self.clusters.chunks(CHUNK);
         let padded = |chunk: &[Cluster]| chunk.iter().map(Cluster::padded_vertices).sum();
         let lengths: Vec<usize> = chunks.map(padded).collect();
@@ -48,6 +48,9 @@ impl Scene {
                 for cluster in clusters {
                     let own = at..at + cluster.padded_vertices();
                     at = own.end;
+                    if !seen(cluster) {
+                        continue;
+                    }
                     let own = [&mut x[own.clone()], &mut y[own.clone()], &mut z[own]];
                     let first = cluster.first_triangle as usize;
                     let range = first..first + cluster.triangles as usize;
@@ -78,6 +81,8 @@ impl Scene {
 /// Puts the normals of a cluster's corners to its vertices; returns whether
 /// there is but one at each.
 fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], [x, y, z]: [&mut [f32]; 3]) -> bool {
+    // No normal yet.
+    x.fill(f32::NAN);
     let mut smooth = true;
     for (local, corner_normals) in local.iter().zip(normals) {
         for (&vertex, normal) in local.iter().zip(corner_normals) {

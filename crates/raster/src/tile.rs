@@ -1,6 +1,8 @@
 //! Tiles: squares of the picture with a visibility buffer (depth and triangle
 //! for each sample), each worked on by one thread at a time.
 
+use rayon::prelude::*;
+
 /// Width and height of a tile in pixels.
 pub(crate) const TILE: usize = 64;
 /// log2 of [`TILE`].
@@ -33,28 +35,67 @@ pub(crate) fn decode(number: i32) -> (usize, Option<usize>) {
     }
 }
 
-/// Depth (reversed: 1 near, 0 far) and triangle of one sample in each pixel.
-#[derive(Clone, Debug)]
-pub(crate) struct Plane {
-    /// By block, row by row; 16 pixels a block, row by row.
-    pub depth: Box<[[f32; BLOCK_PIXELS]; BLOCKS * BLOCKS]>,
-    pub triangle: Box<[[i32; BLOCK_PIXELS]; BLOCKS * BLOCKS]>,
+/// One value for one sample of each pixel of a tile: by block, row by row; 16
+/// pixels a block, row by row.
+pub(crate) type OfPixels<T> = [[T; BLOCK_PIXELS]; BLOCKS * BLOCKS];
+
+/// The visibility buffer of a picture, tile by tile: one after the other in
+/// memory, so that it comes in large pages.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tiles {
+    pub of_picture: Vec<Tile>,
+    /// Samples a pixel.
+    samples: usize,
+    /// Reversed depth (1 near, 0 far), a plane for each sample of each tile.
+    depth: Vec<OfPixels<f32>>,
+    /// The triangle's number, likewise.
+    triangle: Vec<OfPixels<i32>>,
 }
 
-impl Plane {
-    fn new() -> Self {
-        Self {
-            depth: Box::new([[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]),
-            triangle: Box::new([[NO_TRIANGLE; BLOCK_PIXELS]; BLOCKS * BLOCKS]),
+impl Tiles {
+    /// Makes room for so many tiles, none of them drawn.
+    pub fn begin(&mut self, tiles: usize, samples: usize) {
+        self.of_picture.resize_with(tiles, Tile::default);
+        self.of_picture.iter_mut().for_each(|t| t.drawn = false);
+        self.samples = samples;
+        if self.depth.len() != tiles * samples {
+            // Zeros from the system, which the threads that draw touch first.
+            self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
+            self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
         }
+    }
+
+    /// All tiles, each for one thread.
+    pub fn par_iter_mut(&mut self) -> impl IndexedParallelIterator<Item = TileBuffer<'_>> {
+        let samples = self.samples.max(1);
+        self.of_picture
+            .par_iter_mut()
+            .zip(self.depth.par_chunks_mut(samples))
+            .zip(self.triangle.par_chunks_mut(samples))
+            .map(|((tile, depth), triangle)| TileBuffer {
+                tile,
+                depth,
+                triangle,
+            })
+    }
+
+    /// Number and depth of the first sample of a pixel of a tile, if anything
+    /// was drawn there.
+    pub fn first_sample(&self, tile: usize, x: usize, y: usize) -> Option<(i32, f32)> {
+        if !self.of_picture.get(tile)?.drawn {
+            return None;
+        }
+        let plane = tile * self.samples;
+        let block = y / BLOCK * BLOCKS + x / BLOCK;
+        let lane = y % BLOCK * BLOCK + x % BLOCK;
+        let number = self.triangle.get(plane)?.get(block)?[lane];
+        (number != NO_TRIANGLE).then(|| (number, self.depth[plane][block][lane]))
     }
 }
 
-/// The visibility buffer of one tile.
+/// What is known of a tile without looking at its pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Tile {
-    /// One for each sample; none while nothing was drawn.
-    pub planes: Vec<Plane>,
     /// Whether this frame drew here; if not, the planes hold old data.
     pub drawn: bool,
     /// A depth at or in front of which every sample of each 8x8 pixel square
@@ -70,7 +111,6 @@ pub(crate) const SQUARES: usize = TILE / 8;
 impl Default for Tile {
     fn default() -> Self {
         Self {
-            planes: Vec::new(),
             drawn: false,
             farthest: [0.0; SQUARES * SQUARES],
             farthest_of_all: 0.0,
@@ -78,33 +118,44 @@ impl Default for Tile {
     }
 }
 
-impl Tile {
+/// The visibility buffer of one tile, while a thread works on it.
+pub(crate) struct TileBuffer<'a> {
+    pub tile: &'a mut Tile,
+    /// Reversed depth, a plane for each sample.
+    pub depth: &'a mut [OfPixels<f32>],
+    /// The triangle's number, likewise.
+    pub triangle: &'a mut [OfPixels<i32>],
+}
+
+impl TileBuffer<'_> {
     /// Makes the tile ready for its first triangle of a frame, which leaves
     /// nothing of what is there if `covered`.
-    pub fn begin(&mut self, samples: usize, covered: bool) {
-        if self.planes.len() != samples {
-            self.planes.clear();
-            self.planes.resize_with(samples, Plane::new);
-        } else if !covered {
-            for plane in &mut self.planes {
-                plane.depth.fill([0.0; BLOCK_PIXELS]);
-                plane.triangle.fill([NO_TRIANGLE; BLOCK_PIXELS]);
-            }
+    pub fn begin(&mut self, covered: bool) {
+        if !covered {
+            self.depth.as_flattened_mut().fill([0.0; BLOCK_PIXELS]);
+            let numbers = self.triangle.as_flattened_mut();
+            numbers.fill([NO_TRIANGLE; BLOCK_PIXELS]);
         }
-        self.farthest = [0.0; SQUARES * SQUARES];
-        self.farthest_of_all = 0.0;
-        self.drawn = true;
+        *self.tile = Tile {
+            drawn: true,
+            ..Tile::default()
+        };
+    }
+
+    /// Depth and number planes, sample by sample.
+    pub fn planes(&mut self) -> impl Iterator<Item = (&mut OfPixels<f32>, &mut OfPixels<i32>)> {
+        self.depth.iter_mut().zip(self.triangle.iter_mut())
     }
 
     /// Brings the hierarchical depth up to date.
     #[inline(always)]
     pub fn update_farthest(&mut self) {
-        for (square, farthest) in self.farthest.iter_mut().enumerate() {
+        for (square, farthest) in self.tile.farthest.iter_mut().enumerate() {
             let (sx, sy) = (square % SQUARES, square / SQUARES);
             let mut lanes = [f32::INFINITY; BLOCK_PIXELS];
-            for plane in &self.planes {
+            for plane in self.depth.iter() {
                 for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    let block = &plane.depth[(sy * 2 + dy) * BLOCKS + sx * 2 + dx];
+                    let block = &plane[(sy * 2 + dy) * BLOCKS + sx * 2 + dx];
                     for (lane, z) in lanes.iter_mut().zip(block) {
                         *lane = if *z < *lane { *z } else { *lane };
                     }
@@ -112,6 +163,7 @@ impl Tile {
             }
             *farthest = lanes.into_iter().fold(f32::INFINITY, f32::min);
         }
-        self.farthest_of_all = self.farthest.iter().copied().fold(f32::INFINITY, f32::min);
+        let farthest = self.tile.farthest.iter().copied();
+        self.tile.farthest_of_all = farthest.fold(f32::INFINITY, f32::min);
     }
 }

@@ -12,10 +12,7 @@ const HEIGHT: u32 = 270;
 
 /// Draws a mesh and compares every pixel's depth with the depth of its
 /// triangle's plane there, in units of 2^-24. Returns the worst, the steepest
-/// change in a pixel that occurs, and the number of pixels. What the faces
-/// seen edge-on exceed is taken off: where depth runs through a quarter of its
-/// range or more within a pixel, its change within a block of 4x4 pixels is
-/// itself rounded to more than a unit.
+/// change in a pixel that occurs, and the number of pixels.
 fn worst(mesh: &Mesh, view: &View) -> (f64, f64, usize) {
     let mut renderer = Renderer::default();
     let mut options = RenderOptions::default();
@@ -31,13 +28,12 @@ fn worst(mesh: &Mesh, view: &View) -> (f64, f64, usize) {
     for (k, id) in ids.values.iter().enumerate() {
         let Some(id) = *id else { continue };
         let plane = planes[id as usize];
-        let x = f64::from(k as u32 % WIDTH) + 0.5;
-        let y = f64::from(k as u32 / WIDTH) + 0.5;
-        let exact = plane.dot(DVec3::new(x, y, 1.0));
-        let units = (f64::from(depth.values[k]) - exact).abs() * f64::from(1 << 24);
+        let pixel = [k as u32 % WIDTH, k as u32 / WIDTH];
+        let found = f64::from(depth.values[k]);
+        let bounds = common::depth_bounds(mesh, view, [WIDTH, HEIGHT], id, plane);
+        let units = common::depth_error(found, plane, bounds, pixel);
+        worst = worst.max(units);
         let slope = plane.truncate().length();
-        let rounding = if slope < 0.25 { 0.0 } else { 4.0 * slope };
-        worst = worst.max(units - rounding);
         steepest = steepest.max(slope);
         count += 1;
     }

@@ -153,3 +153,43 @@ pub fn reversed_depth_planes(mesh: &Mesh, view: &View, size: [u32; 2]) -> Vec<DV
     };
     (0..mesh.triangles.len()).map(plane).collect()
 }
+
+/// Between what a triangle's reversed depth is held: that of its corners, and
+/// what snapping them to 1/256 pixel can change of it; without bounds where it
+/// is clipped.
+pub fn depth_bounds(
+    mesh: &Mesh,
+    view: &View,
+    [width, height]: [u32; 2],
+    triangle: u32,
+    plane: DVec3,
+) -> [f64; 2] {
+    let viewport = raster::Viewport::of_image(width, height);
+    let slack = plane.truncate().abs().element_sum() / 256.0;
+    let mut bounds = [f64::INFINITY, f64::NEG_INFINITY];
+    for p in mesh.corners(triangle as usize) {
+        match viewport.project(view, p).map(|window| 1.0 - window.z) {
+            Some(z) if (0.0..=1.0).contains(&z) => {
+                bounds = [bounds[0].min(z - slack), bounds[1].max(z + slack)];
+            }
+            _ => return [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+    bounds
+}
+
+/// How far, in units of 2^-24, a pixel's reversed depth is from that of its
+/// triangle's plane ([`reversed_depth_planes`]) within its bounds: corners are
+/// snapped to 1/256 pixel, so that a pixel may lie so far outside its triangle.
+/// A triangle whose depth runs through a quarter of its range within 1/256
+/// pixel is seen edge-on to within snapping and has no plane to speak of: it
+/// is only held within its bounds.
+pub fn depth_error(found: f64, plane: DVec3, [low, high]: [f64; 2], pixel: [u32; 2]) -> f64 {
+    let [x, y] = pixel.map(|v| f64::from(v) + 0.5);
+    let wanted = if plane.truncate().length() < 64.0 {
+        plane.dot(DVec3::new(x, y, 1.0))
+    } else {
+        found
+    };
+    (found - wanted.clamp(low, high)).abs() * f64::from(1 << 24)
+}
