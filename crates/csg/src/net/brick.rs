@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::lattice::SAMPLES;
 use super::loops::next_axes;
-use crate::program::{Cell, Formula, Operand, Operation, Surface};
+use crate::program::{Cell, Formula, Operand, Operation, Reach, Side, Surface};
 
 /// One bit per sample.
 pub(super) type Mask = [u64; WORDS];
@@ -46,9 +46,10 @@ impl Samples {
 }
 
 /// The samples with f <= 0. Bit for bit [`Surface::value`]: the coefficients
-/// of a layer's rows first, all at once, then every row by Horner's rule.
+/// of a layer's rows first, all at once, then every row by Horner's rule;
+/// layers beyond the surface's reach are known without.
 #[inline(always)]
-pub(super) fn surface_signs(surface: &Surface, samples: &Samples, signs: &mut Mask) {
+pub(super) fn surface_signs(surface: &Surface, reach: &Reach, samples: &Samples, signs: &mut Mask) {
     let anchor = surface.anchor();
     let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
     let (mut dx, mut dy) = (samples.x, samples.y);
@@ -69,6 +70,10 @@ pub(super) fn surface_signs(surface: &Surface, samples: &Samples, signs: &mut Ma
     }
     let rows_are_constant = [xx, xy, zx, linear.x] == [0.0; 4];
     for (layer, words) in signs.chunks_exact_mut(LAYER).enumerate() {
+        if let Some(side) = reach.side_of_layer(samples.z[layer]) {
+            words.fill(if side == Side::Inside { u64::MAX } else { 0 });
+            continue;
+        }
         let dz = samples.z[layer] - anchor.z;
         let (mut b, mut c) = ([0.0; SAMPLES], [0.0; SAMPLES]);
         for i in 0..SAMPLES {
@@ -393,12 +398,22 @@ impl Default for Classified {
 
 impl Classified {
     /// Classifies all samples of a brick; `surfaces` is the whole program's
-    /// list in the local frame.
+    /// list in the local frame, with their reaches.
     #[inline(always)]
-    pub fn classify(&mut self, cell: &Cell, surfaces: &[Surface], samples: &Samples) {
+    pub fn classify(
+        &mut self,
+        cell: &Cell,
+        (surfaces, reaches): (&[Surface], &[Reach]),
+        samples: &Samples,
+    ) {
         self.signs.resize(cell.surfaces.len(), [0; WORDS]);
         for (&id, signs) in cell.surfaces.iter().zip(&mut self.signs) {
-            surface_signs(&surfaces[id as usize], samples, signs);
+            surface_signs(
+                &surfaces[id as usize],
+                &reaches[id as usize],
+                samples,
+                signs,
+            );
         }
         solid_signs(&cell.formula, &self.signs, &mut self.gates, &mut self.solid);
     }

@@ -33,13 +33,13 @@ pub(super) struct Run {
 }
 
 /// The triangles of a mesh under repair.
-pub(super) struct Cleaner<'a> {
+pub(super) struct Cleaner<'a, N> {
     pub positions: &'a [DVec3],
     pub triangles: &'a mut [[u32; 3]],
     pub runs: &'a [Run],
-    /// All triangles at corners of bad ones, and at the corners of those, are
-    /// in these ranges.
-    pub near: &'a [Range<usize>],
+    /// Tells ranges of triangles, in ascending order, among which are all that
+    /// had one of the given vertices as a corner to begin with.
+    pub near: N,
     pub surfaces: &'a [Surface],
     /// A triangle of less area than this is to be taken out.
     pub least_area: f64,
@@ -54,6 +54,8 @@ pub(super) struct Cleaned {
     pub removed: Vec<u32>,
     /// Vertices that are gone.
     pub merged: FxHashSet<u32>,
+    /// Triangles that have got other corners, in ascending order.
+    pub altered: Vec<u32>,
     /// Triangles that stayed as they are.
     pub left: Vec<u32>,
 }
@@ -66,14 +68,14 @@ struct Face {
     reversed: bool,
 }
 
-const NONE: u32 = u32::MAX;
-
 /// The faces around the vertices in question.
 #[derive(Default)]
 struct Stars {
-    /// Per vertex its star's place in the list, or `NONE`.
+    /// Per vertex its star's place in the list, counted from 1; 0 for none.
     place: Vec<u32>,
     stars: Vec<Star>,
+    /// The vertices, in the list's order.
+    vertices: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -85,19 +87,22 @@ struct Star {
 
 impl Stars {
     fn get(&self, vertex: u32) -> Option<&Star> {
-        self.stars.get(self.place[vertex as usize] as usize)
+        let place = self.place[vertex as usize] as usize;
+        self.stars.get(place.wrapping_sub(1))
     }
 
     fn get_mut(&mut self, vertex: u32) -> Option<&mut Star> {
-        self.stars.get_mut(self.place[vertex as usize] as usize)
+        let place = self.place[vertex as usize] as usize;
+        self.stars.get_mut(place.wrapping_sub(1))
     }
 
     /// Sees to it that a vertex has a star.
     fn want(&mut self, vertex: u32) {
         let place = &mut self.place[vertex as usize];
-        if *place == NONE {
-            *place = self.stars.len() as u32;
+        if *place == 0 {
             self.stars.push(Star::default());
+            self.vertices.push(vertex);
+            *place = self.stars.len() as u32;
         }
     }
 }
@@ -124,6 +129,7 @@ struct Work {
     stars: Stars,
     removed: FxHashSet<u32>,
     merged: FxHashSet<u32>,
+    altered: Vec<u32>,
     /// Triangles that lost their area.
     flattened: Vec<Face>,
     /// Scratch memory: the vertices around two vertices, and the faces that a
@@ -133,7 +139,7 @@ struct Work {
     flat: Vec<Face>,
 }
 
-impl Cleaner<'_> {
+impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
     /// Takes out the `bad` triangles as far as that can be done.
     pub fn clean(&mut self, bad: &[u32]) -> Cleaned {
         /// A collapse may make room for another.
@@ -142,13 +148,16 @@ impl Cleaner<'_> {
         let pending = bad.iter().map(|&triangle| self.face(triangle));
         let mut pending: Vec<Face> = pending.filter(|&face| self.is_bad(face)).collect();
         for thorough in [false, true] {
-            // More than a few in a thousand come of details smaller than a
-            // cell: not worth the while, which grows with their number.
-            let too_many = pending.len() > 1000 + self.triangles.len() / 500;
-            if pending.is_empty() || (thorough && too_many) {
+            // Where they are many they come of details smaller than a cell,
+            // and most would stay: not worth the while.
+            let share = if thorough { 500 } else { 50 };
+            let too_many = pending.len() > 1000 + self.triangles.len() / share;
+            if pending.is_empty() || too_many {
                 break;
             }
-            work.stars = self.stars(&pending, thorough, &work.removed);
+            work.altered.sort_unstable();
+            work.altered.dedup();
+            work.stars = self.stars(&pending, thorough, &work);
             let mut tries: Vec<Pending> = pending.iter().map(|&face| Pending::new(face)).collect();
             for _ in 0..ROUNDS {
                 let before = tries.len();
@@ -166,9 +175,11 @@ impl Cleaner<'_> {
         }
         let mut removed: Vec<u32> = work.removed.into_iter().collect();
         removed.sort_unstable();
+        work.altered.sort_unstable();
         Cleaned {
             removed,
             merged: work.merged,
+            altered: work.altered,
             left: pending.iter().map(|face| face.triangle).collect(),
         }
     }
@@ -188,9 +199,18 @@ impl Cleaner<'_> {
         !self.is_bad(face) || self.take_out(face, work) || (thorough && self.thin_out(face, work))
     }
 
-    fn face(&self, triangle: u32) -> Face {
+    /// The run that a triangle belongs to.
+    fn run(&self, triangle: u32) -> usize {
         let after = self.runs.partition_point(|run| run.start <= triangle);
-        let run = &self.runs[after.saturating_sub(1)];
+        after.saturating_sub(1)
+    }
+
+    fn face(&self, triangle: u32) -> Face {
+        self.face_of(triangle, self.run(triangle))
+    }
+
+    fn face_of(&self, triangle: u32, run: usize) -> Face {
+        let run = &self.runs[run];
         Face {
             triangle,
             surface: run.surface,
@@ -204,22 +224,37 @@ impl Cleaner<'_> {
 
     /// The stars of all vertices of the bad triangles; if it is to be thorough,
     /// of their neighbours, too.
-    fn stars(&self, bad: &[Face], thorough: bool, removed: &FxHashSet<u32>) -> Stars {
+    fn stars(&self, bad: &[Face], thorough: bool, work: &Work) -> Stars {
         let mut stars = Stars {
-            place: vec![NONE; self.positions.len()],
-            stars: Vec::new(),
+            place: vec![0; self.positions.len()],
+            ..Stars::default()
         };
         let around = |stars: &Stars| -> Vec<Face> {
             let is_around = |&triangle: &usize| {
                 let mut corners = self.triangles[triangle].iter();
-                corners.any(|&v| stars.place[v as usize] != NONE)
+                corners.any(|&v| stars.place[v as usize] != 0)
             };
-            self.near
-                .par_iter()
-                .flat_map_iter(|range| range.clone().filter(is_around))
-                .map(|triangle| self.face(triangle as u32))
-                .filter(|face| !removed.contains(&face.triangle))
-                .collect()
+            let ranges = (self.near)(&stars.vertices);
+            let is_elsewhere = |&triangle: &u32| {
+                let after = ranges.partition_point(|range| range.end <= triangle as usize);
+                let range = ranges.get(after);
+                !range.is_some_and(|range| range.contains(&(triangle as usize)))
+            };
+            let elsewhere = work.altered.iter().copied().filter(is_elsewhere);
+            let elsewhere = elsewhere.filter(|&triangle| is_around(&(triangle as usize)));
+            let mut faces: Vec<Face> = elsewhere.map(|triangle| self.face(triangle)).collect();
+            faces.par_extend(ranges.par_iter().flat_map_iter(|range| {
+                let mut run = self.run(range.start as u32);
+                range.clone().filter(is_around).map(move |triangle| {
+                    let is_behind = |run: &Run| run.start as usize <= triangle;
+                    while self.runs.get(run + 1).is_some_and(is_behind) {
+                        run += 1;
+                    }
+                    self.face_of(triangle as u32, run)
+                })
+            }));
+            faces.retain(|face| !work.removed.contains(&face.triangle));
+            faces
         };
         let want = |faces: &[Face], stars: &mut Stars| {
             let corners = faces.iter().flat_map(|&face| self.corners(face));
@@ -250,17 +285,20 @@ impl Cleaner<'_> {
             .any(|&face| self.corners(face).into_iter().any(has_changed))
     }
 
-    /// Twice the area of a face with the given corners, negative if it is
-    /// folded over.
-    fn signed_area(&self, face: Face, corners: [u32; 3]) -> f64 {
+    /// The area of a face with the given corners.
+    fn area(&self, face: Face, corners: [u32; 3]) -> Area {
         let [p, q, r] = corners.map(|v| self.positions[v as usize]);
         let gradient = self.surfaces[face.surface as usize].gradient((p + q + r) / 3.0);
         let outward = if face.reversed { -gradient } else { gradient };
-        (q - p).cross(r - p).dot(outward.normalize_or_zero())
+        Area {
+            scaled: (q - p).cross(r - p).dot(outward),
+            square: gradient.length_squared(),
+        }
     }
 
     fn is_bad(&self, face: Face) -> bool {
-        self.signed_area(face, self.corners(face)) <= 2.0 * self.least_area
+        let area = self.area(face, self.corners(face));
+        !area.is_above(self.least_area)
     }
 
     fn square(&self, u: u32, v: u32) -> f64 {
@@ -373,20 +411,23 @@ impl Cleaner<'_> {
             let surface = &self.surfaces[surface as usize];
             known() || solve::residual(std::iter::once(surface), place) <= self.tolerance
         };
-        if !star.iter().all(|face| is_kept(face.surface)) {
-            return false;
+        let mut last = u32::MAX;
+        for face in star {
+            if face.surface != last && !is_kept(face.surface) {
+                return false;
+            }
+            last = face.surface;
         }
         let survives = |face: &&Face| !dying.contains(face);
         // The test that fails most often comes first.
-        let limit = 2.0 * self.least_area;
         work.flat.clear();
         for &face in star.iter().filter(survives) {
             let moved = self.corners(face).map(|v| if v == gone { kept } else { v });
-            let area = self.signed_area(face, moved);
-            if area > limit {
+            let area = self.area(face, moved);
+            if area.is_above(self.least_area) {
                 continue;
             }
-            let is_flat = area >= -limit;
+            let is_flat = area.is_within(self.least_area);
             if !(is_flat && (self.is_bad(face) || self.has_short_edge(moved))) {
                 return false;
             }
@@ -459,12 +500,33 @@ impl Cleaner<'_> {
         for &face in &star {
             let corners = &mut self.triangles[face.triangle as usize];
             *corners = corners.map(|v| if v == gone { kept } else { v });
+            work.altered.push(face.triangle);
             change(*corners, stars);
         }
         if let Some(kept_star) = stars.get_mut(kept) {
             kept_star.faces.extend(star);
             kept_star.changed = now;
         }
+    }
+}
+
+/// A triangle's area, seen from outside: negative if it is folded over.
+#[derive(Clone, Copy)]
+struct Area {
+    /// Twice the area times the length of the surface's gradient,
+    scaled: f64,
+    /// and the square of that length.
+    square: f64,
+}
+
+impl Area {
+    fn is_above(self, limit: f64) -> bool {
+        self.scaled > 0.0 && self.scaled * self.scaled > 4.0 * limit * limit * self.square
+    }
+
+    /// Whether it is as good as none, either way.
+    fn is_within(self, limit: f64) -> bool {
+        self.scaled * self.scaled <= 4.0 * limit * limit * self.square
     }
 }
 

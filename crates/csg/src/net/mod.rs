@@ -18,6 +18,8 @@ mod brick;
 mod cleanup;
 mod lattice;
 mod loops;
+mod meet;
+mod near;
 #[cfg(test)]
 mod on_sample_tests;
 mod part;
@@ -33,15 +35,15 @@ mod validity;
 
 use std::cell::RefCell;
 use std::ops::Range;
-use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use self::cleanup::{Cleaner, Run};
+use self::cleanup::Cleaner;
 use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
 use self::place::{Placer, Scene};
@@ -83,8 +85,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         // Far from the origin the surfaces' own places are rounded.
         tolerance: ON_SURFACE * task.size.max_element() + 8.0 * f64::EPSILON * task.origin.length(),
     };
-    let mut pruned = 0;
-    let blocks = blocks(&scene, task.program.root_cell(), &mut pruned);
+    let (blocks, mut pruned) = blocks(&scene, &task.program.root_cell());
     let start = report.end_stage("blocks", start);
 
     let stage = task.control.stage(blocks.len() as u64, 0.0, 0.7);
@@ -124,13 +125,17 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         leftovers
     });
     let start = report.end_stage("stitch", start);
-    let runs = runs(&parts, &stitched);
-    let near = near_bad_triangles(&parts, &stitched);
+    let runs = near::runs(&parts, &stitched);
+    let further = 2 * parts.iter().map(|part| part.polygons.len()).sum::<usize>();
+    let further = further..stitched.triangles.len();
+    let near = |vertices: &[u32]| {
+        near::triangles_around(&stitcher, vertices.iter().copied(), further.clone())
+    };
     let cleaned = Cleaner {
         positions: &positions,
         triangles: &mut stitched.triangles,
         runs: &runs,
-        near: &near,
+        near,
         surfaces: &task.surfaces,
         least_area,
         // Of the rounding that vertices are allowed most is spent on their
@@ -148,9 +153,14 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         let place = (p + q + r) / 3.0 + task.origin;
         report.add_fallback(FallbackKind::Degenerate.describe(), place);
     }
+    if !cleaned.merged.is_empty() {
+        let last = (positions.len() - cleaned.merged.len()) as u32..positions.len() as u32;
+        let mut naming = near::triangles_around(&stitcher, last, further);
+        naming.extend(cleaned.altered.iter().map(|&t| t as usize..t as usize + 1));
+        remove_vertices(&mut positions, &mut triangles, &naming, &cleaned.merged);
+    }
     remove_marked(&mut triangles, &cleaned.removed);
     remove_marked(&mut triangle_surfaces, &cleaned.removed);
-    remove_vertices(&mut positions, &mut triangles, &cleaned.merged);
     for part in &parts {
         report.surface_cells += part.surface_cells;
         report.cells_visited += part.bricks_sampled * (CELLS * CELLS * CELLS) as u64;
@@ -236,27 +246,38 @@ fn children(from: UVec3, to: UVec3) -> impl Iterator<Item = (UVec3, UVec3)> {
     })
 }
 
-/// The blocks in which something varies, in a fixed order.
-fn blocks(scene: &Scene<'_>, root: Cell, pruned: &mut u64) -> Vec<Block> {
+/// The blocks in which something varies, in a fixed order; and how many cells
+/// are in none.
+fn blocks(scene: &Scene<'_>, root: &Cell) -> (Vec<Block>, u64) {
     let all = scene.lattice.bricks;
     let largest = all.max_element().div_ceil(BLOCKS_ALONG);
-    let mut pruner = Pruner::default();
-    let mut done = Vec::new();
-    let mut pending = vec![(UVec3::ZERO, all, Rc::new(root))];
-    while let Some((from, to, parent)) = pending.pop() {
+    let is_small = |block: &Block| (block.to - block.from).max_element() <= largest;
+    let outside = AtomicU64::new(0);
+    let varying = |above: &Cell, from, to, pruner: &mut Pruner| {
         let (center, half) = scene.lattice.bricks_box(from, to);
         let mut cell = Cell::default();
-        parent.prune_reaching_into(scene.table(), center, half, &mut pruner, &mut cell);
+        above.prune_reaching_into(scene.table(), center, half, pruner, &mut cell);
         if cell.constant().is_some() {
-            *pruned += cells_in(from, to);
-        } else if (to - from).max_element() <= largest {
-            done.push(Block { from, to, cell });
-        } else {
-            let cell = Rc::new(cell);
-            pending.extend(children(from, to).map(|(from, to)| (from, to, Rc::clone(&cell))));
+            outside.fetch_add(cells_in(from, to), Ordering::Relaxed);
+            return None;
         }
+        Some(Block { from, to, cell })
+    };
+    let whole = varying(root, UVec3::ZERO, all, &mut Pruner::default());
+    let mut blocks: Vec<Block> = whole.into_iter().collect();
+    while !blocks.iter().all(is_small) {
+        let halves = blocks.into_par_iter().flat_map_iter(|block| {
+            if is_small(&block) {
+                return vec![block];
+            }
+            let mut pruner = Pruner::default();
+            children(block.from, block.to)
+                .filter_map(|(from, to)| varying(&block.cell, from, to, &mut pruner))
+                .collect()
+        });
+        blocks = halves.collect();
     }
-    done
+    (blocks, outside.into_inner())
 }
 
 /// One worker: walks the bricks of a block, its scratch memory reused.
@@ -320,80 +341,6 @@ where
     all
 }
 
-/// The runs of triangles on one surface; none if no triangle is bad.
-fn runs(parts: &[Part], stitched: &Stitched) -> Vec<Run> {
-    if stitched.bad.is_empty() {
-        return Vec::new();
-    }
-    let regular = parts.iter().flat_map(|part| &part.groups);
-    let regular = regular.map(|group| (group, 2 * group.count));
-    let further = stitched.further.iter();
-    let further = further.map(|&(part, group)| (&parts[part].groups[group as usize], 1));
-    let mut start = 0;
-    regular
-        .chain(further)
-        .map(|(group, count)| {
-            let run = Run {
-                start,
-                surface: group.surface,
-                reversed: group.reversed,
-            };
-            start += count;
-            run
-        })
-        .collect()
-}
-
-/// The triangles, part by part, that cleaning up has to do with: polygons share
-/// vertices with those of the bricks next to theirs, bad triangles' neighbours
-/// are looked at as well, and mergers move triangles by some cells.
-fn near_bad_triangles(parts: &[Part], stitched: &Stitched) -> Vec<Range<usize>> {
-    /// Pairs of parts to compare at most, before all count as near.
-    const MOST_PAIRS: usize = 1 << 18;
-    /// In bricks.
-    const NEAR: u32 = 3;
-    let mut end = 0;
-    let mut ranges: Vec<Range<usize>> = parts
-        .iter()
-        .map(|part| {
-            let start = end;
-            end += 2 * part.polygons.len();
-            start..end
-        })
-        .collect();
-    let mut owners: Vec<usize> = stitched.further.iter().map(|&(part, _)| part).collect();
-    for &bad in &stitched.bad {
-        let owner = ranges.partition_point(|range| range.end <= bad as usize);
-        if owner < parts.len() && owners.last() != Some(&owner) {
-            owners.push(owner);
-        }
-    }
-    owners.sort_unstable();
-    owners.dedup();
-    if owners.len() * parts.len() <= MOST_PAIRS {
-        // The boxes of bricks, from and to (inclusive).
-        let extents: Vec<(UVec3, UVec3)> = parts
-            .iter()
-            .map(|part| {
-                let bricks = part.bricks.iter().map(|brick| brick.position);
-                bricks.fold((UVec3::MAX, UVec3::ZERO), |(from, to), brick| {
-                    (from.min(brick), to.max(brick))
-                })
-            })
-            .collect();
-        let touch = |a: (UVec3, UVec3), b: (UVec3, UVec3)| {
-            a.0.cmple(b.1 + NEAR).all() && b.0.cmple(a.1 + NEAR).all()
-        };
-        let is_near = |part: usize| owners.iter().any(|&o| touch(extents[part], extents[o]));
-        ranges = (0..parts.len())
-            .filter(|&part| is_near(part))
-            .map(|part| ranges[part].clone())
-            .collect();
-    }
-    ranges.push(end..stitched.triangles.len());
-    ranges
-}
-
 /// Removes the items at the given ascending places; the last ones take them.
 fn remove_marked<T>(items: &mut Vec<T>, removed: &[u32]) {
     for &index in removed.iter().rev() {
@@ -401,16 +348,14 @@ fn remove_marked<T>(items: &mut Vec<T>, removed: &[u32]) {
     }
 }
 
-/// Removes vertices that no triangle names any more; the last ones take their
-/// places.
+/// Removes vertices that no triangle is to name any more; the last ones take
+/// their places. All triangles that name those are in the given ranges.
 fn remove_vertices(
     positions: &mut Vec<DVec3>,
     triangles: &mut [[u32; 3]],
+    naming: &[Range<usize>],
     removed: &FxHashSet<u32>,
 ) {
-    if removed.is_empty() {
-        return;
-    }
     let kept = positions.len() - removed.len();
     let mut holes: Vec<u32> = removed
         .iter()
@@ -418,19 +363,24 @@ fn remove_vertices(
         .filter(|&v| (v as usize) < kept)
         .collect();
     holes.sort_unstable();
-    let movers = (kept as u32..positions.len() as u32).filter(|v| !removed.contains(v));
-    let moves: FxHashMap<u32, u32> = movers.zip(holes).collect();
-    for (&from, &to) in &moves {
-        positions[to as usize] = positions[from as usize];
+    let mut holes = holes.into_iter();
+    let new_places: Vec<u32> = (kept as u32..positions.len() as u32)
+        .map(|vertex| {
+            let stays = !removed.contains(&vertex);
+            stays.then(|| holes.next()).flatten().unwrap_or(vertex)
+        })
+        .collect();
+    for (i, &to) in new_places.iter().enumerate() {
+        positions[to as usize] = positions[kept + i];
     }
     positions.truncate(kept);
-    triangles.par_chunks_mut(4096).for_each(|chunk| {
-        for corner in chunk.iter_mut().flatten() {
-            if *corner >= kept as u32 {
-                *corner = moves[corner];
+    for triangle in naming.iter().cloned().flatten() {
+        for corner in &mut triangles[triangle] {
+            if let Some(&to) = new_places.get((*corner as usize).wrapping_sub(kept)) {
+                *corner = to;
             }
         }
-    });
+    }
 }
 
 /// The mesh's table of surfaces, in the order in which polygons first name

@@ -6,6 +6,7 @@ use std::ops::Range;
 use glam::{DVec3, UVec3};
 
 use super::lattice::CELLS;
+use super::loops::Loops;
 
 /// The output of one task: consecutive bricks, their lists concatenated.
 #[derive(Debug, Default)]
@@ -112,10 +113,7 @@ pub(super) struct BrickRecord {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ComplexCell {
     pub sample: u16,
-    /// Inside corners.
-    pub corners: u8,
-    /// How its ambiguous faces are decided.
-    pub joined: u8,
+    pub loops: Loops,
     /// Its first vertex, counted from the brick's first; one a loop.
     pub vertex: u32,
 }

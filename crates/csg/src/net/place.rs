@@ -75,10 +75,14 @@ pub(super) struct Placer {
     signs: Vec<u64>,
     slow: Vec<u16>,
     complex: Vec<(u16, u8)>,
+    /// Whether any surface of the brick has an apex.
+    has_apexes: bool,
     /// The cells that are to have an apex as a vertex.
     apexes: Vec<(u16, DVec3)>,
     candidates: Vec<Candidate>,
-    table: validity::Table,
+    /// Candidates that the fast search found no place for.
+    pending: Vec<usize>,
+    tests: validity::Tests,
 }
 
 impl Default for Placer {
@@ -106,9 +110,11 @@ impl Default for Placer {
             signs: Vec::new(),
             slow: Vec::new(),
             complex: Vec::new(),
+            has_apexes: false,
             apexes: Vec::new(),
             candidates: Vec::new(),
-            table: validity::Table::default(),
+            pending: Vec::new(),
+            tests: validity::Tests::default(),
         }
     }
 }
@@ -141,8 +147,7 @@ impl Placer {
             self.samples.z[i] = lattice.coordinate(2, first.z + i as u32);
         }
         part.bricks_sampled += 1;
-        self.classified
-            .classify(cell, scene.surfaces, &self.samples);
+        self.classified.classify(cell, scene.table(), &self.samples);
         let inside = self.classified.solid[0] & 1 == 1;
         let constant = if inside { u64::MAX } else { 0 };
         if self.classified.solid.iter().all(|&word| word == constant) {

@@ -204,6 +204,22 @@ impl<'a> Stitcher<'a> {
         }
     }
 
+    /// All parts, in order.
+    pub fn parts(&self) -> &'a [Part] {
+        self.parts
+    }
+
+    /// First vertex of each part in the whole mesh.
+    pub fn vertex_base(&self) -> &[u32] {
+        &self.vertex_base
+    }
+
+    /// The part and, in it, the brick at the given position, if there is one.
+    pub fn brick_at(&self, position: UVec3) -> Option<(usize, usize)> {
+        let found = self.bricks.get(&position)?;
+        Some((found.part as usize, found.brick as usize))
+    }
+
     fn fill_table(&self, position: UVec3, table: &mut Table) {
         table.complex.clear();
         table.arcs.clear();
@@ -380,7 +396,7 @@ fn corners_and_arcs(code: PolygonCode, table: &Table) -> ([u32; 4], [Option<u32>
             entry
         } else {
             let (cell, vertex) = &table.complex[(entry & !COMPLEX) as usize];
-            vertex + loops::trace(cell.corners, cell.joined).of(edges[i]) as u32
+            vertex + cell.loops.of(edges[i]) as u32
         };
         let (normal, lowest, place) = faces[i];
         let face = (normal << 12 | lowest) as u16;

@@ -171,13 +171,13 @@ impl Signs {
         for (local, corners) in complex {
             let cell = global(local);
             let joined = self.joined(cell, corners);
+            let loops = loops::trace(corners, joined);
             part.complex.push(ComplexCell {
                 sample: packed(local) as u16,
-                corners,
-                joined,
+                loops,
                 vertex: part.vertices.len() as u32 - record.vertices,
             });
-            for _ in 0..loops::trace(corners, joined).count {
+            for _ in 0..loops.count {
                 let vertex = place(random, placement, cell, DVec3::ONE);
                 part.vertices.push(vertex);
             }

@@ -19,16 +19,15 @@ const VARIABLES: [u8; 3] = [0xaa, 0xcc, 0xf0];
 
 type Bytes = [u8; LANES];
 
-/// Scratch memory: the truth tables of gates.
-pub(super) type Table = Vec<Bytes>;
-
-/// Signs of all surfaces at a batch of vertices.
+/// Signs of all surfaces at a batch of vertices; its memory is reused from
+/// batch to batch.
 pub(super) struct Tests {
     signs: Vec<Bytes>,
+    gates: Vec<Bytes>,
     /// Vertices that lie on some other surface, too, or on too many.
     undecided: u64,
     /// For each vertex how many other surfaces it lies on.
-    on_surfaces: [u8; LANES],
+    on_surfaces: Bytes,
 }
 
 /// The truth tables, where they were found.
@@ -37,23 +36,41 @@ pub(super) struct Verdicts {
     undecided: u64,
 }
 
+impl Default for Tests {
+    fn default() -> Self {
+        Self {
+            signs: Vec::new(),
+            gates: Vec::new(),
+            undecided: 0,
+            on_surfaces: [0; LANES],
+        }
+    }
+}
+
 impl Tests {
+    /// Starts a batch: up to [`LANES`] points.
     #[inline(always)]
-    pub fn new(points: impl Iterator<Item = DVec3>, scene: &Scene<'_>, cell: &Cell) -> Self {
+    pub fn begin(&mut self, points: impl Iterator<Item = DVec3>, scene: &Scene<'_>, cell: &Cell) {
+        /// A whole number of vectors of whatever width.
+        const WHOLE: usize = 8;
         let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut count = 0;
         for (lane, point) in points.enumerate() {
             (x[lane], y[lane], z[lane]) = (point.x, point.y, point.z);
+            count = lane + 1;
         }
+        let lanes = count.next_multiple_of(WHOLE).min(LANES);
         let limit = scene.tolerance * scene.tolerance;
-        let mut on_surfaces = [0u8; LANES];
-        let mut signs = vec![[0u8; LANES]; cell.surfaces.len()];
-        for (&id, signs) in cell.surfaces.iter().zip(&mut signs) {
+        self.undecided = 0;
+        self.on_surfaces = [0; LANES];
+        self.signs.resize(cell.surfaces.len(), [0; LANES]);
+        for (&id, signs) in cell.surfaces.iter().zip(&mut self.signs) {
             let surface = &scene.surfaces[id as usize];
             let anchor = surface.anchor();
             let g = surface.linear;
             let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
             let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
-            for lane in 0..LANES {
+            for lane in 0..lanes {
                 let (dx, dy, dz) = (x[lane] - anchor.x, y[lane] - anchor.y, z[lane] - anchor.z);
                 let hx = xx * dx + (xy * dy + zx * dz);
                 let hy = yy * dy + (yz * dz + xy * dx);
@@ -62,13 +79,8 @@ impl Tests {
                 let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
                 let square = gx * gx + gy * gy + gz * gz;
                 signs[lane] = if f <= 0.0 { 0xff } else { 0 };
-                on_surfaces[lane] += u8::from(f * f <= limit * square);
+                self.on_surfaces[lane] += u8::from(f * f <= limit * square);
             }
-        }
-        Self {
-            signs,
-            undecided: 0,
-            on_surfaces,
         }
     }
 
@@ -86,13 +98,14 @@ impl Tests {
     }
 
     #[inline(always)]
-    pub fn evaluate(&self, formula: &Formula, gates: &mut Table) -> Verdicts {
+    pub fn evaluate(&mut self, formula: &Formula) -> Verdicts {
+        let mut gates = std::mem::take(&mut self.gates);
         gates.clear();
         for gate in formula.gates() {
             let is_and = gate.operation == Operation::And;
             let mut value = [if is_and { 0xff } else { 0 }; LANES];
             for &operand in formula.operands_of(gate) {
-                let (bytes, flip) = self.operand(formula, operand, gates);
+                let (bytes, flip) = self.operand(formula, operand, &gates);
                 for (v, b) in value.iter_mut().zip(bytes) {
                     let operand = b ^ flip;
                     *v = if is_and { *v & operand } else { *v | operand };
@@ -100,9 +113,11 @@ impl Tests {
             }
             gates.push(value);
         }
-        let (bytes, flip) = self.operand(formula, formula.root(), gates);
+        let (bytes, flip) = self.operand(formula, formula.root(), &gates);
+        let tables = bytes.map(|b| b ^ flip);
+        self.gates = gates;
         Verdicts {
-            tables: bytes.map(|b| b ^ flip),
+            tables,
             undecided: self.undecided,
         }
     }

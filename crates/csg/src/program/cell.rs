@@ -77,6 +77,8 @@ impl Cell {
             let reach = &reaches[id as usize];
             if reach.misses(low, high) {
                 reach.beyond
+            } else if reach.is_within(low, high) {
+                Side::Crossing
             } else {
                 all[id as usize].side_of_box(center, half)
             }
@@ -258,11 +260,26 @@ impl Reach {
         }
     }
 
+    /// The side on which all points of the given z lie, where that is easily
+    /// told.
+    #[inline]
+    pub fn side_of_layer(&self, z: f64) -> Option<Side> {
+        let misses = (z < f64::from(self.low[2])) | (z > f64::from(self.high[2]));
+        misses.then_some(self.beyond)
+    }
+
     /// Whether a box has no point in common with this one.
     #[inline]
     fn misses(&self, low: [f32; 3], high: [f32; 3]) -> bool {
-        let apart = [0, 1, 2].map(|a| (low[a] > self.high[a]) | (high[a] < self.low[a]));
-        apart[0] | apart[1] | apart[2]
+        let apart = |a: usize| (low[a] > self.high[a]) | (high[a] < self.low[a]);
+        apart(0) | apart(1) | apart(2)
+    }
+
+    /// Whether a box holds all of this one, and so points on both sides.
+    #[inline]
+    fn is_within(&self, low: [f32; 3], high: [f32; 3]) -> bool {
+        let holds = |a: usize| (low[a] < self.low[a]) & (high[a] > self.high[a]);
+        holds(0) & holds(1) & holds(2)
     }
 }
 

@@ -41,6 +41,9 @@ impl Placer {
             self.polygons.clear();
             for axis in 0..3 {
                 let mut edges = self.sole_changes(crossings, s, axis);
+                if edges.iter().fold(0, |any, edges| any | edges) == 0 {
+                    continue;
+                }
                 if causes_are_wanted {
                     let mut asked_for = edges;
                     for (asked_for, wanted) in asked_for.iter_mut().zip(&wanted[axis]) {

@@ -142,11 +142,13 @@ impl Placer {
         marks: &mut Mask,
     ) {
         self.apexes.clear();
+        self.has_apexes = false;
         for &id in &cell.surfaces {
             let surface = &scene.surfaces[id as usize];
             let Some(apex) = surface.apex() else {
                 continue;
             };
+            self.has_apexes = true;
             let mut found = Vec::new();
             match self.cell_at(scene, apex) {
                 Some(own) if brick::is_set(crossed, own) => found.push(own),
@@ -211,15 +213,14 @@ impl Placer {
                     joined |= u8::from(is_joined) << face;
                 }
             }
+            let loops = loops::trace(corners, joined);
             part.complex.push(ComplexCell {
                 sample,
-                corners,
-                joined,
+                loops,
                 vertex: part.vertices.len() as u32 - record.vertices,
             });
-            let traced = loops::trace(corners, joined);
-            for index in 0..usize::from(traced.count) {
-                self.place_loop(scene, cell, at, traced.edges_of(index), part);
+            for index in 0..usize::from(loops.count) {
+                self.place_loop(scene, cell, at, loops.edges_of(index), part);
             }
         }
     }

@@ -104,7 +104,7 @@ fn signs_of_whole_bricks_are_those_of_single_samples() {
             samples,
             ..
         } = placer;
-        classified.classify(cell, scene.surfaces, samples);
+        classified.classify(cell, scene.table(), samples);
         for sample in 0..SAMPLES.pow(3) {
             let point = samples.point(sample);
             for (signs, &id) in classified.signs.iter().zip(&cell.surfaces) {
@@ -138,14 +138,14 @@ fn validity_of_many_vertices_is_that_of_each() {
             let point = placer.try_constraints(scene, cell, &constraints, start, start, NEAR);
             vertices.extend(point.map(|point| (constraints, point)));
         }
-        let mut gates = Vec::new();
+        let mut tests = Tests::default();
         for batch in vertices.chunks(validity::LANES) {
             let points = batch.iter().map(|&(_, point)| point);
-            let mut tests = Tests::new(points, scene, cell);
+            tests.begin(points, scene, cell);
             for (lane, (constraints, _)) in batch.iter().enumerate() {
                 tests.free(lane, constraints.as_slice());
             }
-            let verdicts = tests.evaluate(&cell.formula, &mut gates);
+            let verdicts = tests.evaluate(&cell.formula);
             for (lane, (constraints, point)) in batch.iter().enumerate() {
                 let Some(valid) = verdicts.get(lane, constraints.len) else {
                     undecided += 1;

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::{Placer, Scene};
 use crate::net::lattice::CELLS;
+use crate::net::meet::{self, Batch};
 use crate::net::part::{Fallback, FallbackKind, Part};
 use crate::net::{solve, validity};
 use crate::program::{Cell, Side};
@@ -75,7 +76,8 @@ pub(super) struct Candidate {
 impl Placer {
     /// Adds a vertex on all `constraints`, expected near `start`; `middle` is
     /// the middle of its cell or face, which it may leave by a cell at most.
-    /// Whether the solid really changes there is left to [`Self::settle`].
+    /// Where it lies, and whether the solid really changes there, is left to
+    /// [`Self::settle`].
     pub(super) fn place_vertex(
         &mut self,
         scene: &Scene<'_>,
@@ -85,51 +87,82 @@ impl Placer {
         middle: DVec3,
         part: &mut Part,
     ) {
-        let vertex = part.vertices.len();
-        if let Some(apex) = self.apex_vertex(scene, cell, &constraints, middle) {
+        if self.has_apexes
+            && let Some(apex) = self.apex_vertex(scene, cell, &constraints, middle)
+        {
             part.vertices.push(apex);
             return;
         }
-        let found = self.try_constraints(scene, cell, &constraints, start, middle, NEAR);
-        part.vertices.push(found.unwrap_or(start));
-        let candidate = Candidate {
-            vertex,
+        self.candidates.push(Candidate {
+            vertex: part.vertices.len(),
             constraints,
             start,
             middle,
-        };
-        if found.is_some() {
-            self.candidates.push(candidate);
-        } else {
-            self.repair(scene, cell, &candidate, None, part);
-        }
+        });
+        part.vertices.push(start);
     }
 
-    /// Tests all vertices placed since the last call, and repairs those across
-    /// which the solid does not change as their crossings say.
+    /// Moves all vertices added since the last call onto their surfaces, and
+    /// repairs those that have no common point, or across which the solid does
+    /// not change as their crossings say.
     #[inline(always)]
     pub(super) fn settle(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
-        let candidates = std::mem::take(&mut self.candidates);
+        let mut candidates = std::mem::take(&mut self.candidates);
+        let mut pending = std::mem::take(&mut self.pending);
+        pending.clear();
+        meet::<1>(scene, cell, &candidates, &mut pending, part);
+        meet::<2>(scene, cell, &candidates, &mut pending, part);
+        meet::<3>(scene, cell, &candidates, &mut pending, part);
+        let many = |c: &Candidate| !(1..=3).contains(&c.constraints.len);
+        pending.extend((0..candidates.len()).filter(|&i| many(&candidates[i])));
+        // What the fast search did not find.
+        pending.sort_unstable();
+        let mut repaired = Vec::new();
+        for &i in &pending {
+            let candidate = candidates[i];
+            let Candidate {
+                vertex,
+                constraints,
+                start,
+                middle,
+            } = candidate;
+            match self.try_constraints(scene, cell, &constraints, start, middle, NEAR) {
+                Some(point) => part.vertices[vertex] = point,
+                None => {
+                    self.repair(scene, cell, &candidate, None, part);
+                    repaired.push(i);
+                }
+            }
+        }
+        for &i in repaired.iter().rev() {
+            candidates.swap_remove(i);
+        }
+        self.pending = pending;
+        let mut tests = std::mem::take(&mut self.tests);
         for batch in candidates.chunks(validity::LANES) {
             let points = batch.iter().map(|c| part.vertices[c.vertex]);
-            let mut tests = validity::Tests::new(points, scene, cell);
+            tests.begin(points, scene, cell);
             for (lane, candidate) in batch.iter().enumerate() {
                 tests.free(lane, candidate.constraints.as_slice());
             }
-            let valid = tests.evaluate(&cell.formula, &mut self.table);
+            let valid = tests.evaluate(&cell.formula);
             for (lane, candidate) in batch.iter().enumerate() {
-                let point = part.vertices[candidate.vertex];
                 let is_valid = match valid.get(lane, candidate.constraints.len) {
                     Some(valid) => valid,
-                    None => self.is_valid(scene, cell, &candidate.constraints, point),
+                    None => {
+                        let point = part.vertices[candidate.vertex];
+                        self.is_valid(scene, cell, &candidate.constraints, point)
+                    }
                 };
                 if !is_valid {
+                    let point = part.vertices[candidate.vertex];
                     self.repair(scene, cell, candidate, Some(point), part);
                 }
             }
         }
+        self.tests = tests;
+        candidates.clear();
         self.candidates = candidates;
-        self.candidates.clear();
     }
 
     /// Finds another place for a vertex: with one more surface, for a feature
@@ -485,6 +518,45 @@ impl Placer {
                     place,
                 });
             }
+        }
+    }
+}
+
+/// Moves the vertices of candidates with `N` surfaces onto these, many at a
+/// time; those that do not get there, or too far from their cells, become
+/// pending.
+#[inline(always)]
+fn meet<const N: usize>(
+    scene: &Scene<'_>,
+    cell: &Cell,
+    candidates: &[Candidate],
+    pending: &mut Vec<usize>,
+    part: &mut Part,
+) {
+    let step = scene.lattice.step;
+    let mut batch = Batch::<N>::new();
+    let mut members = [0; meet::LANES];
+    let mut count = 0;
+    for i in 0..=candidates.len() {
+        if batch.is_full() || (i == candidates.len() && count > 0) {
+            for (&i, point) in members.iter().zip(batch.solve(step, scene.tolerance)) {
+                let Candidate { vertex, middle, .. } = candidates[i];
+                let is_near = |p: &DVec3| (*p - middle).abs().max_element() <= NEAR * step;
+                match point.filter(is_near) {
+                    Some(point) => part.vertices[vertex] = point,
+                    None => pending.push(i),
+                }
+            }
+            batch.clear();
+            count = 0;
+        }
+        if let Some(candidate) = candidates.get(i)
+            && let Ok(own) = <[u16; N]>::try_from(candidate.constraints.as_slice())
+        {
+            let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
+            batch.push(candidate.start, own.map(surface));
+            members[count] = i;
+            count += 1;
         }
     }
 }
