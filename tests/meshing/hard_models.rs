@@ -262,3 +262,29 @@ fn touching_surfaces_throw_no_vertex_off_and_curved_volumes_converge() {
         }
     }
 }
+
+#[test]
+fn what_is_thinner_than_a_cell_is_reported_beside_what_is_not() {
+    let block = Solid::cuboid([1.0, 1.0, 1.0]);
+    let wall = Solid::cuboid([0.5, 0.01, 0.5]).translate([0.75, 0.06, 0.0]);
+    let gap = Solid::cuboid([0.5, 0.01, 0.5]).translate([0.45, 0.06, 0.0]);
+    let ball = Solid::sphere(0.01).translate([0.63, 0.03, 0.02]);
+    let wedge = Solid::prism([[0.0, 0.0], [1.0, 0.0], [0.0, 0.1]], 0.0..0.3);
+    for (name, solid, place) in [
+        ("wall", &block | wall, dvec3(0.75, 0.06, 0.0)),
+        ("gap", &block - gap, dvec3(0.45, 0.06, 0.0)),
+        ("ball", &block | ball, dvec3(0.63, 0.03, 0.02)),
+        ("wedge", wedge, dvec3(0.6, 0.02, 0.15)),
+    ] {
+        for pose in [HOME, TURNED] {
+            let Meshed { report, .. } = mesh(&pose.of(&solid), 16);
+            let thin = report.fallbacks.iter();
+            let thin = thin.filter(|f| f.kind.contains("thinner than a cell"));
+            let mut places = thin.flat_map(|f| &f.places);
+            let found = places.any(|found| found.distance(pose.at(place)) < 0.4);
+            assert!(found, "{name} {pose:?}: {:?}", report.fallbacks);
+        }
+    }
+    let report = mesh(&block, 16).report;
+    assert!(report.fallbacks.is_empty(), "{:?}", report.fallbacks);
+}

@@ -11,6 +11,8 @@ mod mesher;
 mod net;
 mod pages;
 pub mod program;
+#[cfg(test)]
+mod random;
 mod refine;
 mod report;
 pub mod solid;

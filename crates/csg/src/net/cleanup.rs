@@ -40,6 +40,8 @@ pub(super) struct Cleaner<'a, N> {
     /// Tells ranges of triangles, in ascending order, among which are all that
     /// had one of the given vertices as a corner to begin with.
     pub near: N,
+    /// The triangles around details smaller than a cell: ascending ranges.
+    pub unresolved: Vec<Range<usize>>,
     pub surfaces: &'a [Surface],
     /// A triangle of less area than this is to be taken out.
     pub least_area: f64,
@@ -147,12 +149,15 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
         let mut work = Work::default();
         let pending = bad.iter().map(|&triangle| self.face(triangle));
         let mut pending: Vec<Face> = pending.filter(|&face| self.is_bad(face)).collect();
+        let mut left = Vec::new();
+        if self.are_many(pending.len(), 50) {
+            // Of those among details smaller than a cell most would stay: not
+            // worth the while.
+            left.extend(pending.extract_if(.., |face| self.is_unresolved(*face)));
+        }
         for thorough in [false, true] {
-            // Where they are many they come of details smaller than a cell,
-            // and most would stay: not worth the while.
-            let share = if thorough { 500 } else { 50 };
-            let too_many = pending.len() > 1000 + self.triangles.len() / share;
-            if pending.is_empty() || too_many {
+            // The work grows with the number of neighbours.
+            if pending.is_empty() || (thorough && self.are_many(pending.len(), 500)) {
                 break;
             }
             work.altered.sort_unstable();
@@ -168,20 +173,33 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
                     break;
                 }
             }
-            let left = tries.iter().map(|pending| pending.face);
+            let rest = tries.iter().map(|pending| pending.face);
             pending.clear();
-            pending.extend(left.filter(|face| !work.removed.contains(&face.triangle)));
+            pending.extend(rest.filter(|face| !work.removed.contains(&face.triangle)));
             pending.retain(|&face| self.is_bad(face));
         }
         let mut removed: Vec<u32> = work.removed.into_iter().collect();
         removed.sort_unstable();
         work.altered.sort_unstable();
+        left.extend(pending);
         Cleaned {
             removed,
             merged: work.merged,
             altered: work.altered,
-            left: pending.iter().map(|face| face.triangle).collect(),
+            left: left.iter().map(|face| face.triangle).collect(),
         }
+    }
+
+    /// Whether so many are more than one of `share` triangles.
+    fn are_many(&self, count: usize, share: usize) -> bool {
+        count > 1000 + self.triangles.len() / share
+    }
+
+    fn is_unresolved(&self, face: Face) -> bool {
+        let at = face.triangle as usize;
+        let after = self.unresolved.partition_point(|range| range.end <= at);
+        let range = self.unresolved.get(after);
+        range.is_some_and(|range| range.contains(&at))
     }
 
     /// Tries to take out a triangle; whether it is gone, or no longer bad.

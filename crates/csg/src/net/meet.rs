@@ -244,8 +244,8 @@ fn shortest_step<const N: usize>(values: [(f64, Vector); N]) -> Vector {
 mod tests {
     use super::*;
     use crate::net::solve;
-    use crate::net::topology_tests::Random;
     use crate::program::Program;
+    use crate::random::Random;
     use crate::solid::Solid;
 
     /// A sphere, oblique cylinders and planes about the origin.

@@ -136,6 +136,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         triangles: &mut stitched.triangles,
         runs: &runs,
         near,
+        unresolved: near::unresolved(&parts),
         surfaces: &task.surfaces,
         least_area,
         // Of the rounding that vertices are allowed most is spent on their

@@ -35,6 +35,19 @@ pub(super) fn runs(parts: &[Part], stitched: &Stitched) -> Vec<Run> {
         .collect()
 }
 
+/// The triangles of parts in which something is smaller than a cell, or else
+/// the mesher would not have had to make do.
+pub(super) fn unresolved(parts: &[Part]) -> Vec<Range<usize>> {
+    let mut first = 0;
+    let ranges = parts.iter().map(|part| {
+        let start = first;
+        first += 2 * part.polygons.len();
+        (part, start..first)
+    });
+    let made_do = ranges.filter(|(part, _)| !part.fallbacks.is_empty());
+    made_do.map(|(_, range)| range).collect()
+}
+
 /// Ranges of triangles among which are all that [`super::stitch`] gave any of
 /// the vertices as a corner: `further` ones, and those of the bricks around.
 pub(super) fn triangles_around(

@@ -6,6 +6,7 @@ mod cells;
 mod polygons;
 #[cfg(test)]
 mod reference_tests;
+mod unseen;
 mod vertices;
 
 use glam::{DVec3, UVec3};
@@ -15,7 +16,7 @@ use super::brick::{self, Classified, List, Mask, Samples, WORDS};
 use super::lattice::{CELLS, Lattice, SAMPLES};
 use super::part::{Part, PolygonCode};
 use super::validity;
-use crate::program::{Cell, Origin, Reach, Surface};
+use crate::program::{Cell, Changes, Origin, Reach, Surface};
 
 const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
 
@@ -72,7 +73,7 @@ pub(super) struct Placer {
     /// Whether one surface alone crosses the brick: it causes everything.
     one_surface: bool,
     gates: Vec<u64>,
-    signs: Vec<u64>,
+    truth: Changes,
     slow: Vec<u16>,
     complex: Vec<(u16, u8)>,
     /// Whether any surface of the brick has an apex.
@@ -107,7 +108,7 @@ impl Default for Placer {
             crossings: None,
             one_surface: false,
             gates: Vec::new(),
-            signs: Vec::new(),
+            truth: Changes::default(),
             slow: Vec::new(),
             complex: Vec::new(),
             has_apexes: false,
@@ -151,7 +152,7 @@ impl Placer {
         let inside = self.classified.solid[0] & 1 == 1;
         let constant = if inside { u64::MAX } else { 0 };
         if self.classified.solid.iter().all(|&word| word == constant) {
-            self.report_unseen(scene, cell, part);
+            self.report_unseen(scene, cell, false, part);
             return;
         }
         let mut crossings = self.crossings.take().unwrap_or_default();
@@ -163,6 +164,7 @@ impl Placer {
         self.place_slow(scene, cell, &record, part);
         self.place_arcs(scene, cell, &crossings, &record, part);
         self.settle(scene, cell, part);
+        self.report_unseen(scene, cell, true, part);
         part.close_brick(record);
         self.crossings = Some(crossings);
     }

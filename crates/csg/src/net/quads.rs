@@ -187,3 +187,99 @@ impl Quads {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::solve;
+    use crate::program::Program;
+    use crate::random::Random;
+    use crate::solid::Solid;
+
+    /// Whether a quad is to be cut along its odd diagonal, and whether that
+    /// leaves a bad triangle; `None` where rounding may decide.
+    fn plain(
+        corners: [DVec3; 4],
+        surface: &Surface,
+        sign: f64,
+        least_area: f64,
+    ) -> Option<(bool, bool)> {
+        let [p, q, r, s] = corners;
+        let normal = sign * surface.gradient(0.25 * (p + q + r + s));
+        let area = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).dot(normal);
+        let even = area(p, q, r).min(area(p, r, s));
+        let odd = area(q, r, s).min(area(q, s, p));
+        let (even_miss, odd_miss) = (
+            surface.value(0.5 * (p + r)).abs(),
+            surface.value(0.5 * (q + s)).abs(),
+        );
+        let odd_is_better = if surface.is_plane() {
+            even < odd
+        } else {
+            odd_miss < even_miss
+        };
+        let is_odd = (odd_is_better || even <= THIN * odd) && odd > THIN * even;
+        let least = if is_odd { odd } else { even };
+        let limit = 2.0 * least_area * normal.length();
+        let scale = (r - p).length() * (s - q).length() * normal.length();
+        let ties = [
+            even - odd,
+            even - THIN * odd,
+            odd - THIN * even,
+            least,
+            least - limit,
+        ];
+        let near = |tie: &f64| tie.abs() < 1e-9 * scale;
+        let alike = (even_miss - odd_miss).abs() < 1e-9 * (even_miss + odd_miss);
+        let unclear = ties.iter().any(near) || (alike && !surface.is_plane());
+        (!unclear).then_some((is_odd, least <= limit))
+    }
+
+    #[test]
+    fn many_quads_are_judged_as_each_would_be() {
+        let solid = Solid::sphere(1.0)
+            & Solid::ellipsoid([0.8, 1.2, 1.0]).rotate_xyz(0.3, 0.5, 0.7)
+            & Solid::infinite_cylinder(0.9).rotate_x(0.4)
+            & Solid::half_space([0.3, -0.2, 1.0], 0.1);
+        let program = Program::lower(&solid).expect("valid");
+        let mut random = Random(3);
+        let (mut odd, mut bad, mut clear) = (0, 0, 0);
+        for surface in program.surfaces() {
+            for round in 0..200 {
+                let reversed = round % 2 == 1;
+                let sign = if reversed { -1.0 } else { 1.0 };
+                let mut point = || DVec3::from_array([(); 3].map(|()| 2.0 * random.unit() - 1.0));
+                let mut positions = Vec::new();
+                let mut quads = Quads::default();
+                let onto = |start| solve::common_point(&[surface], start, 1.0).point;
+                for lane in 0..LANES {
+                    let middle = onto(point());
+                    let (u, v) = surface.gradient(middle).normalize().any_orthonormal_pair();
+                    // Counterclockwise from outside, moved about so far that
+                    // some fold over.
+                    for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                        let off = 0.05 * (a * u + sign * b * v) + 0.05 * point();
+                        positions.push(onto(middle + off));
+                    }
+                    let first = 4 * lane as u32;
+                    quads.set(lane, [0, 1, 2, 3].map(|i| first + i), &positions);
+                }
+                let least_area = 1e-4;
+                quads.judge(surface, reversed, least_area, LANES);
+                for lane in 0..LANES {
+                    let corners = [0, 1, 2, 3].map(|i| positions[4 * lane + i]);
+                    let Some(expected) = plain(corners, surface, sign, least_area) else {
+                        continue;
+                    };
+                    let found = (quads.odd[lane] == 1, quads.bad[lane] == 1);
+                    assert_eq!(found, expected, "{corners:?} on {surface}");
+                    clear += 1;
+                    odd += usize::from(found.0);
+                    bad += usize::from(found.1);
+                }
+            }
+        }
+        assert!(clear > 20_000, "{clear}");
+        assert!(odd > 5000 && bad > 100, "{odd} odd, {bad} bad of {clear}");
+    }
+}

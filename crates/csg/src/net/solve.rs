@@ -101,7 +101,7 @@ pub(crate) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> S
 
 /// The shortest step onto all linearised surfaces, and the largest distance
 /// before it.
-fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
+pub(super) fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
     match surfaces {
         [] => (DVec3::ZERO, 0.0),
         [surface] => {
@@ -179,9 +179,9 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
 
 /// Moves many points onto one surface, along its gradient: Newton's method in
 /// lanes, until no point moves by more than `reach`, a length whose square is
-/// nothing. False if that does not come about in a few steps. The same
-/// operations in the same order for every point, whatever the machine's
-/// vector width.
+/// nothing. None if that does not come about in a few steps, else a length
+/// that no point has moved by more than. The same operations in the same order
+/// for every point, whatever the machine's vector width.
 #[inline(always)]
 pub(super) fn project_all(
     surface: &Surface,
@@ -189,36 +189,27 @@ pub(super) fn project_all(
     x: &mut [f64],
     y: &mut [f64],
     z: &mut [f64],
-) -> bool {
+) -> Option<f64> {
     let anchor = surface.anchor();
-    let g = surface.linear;
-    if surface.is_plane() {
-        for ((x, y), z) in x.iter_mut().zip(&mut *y).zip(&mut *z) {
-            for _ in 0..2 {
-                let (dx, dy, dz) = (*x - anchor.x, *y - anchor.y, *z - anchor.z);
-                let f = g.x * dx + g.y * dy + g.z * dz;
-                *x -= f * g.x;
-                *y -= f * g.y;
-                *z -= f * g.z;
-            }
-        }
-        return true;
-    }
     // About the anchor until it is over.
     let shift = |values: &mut [f64], by: f64| values.iter_mut().for_each(|v| *v += by);
     shift(x, -anchor.x);
     shift(y, -anchor.y);
     shift(z, -anchor.z);
     let has_cross_terms = surface.quadratic[3..] != [0.0; 3];
-    let mut converged = false;
+    let mut converged = None;
+    let mut way = 0.0;
     for _ in 0..5 {
-        let square = if has_cross_terms {
+        let square = if surface.is_plane() {
+            plane_step(surface, x, y, z)
+        } else if has_cross_terms {
             newton_step::<true>(surface, x, y, z)
         } else {
             newton_step::<false>(surface, x, y, z)
         };
+        way += square.sqrt();
         if square <= reach * reach {
-            converged = true;
+            converged = Some(way);
             break;
         }
     }
@@ -226,6 +217,28 @@ pub(super) fn project_all(
     shift(y, anchor.y);
     shift(z, anchor.z);
     converged
+}
+
+/// Longest ways kept apart, so that none waits for another.
+const LANES: usize = 8;
+
+/// One step of [`project_all`] onto a plane; the square of the longest way.
+#[inline(always)]
+fn plane_step(surface: &Surface, x: &mut [f64], y: &mut [f64], z: &mut [f64]) -> f64 {
+    let g = surface.linear;
+    let mut farthest = [0.0f64; LANES];
+    let xs = x.chunks_mut(LANES);
+    for ((x, y), z) in xs.zip(y.chunks_mut(LANES)).zip(z.chunks_mut(LANES)) {
+        for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
+            let f = g.x * *x + g.y * *y + g.z * *z;
+            *x -= f * g.x;
+            *y -= f * g.y;
+            *z -= f * g.z;
+            let moved = f * f;
+            *farthest = if moved > *farthest { moved } else { *farthest };
+        }
+    }
+    farthest.into_iter().fold(0.0, f64::max)
 }
 
 /// One step of [`project_all`]; the square of the longest way.
@@ -236,8 +249,6 @@ fn newton_step<const CROSS: bool>(
     y: &mut [f64],
     z: &mut [f64],
 ) -> f64 {
-    /// Longest ways kept apart, so that none waits for another.
-    const LANES: usize = 8;
     let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
     let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
     let (g, c) = (surface.linear, surface.constant);
@@ -266,4 +277,52 @@ fn newton_step<const CROSS: bool>(
         }
     }
     farthest.into_iter().fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Program;
+    use crate::random::Random;
+    use crate::solid::Solid;
+
+    #[test]
+    fn many_points_go_where_each_would() {
+        let mut random = Random(7);
+        let mut moved = 0;
+        for _ in 0..100 {
+            let mut number = || 2.0 * random.unit() - 1.0;
+            let solid = Solid::cuboid([0.9, 1.1, 1.3])
+                & Solid::sphere(0.7)
+                & Solid::ellipsoid([0.5, 0.8, 1.0])
+                & Solid::infinite_cylinder(0.6);
+            let placed = solid
+                .rotate_xyz(3.0 * number(), 3.0 * number(), 3.0 * number())
+                .translate([number(), number(), number()]);
+            let program = Program::lower(&placed).expect("valid");
+            for surface in program.surfaces() {
+                let mut point = || DVec3::from_array([(); 3].map(|()| 2.0 * random.unit() - 1.0));
+                // Within a cell of the surface, as crossings are.
+                let mut starts = [(); 8].map(|()| {
+                    let on_it = common_point(&[surface], point(), 1.0).point;
+                    on_it + 0.05 * point()
+                });
+                starts[7] = starts[0];
+                let mut lanes = [0, 1, 2].map(|axis| starts.map(|start| start[axis]));
+                let [x, y, z] = &mut lanes;
+                let way = project_all(surface, 1e-8, x, y, z).expect("near the surface");
+                for (lane, start) in starts.into_iter().enumerate() {
+                    let end = DVec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+                    let alone = common_point(&[surface], start, 0.1).point;
+                    assert!(end.distance(alone) < 1e-12, "{end}, alone {alone}");
+                    assert!(
+                        end.distance(start) <= way + 1e-12,
+                        "{way} from {start} to {end}"
+                    );
+                    moved += usize::from(end.distance(start) > 1e-3);
+                }
+            }
+        }
+        assert!(moved > 1000, "{moved} moved");
+    }
 }

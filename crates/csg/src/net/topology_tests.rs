@@ -9,33 +9,13 @@ use super::part::{ComplexCell, FaceArcs, Part, PolygonCode, PolygonGroup};
 use super::stitch::{self, Scratch, Stitcher};
 use crate::mesh::Mesh;
 use crate::program::{Program, Surface};
+use crate::random::Random;
 use crate::solid::Solid;
 
 /// Bricks along each side of the test's lattice.
 const BRICKS: usize = 2;
 /// Samples along each side of it.
 const WIDE: usize = BRICKS * CELLS + 1;
-
-/// SplitMix64 (Steele, Lea & Flood 2014).
-pub(super) struct Random(pub u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * 0.5f64.powi(53)
-    }
-}
 
 /// Where vertices are put.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 
 mod bounds;
 mod cell;
+mod changes;
 mod formula;
 mod local;
 mod lower;
@@ -20,7 +21,9 @@ use crate::color::Color;
 pub use bounds::Bounds;
 pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
+pub(crate) use changes::Changes;
 pub(crate) use quadric::eigen as eigen_symmetric;
+pub(crate) use surface::roots_between;
 
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
 pub use surface::{Side, Surface};

@@ -209,6 +209,54 @@ fn parabola_range(a: f64, g: f64, h: f64) -> (f64, f64) {
     (low, high)
 }
 
+/// Roots, as shares of the edge, of the quadratic with second coefficient
+/// `quadratic` per unit of length that takes the values f0 and f1 at the ends
+/// of an edge of the given length: one if f <= 0 at one end alone, else two
+/// or none. Without cancellation (Press et al., *Numerical Recipes*, 5.6).
+pub(crate) fn roots_between(quadratic: f64, length: f64, f0: f64, f1: f64) -> ([f64; 2], usize) {
+    let a = quadratic * length * length;
+    let b = f1 - f0 - a;
+    if (f0 <= 0.0) != (f1 <= 0.0) {
+        if a == 0.0 {
+            return ([(f0 / (f0 - f1)).clamp(0.0, 1.0), 0.0], 1);
+        }
+        let discriminant = (b * b - 4.0 * a * f0).max(0.0);
+        let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+        let misfit = |t: f64| {
+            if t.is_finite() {
+                (t - 0.5).abs()
+            } else {
+                f64::INFINITY
+            }
+        };
+        let (first, second) = (q / a, f0 / q);
+        let t = if misfit(second) <= misfit(first) {
+            second
+        } else {
+            first
+        };
+        let t = if t >= 0.0 { t.min(1.0) } else { 0.0 };
+        return ([t, 0.0], 1);
+    }
+    // The extremum lies between the ends, and beyond zero.
+    if !(b.abs() < 2.0 * a.abs() && a * f0 > 0.0) || b * a >= 0.0 {
+        return ([0.0; 2], 0);
+    }
+    let discriminant = b * b - 4.0 * a * f0;
+    if discriminant <= 0.0 {
+        return ([0.0; 2], 0);
+    }
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    let (first, second) = (q / a, f0 / q);
+    (
+        [
+            first.min(second).clamp(0.0, 1.0),
+            first.max(second).clamp(0.0, 1.0),
+        ],
+        2,
+    )
+}
+
 impl fmt::Display for Surface {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const TERMS: [&str; 9] = ["x²", "y²", "z²", "xy", "yz", "zx", "x", "y", "z"];

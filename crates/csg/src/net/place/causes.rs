@@ -6,7 +6,7 @@ use super::vertices::Constraints;
 use super::{Crossings, EDGES, Placer, Scene};
 use crate::net::brick::{self, Mask, WORDS};
 use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
-use crate::program::{Cell, Surface};
+use crate::program::{Cell, roots_between};
 
 impl Placer {
     /// Finds the surface of every crossing, of those on which one surface alone
@@ -87,7 +87,8 @@ impl Placer {
         self.polygons.extend(codes);
     }
 
-    /// Decides about the edges on which several surfaces change sign.
+    /// Decides about the edges on which several surfaces change sign. Where the
+    /// solid does not, it may still have changed twice.
     #[inline(always)]
     fn find_contested(
         &mut self,
@@ -98,12 +99,22 @@ impl Placer {
     ) {
         for axis in 0..3 {
             for word in 0..WORDS {
-                let mut bits = crossings.solid[axis][word] & crossings.several[axis][word];
+                let solid = crossings.solid[axis][word];
+                let mut bits = crossings.several[axis][word] & (solid | brick::OWNED[word]);
                 while bits != 0 {
                     let bit = bits.trailing_zeros() as usize;
                     bits &= bits - 1;
                     let sample = word * 64 + bit;
                     let (s, all) = self.edge_cause(scene, cell, axis, sample);
+                    if solid >> bit & 1 == 0 {
+                        if all.len > 1 && !self.is_clipped(scene, cell, &all, axis, sample) {
+                            part.fallbacks.push(Fallback {
+                                kind: FallbackKind::SeveralCrossings,
+                                place: self.edge_middle(scene, axis, sample),
+                            });
+                        }
+                        continue;
+                    }
                     self.cause[axis][sample] = s;
                     let is_owned = brick::is_set(&brick::OWNED, sample);
                     if all.len > 1 {
@@ -141,13 +152,15 @@ impl Placer {
         axis: usize,
         sample: usize,
     ) -> (u16, Constraints) {
-        let start = self.samples.point(sample);
+        let (start, step) = (self.samples.point(sample), scene.lattice.step);
+        let end = self.samples.point(sample + (1 << (4 * axis)));
         let mut roots = std::mem::take(&mut self.roots);
         roots.clear();
         for (s, changes) in self.changes.iter().enumerate() {
             if brick::is_set(&changes[axis], sample) {
                 let surface = &scene.surfaces[cell.surfaces[s] as usize];
-                let t = root_along(surface, start, axis, scene.lattice.step);
+                let (f0, f1) = (surface.value(start), surface.value(end));
+                let ([t, _], _) = roots_between(surface.quadratic[axis], step, f0, f1);
                 roots.push((t, s as u16));
             }
         }
@@ -216,30 +229,4 @@ impl Placer {
         point[axis] += 0.5 * scene.lattice.step;
         point
     }
-}
-
-/// The root of f along an edge on which it changes sign, in units of the
-/// edge, in closed form.
-fn root_along(surface: &Surface, start: DVec3, axis: usize, step: f64) -> f64 {
-    let f = surface.value(start);
-    let b = surface.gradient(start)[axis] * step;
-    let a = surface.quadratic[axis] * step * step;
-    // Of a t² + b t + f = 0 the root in 0..1, without cancellation (Press et
-    // al., *Numerical Recipes*, 5.6).
-    let discriminant = (b * b - 4.0 * a * f).max(0.0);
-    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-    let misfit = |t: f64| {
-        if t.is_finite() {
-            (t - 0.5).abs()
-        } else {
-            f64::INFINITY
-        }
-    };
-    let (first, second) = (q / a, f / q);
-    let t = if misfit(second) <= misfit(first) {
-        second
-    } else {
-        first
-    };
-    if t >= 0.0 { t.min(1.0) } else { 0.0 }
 }

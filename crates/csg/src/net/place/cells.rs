@@ -89,7 +89,7 @@ impl Placer {
         }
         // The square of the last step, relative to the radius of curvature
         // (hardly below a cell), is what remains.
-        let converged = solve::project_all(
+        let way = solve::project_all(
             surface,
             1e-7 * step,
             &mut x[..padded],
@@ -110,12 +110,14 @@ impl Placer {
             let off = (point - low - 0.5 * step).abs();
             (off.x <= step) & (off.y <= step) & (off.z <= step)
         };
-        // Nearly always all of them are.
-        let all_near = cells
-            .iter()
-            .zip(points())
-            .fold(true, |all, one| all & is_near(one));
-        if converged && all_near {
+        // Nearly always all of them are: starting within their cells, they
+        // have not gone far.
+        let converged = way.is_some();
+        let all_near = || {
+            let mut each = cells.iter().zip(points());
+            each.all(is_near)
+        };
+        if converged && (way <= Some(0.5 * step) || all_near()) {
             part.cells.extend_from_slice(cells);
             part.vertices.extend(points());
             return;
@@ -288,7 +290,7 @@ impl Placer {
         let mut middle = self.samples.point(lowest);
         middle[b] += 0.5 * scene.lattice.step;
         middle[c] += 0.5 * scene.lattice.step;
-        self.contains(scene, cell, middle)
+        self.truth.contains(scene.surfaces, cell, middle)
     }
 
     /// The (axis, lower sample) of the edges of a face, in cyclic order.

@@ -8,9 +8,9 @@ use super::vertices::{Constraints, NEAR};
 use super::{Placer, Scene};
 use crate::net::brick;
 use crate::net::lattice::{CELLS, Lattice, SAMPLES};
-use crate::net::topology_tests::Random;
 use crate::net::validity::{self, Tests};
 use crate::program::{Bounds, Cell, Program, Pruner, Reach};
+use crate::random::Random;
 use crate::solid::Solid;
 
 fn leaf(random: &mut Random) -> Solid {

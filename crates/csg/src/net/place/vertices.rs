@@ -1,12 +1,9 @@
 //! Where a vertex lies: on all surfaces that cause its crossings, and where the
 //! solid really changes across them.
 
-use std::f64::consts::{PI, TAU};
-
 use glam::DVec3;
 
 use super::{Placer, Scene};
-use crate::net::lattice::CELLS;
 use crate::net::meet::{self, Batch};
 use crate::net::part::{Fallback, FallbackKind, Part};
 use crate::net::{solve, validity};
@@ -345,9 +342,7 @@ impl Placer {
             .then_some(point)
     }
 
-    /// Whether the solid changes across each of the constraints at `point`:
-    /// the formula over all their sign combinations, the other surfaces as
-    /// they are there (both ways where they pass through the point, too).
+    /// Whether the solid changes across each of the constraints at `point`.
     pub(super) fn is_valid(
         &mut self,
         scene: &Scene<'_>,
@@ -355,170 +350,14 @@ impl Placer {
         constraints: &Constraints,
         point: DVec3,
     ) -> bool {
-        /// Bit i of the k-th: bit k of i.
-        const VARIABLES: [u64; 6] = [
-            0xaaaa_aaaa_aaaa_aaaa,
-            0xcccc_cccc_cccc_cccc,
-            0xf0f0_f0f0_f0f0_f0f0,
-            0xff00_ff00_ff00_ff00,
-            0xffff_0000_ffff_0000,
-            0xffff_ffff_0000_0000,
-        ];
-        let on_it = |s: &u16| {
-            let surface = &scene.surfaces[cell.surfaces[usize::from(*s)] as usize];
-            let gradient = surface.gradient(point).length();
-            constraints.as_slice().contains(s)
-                || surface.value(point).abs() <= scene.tolerance * gradient
-        };
-        let through = (0..cell.surfaces.len() as u16).filter(on_it).count();
-        if through > VARIABLES.len() {
-            return self.is_valid_by_sectors(scene, cell, constraints, point);
+        let mut ids = [0; MOST_CONSTRAINTS];
+        for (id, &s) in ids.iter_mut().zip(constraints.as_slice()) {
+            *id = cell.surfaces[usize::from(s)];
         }
-        let mut free = constraints.len;
-        self.signs.clear();
-        for (s, &id) in cell.surfaces.iter().enumerate() {
-            let own = constraints
-                .as_slice()
-                .iter()
-                .position(|&c| usize::from(c) == s);
-            let sign = match own {
-                Some(k) => VARIABLES[k],
-                None => {
-                    let surface = &scene.surfaces[id as usize];
-                    let value = surface.value(point);
-                    let on_it = free < VARIABLES.len()
-                        && value.abs() <= scene.tolerance * surface.gradient(point).length();
-                    if on_it {
-                        free += 1;
-                        VARIABLES[free - 1]
-                    } else if value <= 0.0 {
-                        u64::MAX
-                    } else {
-                        0
-                    }
-                }
-            };
-            self.signs.push(sign);
-        }
-        let signs = &self.signs;
-        let table = cell
-            .formula
-            .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
-        (0..constraints.len).all(|k| {
-            let shifted = table >> (1 << k);
-            (table ^ shifted) & !VARIABLES[k] & assignments(free) != 0
-        })
-    }
-
-    /// The same where more surfaces pass through the point than sides can be
-    /// tried: a cone of directions tells. The lines in which the others cut a
-    /// surface's tangent plane part it into sectors, and the formula tells
-    /// whether the solid changes in any of them.
-    fn is_valid_by_sectors(
-        &mut self,
-        scene: &Scene<'_>,
-        cell: &Cell,
-        constraints: &Constraints,
-        point: DVec3,
-    ) -> bool {
-        /// Two assignments each: inside the surface and outside.
-        const MOST_SECTORS: usize = 32;
-        const INSIDE: u64 = 0x5555_5555_5555_5555;
-        let surface = |s: u16| &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
-        // Of each surface through the point the unit normal.
-        let normals: Vec<Option<DVec3>> = (0..cell.surfaces.len() as u16)
-            .map(|s| {
-                let gradient = surface(s).gradient(point);
-                let on_it = surface(s).value(point).abs() <= scene.tolerance * gradient.length();
-                (on_it || constraints.as_slice().contains(&s)).then(|| gradient.normalize_or_zero())
-            })
-            .collect();
-        constraints.as_slice().iter().all(|&own| {
-            let Some(normal) = normals[usize::from(own)].filter(|n| *n != DVec3::ZERO) else {
-                return true;
-            };
-            let (u, v) = normal.any_orthonormal_pair();
-            let mut angles: Vec<f64> = normals
-                .iter()
-                .flatten()
-                .map(|other| normal.cross(*other))
-                .filter(|line| line.length() > 1e-6)
-                .map(|line| line.dot(v).atan2(line.dot(u)).rem_euclid(PI))
-                .flat_map(|angle| [angle, angle + PI])
-                .collect();
-            angles.sort_by(f64::total_cmp);
-            angles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-            let next = angles.iter().skip(1).copied();
-            let next = next.chain(angles.first().map(|first| first + TAU));
-            let mut sectors: Vec<DVec3> = angles
-                .iter()
-                .zip(next)
-                .map(|(from, to)| 0.5 * (from + to))
-                .map(|angle| angle.cos() * u + angle.sin() * v)
-                .collect();
-            if sectors.is_empty() {
-                sectors.push(u);
-            }
-            sectors.truncate(MOST_SECTORS);
-            self.signs.clear();
-            for (s, other) in normals.iter().enumerate() {
-                self.signs.push(match other {
-                    _ if s == usize::from(own) => INSIDE,
-                    Some(other) => sectors.iter().enumerate().fold(0, |bits, (i, sector)| {
-                        bits | if other.dot(*sector) <= 0.0 {
-                            3 << (2 * i)
-                        } else {
-                            0
-                        }
-                    }),
-                    None if surface(s as u16).value(point) <= 0.0 => u64::MAX,
-                    None => 0,
-                });
-            }
-            let signs = &self.signs;
-            let result = cell
-                .formula
-                .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
-            let known = u64::MAX >> (64 - 2 * sectors.len());
-            (result ^ result >> 1) & INSIDE & known != 0
-        })
-    }
-
-    pub(super) fn contains(&mut self, scene: &Scene<'_>, cell: &Cell, point: DVec3) -> bool {
-        self.signs.clear();
-        let values = cell.surfaces.iter().map(|&id| {
-            let inside = scene.surfaces[id as usize].value(point) <= 0.0;
-            if inside { u64::MAX } else { 0 }
-        });
-        self.signs.extend(values);
-        let signs = &self.signs;
-        let result = cell
-            .formula
-            .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
-        result & 1 == 1
-    }
-
-    /// Reports what of the boundary lies in a brick all of whose samples are
-    /// alike: the point of each surface nearest to the brick's middle, if the
-    /// solid changes across the surface there.
-    #[inline(never)]
-    pub(super) fn report_unseen(&mut self, scene: &Scene<'_>, cell: &Cell, part: &mut Part) {
-        let half = 0.5 * scene.lattice.step * CELLS as f64;
-        let middle = self.samples.point(0) + half;
-        for s in 0..cell.surfaces.len() as u16 {
-            let surface = &scene.surfaces[cell.surfaces[usize::from(s)] as usize];
-            let place = solve::common_point(&[surface], middle, half).point;
-            let mut constraints = Constraints::default();
-            constraints.insert(s);
-            if (place - middle).abs().max_element() <= half
-                && self.is_valid(scene, cell, &constraints, place)
-            {
-                part.fallbacks.push(Fallback {
-                    kind: FallbackKind::Unseen,
-                    place,
-                });
-            }
-        }
+        let own = &ids[..constraints.len];
+        let tolerance = scene.tolerance;
+        self.truth
+            .across(scene.surfaces, cell, own, point, tolerance)
     }
 }
 
@@ -558,15 +397,6 @@ fn meet<const N: usize>(
             members[count] = i;
             count += 1;
         }
-    }
-}
-
-/// The low 2^free bits.
-const fn assignments(free: usize) -> u64 {
-    if free >= 6 {
-        u64::MAX
-    } else {
-        (1 << (1 << free)) - 1
     }
 }
 
