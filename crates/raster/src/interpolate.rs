@@ -394,13 +394,16 @@ impl Corners {
             let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
             for axis in 0..3 {
                 self.position[c][axis][lane] = cluster.positions[axis][vertex];
-                self.normal[c][axis][lane] = cluster.normals[axis][vertex];
             }
         }
         if cluster.smooth {
-            return;
-        }
-        if let Some(normals) = scene.normals.get(triangle) {
+            for (c, vertex) in local[..3].iter().enumerate() {
+                let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
+                for axis in 0..3 {
+                    self.normal[c][axis][lane] = cluster.normals[axis][vertex];
+                }
+            }
+        } else if let Some(normals) = scene.normals.get(triangle) {
             for (to, normal) in self.normal.iter_mut().zip(normals) {
                 for axis in 0..3 {
                     to[axis][lane] = normal[axis];

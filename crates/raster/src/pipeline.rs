@@ -229,8 +229,10 @@ impl Renderer {
     fn fill_tiles(&mut self, columns: usize, options: &RenderOptions) -> FillCounts {
         let (level, bins) = (self.level, &self.bins);
         let samples = options.anti_aliasing.samples();
-        let tiles = self.tiles.par_iter_mut().enumerate();
+        let tiles = self.tiles.buffers(|index| any_in(bins, index));
         tiles
+            .into_par_iter()
+            .enumerate()
             .map(|(index, mut tile)| {
                 let counts = level.run(FillTile {
                     tile: &mut tile,
@@ -259,8 +261,11 @@ impl Renderer {
         let (level, bins) = (self.level, &self.bins);
         let samples = options.anti_aliasing.samples();
         let background = options.background;
-        let tiles = self.tiles.par_iter_mut().zip(pieces).enumerate();
+        let tiles = self.tiles.buffers(|index| any_in(bins, index));
         tiles
+            .into_par_iter()
+            .zip(pieces)
+            .enumerate()
             .map_init(Scratch::default, |scratch, (index, (mut tile, rows))| {
                 let origin = origin(index, columns);
                 let mut counts = level.run(FillTile {
@@ -307,6 +312,12 @@ impl Renderer {
         self.order
             .sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     }
+}
+
+/// Whether there is anything to be filled into a tile.
+fn any_in(bins: &[Bins], tile: usize) -> bool {
+    bins.iter()
+        .any(|bins| !bins.tiles[tile].is_empty() || !bins.pixels[tile].is_empty())
 }
 
 /// The first pixel of a tile.

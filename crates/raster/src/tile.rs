@@ -1,8 +1,6 @@
 //! Tiles: squares of the picture with a visibility buffer (depth and triangle
 //! for each sample), each worked on by one thread at a time.
 
-use rayon::prelude::*;
-
 /// Width and height of a tile in pixels.
 pub(crate) const TILE: usize = 64;
 /// log2 of [`TILE`].
@@ -39,13 +37,15 @@ pub(crate) fn decode(number: i32) -> (usize, Option<usize>) {
 /// pixels a block, row by row.
 pub(crate) type OfPixels<T> = [[T; BLOCK_PIXELS]; BLOCKS * BLOCKS];
 
-/// The visibility buffer of a picture, tile by tile: one after the other in
-/// memory, so that it comes in large pages.
+/// The visibility buffer of a picture. Only tiles that are drawn have memory,
+/// one after the other, so that few pages are touched, and large ones serve.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tiles {
     pub of_picture: Vec<Tile>,
     /// Samples a pixel.
     samples: usize,
+    /// How many tiles have memory in this frame.
+    used: usize,
     /// Reversed depth (1 near, 0 far), a plane for each sample of each tile.
     depth: Vec<OfPixels<f32>>,
     /// The triangle's number, likewise.
@@ -55,9 +55,9 @@ pub(crate) struct Tiles {
 impl Tiles {
     /// Makes room for so many tiles, none of them drawn.
     pub fn begin(&mut self, tiles: usize, samples: usize) {
+        self.of_picture.clear();
         self.of_picture.resize_with(tiles, Tile::default);
-        self.of_picture.iter_mut().for_each(|t| t.drawn = false);
-        self.samples = samples;
+        (self.samples, self.used) = (samples, 0);
         if self.depth.len() != tiles * samples {
             // Zeros from the system, which the threads that draw touch first.
             self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
@@ -65,27 +65,38 @@ impl Tiles {
         }
     }
 
-    /// All tiles, each for one thread.
-    pub fn par_iter_mut(&mut self) -> impl IndexedParallelIterator<Item = TileBuffer<'_>> {
+    /// All tiles, each for one thread; those that are wanted get memory, if
+    /// they have none yet.
+    pub fn buffers(&mut self, wanted: impl Fn(usize) -> bool) -> Vec<TileBuffer<'_>> {
         let samples = self.samples.max(1);
+        let depth = self.depth.chunks_mut(samples);
+        let triangle = self.triangle.chunks_mut(samples);
+        let mut planes: Vec<_> = depth.zip(triangle).collect();
+        let used = &mut self.used;
         self.of_picture
-            .par_iter_mut()
-            .zip(self.depth.par_chunks_mut(samples))
-            .zip(self.triangle.par_chunks_mut(samples))
-            .map(|((tile, depth), triangle)| TileBuffer {
-                tile,
-                depth,
-                triangle,
+            .iter_mut()
+            .enumerate()
+            .map(|(index, tile)| {
+                if tile.slot.is_none() && wanted(index) {
+                    tile.slot = Some(*used);
+                    *used += 1;
+                }
+                let own = tile.slot.and_then(|slot| planes.get_mut(slot));
+                let (depth, triangle) = own.map(std::mem::take).unwrap_or_default();
+                TileBuffer {
+                    tile,
+                    depth,
+                    triangle,
+                }
             })
+            .collect()
     }
 
     /// Number and depth of the first sample of a pixel of a tile, if anything
     /// was drawn there.
     pub fn first_sample(&self, tile: usize, x: usize, y: usize) -> Option<(i32, f32)> {
-        if !self.of_picture.get(tile)?.drawn {
-            return None;
-        }
-        let plane = tile * self.samples;
+        let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
+        let plane = tile.slot? * self.samples;
         let block = y / BLOCK * BLOCKS + x / BLOCK;
         let lane = y % BLOCK * BLOCK + x % BLOCK;
         let number = self.triangle.get(plane)?.get(block)?[lane];
@@ -96,6 +107,8 @@ impl Tiles {
 /// What is known of a tile without looking at its pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Tile {
+    /// Where its planes are, once this frame may draw here.
+    slot: Option<usize>,
     /// Whether this frame drew here; if not, the planes hold old data.
     pub drawn: bool,
     /// A depth at or in front of which every sample of each 8x8 pixel square
@@ -111,6 +124,7 @@ pub(crate) const SQUARES: usize = TILE / 8;
 impl Default for Tile {
     fn default() -> Self {
         Self {
+            slot: None,
             drawn: false,
             farthest: [0.0; SQUARES * SQUARES],
             farthest_of_all: 0.0,
@@ -118,7 +132,8 @@ impl Default for Tile {
     }
 }
 
-/// The visibility buffer of one tile, while a thread works on it.
+/// The visibility buffer of one tile, while a thread works on it; without
+/// planes where nothing is to be drawn.
 pub(crate) struct TileBuffer<'a> {
     pub tile: &'a mut Tile,
     /// Reversed depth, a plane for each sample.
@@ -137,6 +152,7 @@ impl TileBuffer<'_> {
             numbers.fill([NO_TRIANGLE; BLOCK_PIXELS]);
         }
         *self.tile = Tile {
+            slot: self.tile.slot,
             drawn: true,
             ..Tile::default()
         };
