@@ -11,6 +11,10 @@
 //! cube of a thousand spheres, m4 a cube that fills the picture, S2 and S4
 //! meshes of our own of the reference scenes (S4 at level 3).
 
+#[cfg(target_os = "linux")]
+#[path = "../../cli/src/huge_pages.rs"]
+mod huge_pages;
+
 use std::time::{Duration, Instant};
 
 use bench::{euc_peer, llvmpipe, meshes};
@@ -20,6 +24,11 @@ use glam::{DVec3, Vec3};
 use raster::{
     AntiAliasing, Camera, Image, Lens, Level, Light, RenderOptions, Renderer, Scene, View,
 };
+
+/// The allocator of the `csg` command, for all that runs in this process.
+#[cfg(target_os = "linux")]
+#[global_allocator]
+static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 
 const SIZE: (u32, u32) = (1920, 1080);
 
@@ -145,7 +154,7 @@ fn main() {
             meshes::Indexed::default()
         };
         if euc {
-            let frames = 6;
+            let frames = 12;
             let (mut theirs, pixels) = euc_peer::draw(&indexed, &view, SIZE, Vec3::ONE, frames);
             theirs.sort();
             let alike = |(a, b): &(&u32, &[u8; 4])| {
