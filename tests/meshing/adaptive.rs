@@ -202,10 +202,25 @@ fn a_tolerance_is_kept_with_few_triangles() {
             scenes::DRILLED_VOLUME,
         ),
         (
+            "sphere",
+            scenes::sphere(),
+            1e-4,
+            75_000,
+            scenes::SPHERE_VOLUME,
+        ),
+        // Its curves cross in six points, where its surfaces touch.
+        (
             "tricylinder",
             scenes::tricylinder(),
             1e-3,
-            600,
+            500,
+            scenes::TRICYLINDER_VOLUME,
+        ),
+        (
+            "tricylinder",
+            scenes::tricylinder(),
+            1e-5,
+            4_500,
             scenes::TRICYLINDER_VOLUME,
         ),
     ];

@@ -141,6 +141,8 @@ pub(super) struct Settler {
     changes: Vec<Change>,
     axes: Vec<u8>,
     flatness: Vec<Flatness>,
+    /// Bit j of the i-th: the cell's surfaces i and j do not meet in it.
+    disjoint: [u16; MOST_SURFACES],
     loops: Vec<Constraints>,
 }
 
@@ -211,13 +213,20 @@ impl Settler {
     /// How the surfaces meet in the cell, if it is known of any two that they
     /// cross at an angle, touch, or do not meet, and of any three that they
     /// meet in one point, in a curve, or not at all.
-    fn meeting(&self, scene: &Scene<'_>, cell: &Cell, middle: DVec3, half: f64) -> Option<Meeting> {
+    fn meeting(
+        &mut self,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        middle: DVec3,
+        half: f64,
+    ) -> Option<Meeting> {
         let all = &self.flatness;
         let surface = |i: usize| &scene.surfaces[cell.surfaces[i] as usize];
         let mut meeting = Meeting::Plain;
         // Bit j of the i-th: surfaces i and j touch, or do not meet.
         let mut touching = [0u16; MOST_SURFACES];
-        let mut disjoint = [0u16; MOST_SURFACES];
+        let disjoint = &mut self.disjoint;
+        *disjoint = [0; MOST_SURFACES];
         for i in 0..all.len() {
             for j in 0..i {
                 let (a, b) = (&all[i], &all[j]);
@@ -251,7 +260,7 @@ impl Settler {
             for j in 0..i {
                 for k in 0..j {
                     let pairs = |of: &[u16]| (of[i] >> j | of[i] >> k | of[j] >> k) & 1 == 1;
-                    if pairs(&disjoint) || pairs(&touching) {
+                    if pairs(&*disjoint) || pairs(&touching) {
                         continue;
                     }
                     let (a, b, c) = (&all[i], &all[j], &all[k]);
@@ -353,6 +362,10 @@ impl Settler {
         middle: DVec3,
         half: f64,
     ) -> bool {
+        let apart = |&p: &usize| positions.iter().any(|&q| self.disjoint[p] >> q & 1 == 1);
+        if positions.iter().any(apart) {
+            return false;
+        }
         let ids: SmallVec<[u32; 4]> = positions.iter().map(|&p| cell.surfaces[p]).collect();
         if self
             .loops

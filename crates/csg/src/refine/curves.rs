@@ -113,8 +113,35 @@ impl<'a> Stretch<'a> {
     }
 
     fn on_curve(&self, start: DVec3, reach: f64) -> Option<DVec3> {
+        if let Some(point) = self.nearby(start, reach) {
+            return Some(point);
+        }
         let solution = solve::common_point(&self.surfaces, start, reach);
         let is_near = solution.point.distance_squared(start) <= reach * reach;
         (is_near && solution.residual <= self.precision).then_some(solution.point)
+    }
+
+    /// The same by a few of Newton's steps across the curve, which is enough
+    /// where the surfaces cross at an angle.
+    fn nearby(&self, start: DVec3, reach: f64) -> Option<DVec3> {
+        const MOST_STEPS: usize = 6;
+        let mut point = start;
+        for _ in 0..MOST_STEPS {
+            let [g1, g2] = self.surfaces.map(|s| s.gradient(point));
+            let [f1, f2] = self.surfaces.map(|s| s.value(point));
+            let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
+            let determinant = g11 * g22 - g12 * g12;
+            if determinant <= 1e-4 * g11 * g22 {
+                return None;
+            }
+            let (a, b) = (f1 * g22 - f2 * g12, f2 * g11 - f1 * g12);
+            let step = (a * g1 + b * g2) / determinant;
+            point -= step;
+            // What is left is of the order of the step's square.
+            if step.length_squared() <= 1e-9 * self.precision * reach {
+                return (point.distance_squared(start) <= reach * reach).then_some(point);
+            }
+        }
+        None
     }
 }

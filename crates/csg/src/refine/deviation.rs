@@ -22,6 +22,7 @@
 //! topology.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::program::Surface;
 
@@ -249,8 +250,7 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     if bound <= 1.02 * first_order {
         return bound;
     }
-    const DEPTH: u32 = 8;
-    bound.min(chord.bound_by_halves(0.0, 1.0, first_order, DEPTH))
+    bound.min(chord.bound_by_halves(first_order))
 }
 
 /// A chord under examination.
@@ -308,19 +308,33 @@ impl Chord<'_> {
         (bound, first_order)
     }
 
-    /// The same by smaller and smaller parts, until they are within `enough`.
-    fn bound_by_halves(&self, from: f64, to: f64, enough: f64, depth: u32) -> f64 {
-        let from_start = to * self.along.length();
-        let from_end = (1.0 - from) * self.along.length();
-        let (bound, _) = self.bound(from, to);
-        let bound = bound.min(from_start).min(from_end);
-        if bound <= 1.02 * enough || depth == 0 {
-            return bound;
+    /// The same by parts, the worst of which is halved until it is within
+    /// `enough`: towards an end where the surfaces touch they become ever
+    /// smaller.
+    fn bound_by_halves(&self, enough: f64) -> f64 {
+        const MOST_PARTS: usize = 64;
+        let length = self.along.length();
+        let part = |from: f64, to: f64| {
+            let (bound, _) = self.bound(from, to);
+            // No farther than from the chord's ends.
+            let bound = bound.min(to * length).min((1.0 - from) * length);
+            (bound, from, to)
+        };
+        let mut parts: SmallVec<[(f64, f64, f64); MOST_PARTS]> = SmallVec::new();
+        parts.push(part(0.0, 1.0));
+        loop {
+            let worst = parts.iter_mut().max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some(worst) = worst else {
+                return f64::INFINITY;
+            };
+            let (bound, from, to) = *worst;
+            let middle = 0.5 * (from + to);
+            *worst = part(from, middle);
+            if bound <= 1.02 * enough || parts.len() == MOST_PARTS {
+                return bound;
+            }
+            parts.push(part(middle, to));
         }
-        let middle = 0.5 * (from + to);
-        let halves = [(from, middle), (middle, to)];
-        let [a, b] = halves.map(|(from, to)| self.bound_by_halves(from, to, enough, depth - 1));
-        a.max(b).min(bound)
     }
 }
 

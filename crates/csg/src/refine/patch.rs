@@ -247,3 +247,59 @@ fn zip(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refine::regions::{Bend, Way};
+    use crate::{Program, Solid};
+    use proptest::prelude::*;
+    use std::collections::HashSet;
+
+    proptest! {
+        /// Whatever the numbers, a triangle of a sphere is covered once, by small
+        /// ones that face outward.
+        #[test]
+        fn any_numbers_fit_together(
+            chords in prop::array::uniform3(1..12u32),
+            rows in 1..12u32,
+        ) {
+            let program = Program::lower(&Solid::sphere(1.0)).expect("valid");
+            let surface = &program.surfaces()[0];
+            let region = Region {
+                surface: 0,
+                group: 0,
+                bend: Bend::Double,
+                outward: 1.0,
+                way: Way::AtOnce,
+            };
+            let corners = [[1.0, 0.1, 0.0], [1.0, 0.5, 0.1], [1.0, 0.3, 0.4]];
+            let corners = corners.map(|p| DVec3::from(p).normalize());
+            let mut patch = Patch::default();
+            for side in 0..3 {
+                patch.starts[side] = patch.names.len() as u32;
+                let (p, q) = (corners[side], corners[(side + 1) % 3]);
+                for i in 0..chords[side] {
+                    let place = p.lerp(q, f64::from(i) / f64::from(chords[side]));
+                    patch.add(patch.names.len() as u32, place.normalize());
+                }
+            }
+            let rim = patch.names.len() as u32;
+            patch.starts[3] = rim;
+            patch.fill(surface, &region, rows);
+            let count = patch.positions.len() as u32;
+            prop_assert_eq!(patch.triangles.len() as u32, 2 * count - rim - 2);
+            let sides = patch.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+            let directed: HashSet<_> = sides.collect();
+            prop_assert_eq!(directed.len(), 3 * patch.triangles.len());
+            for &(a, b) in &directed {
+                let is_on_rim = b == (a + 1) % rim && a < rim;
+                prop_assert!(directed.contains(&(b, a)) != is_on_rim);
+            }
+            for corners in &patch.triangles {
+                let [p, q, r] = corners.map(|corner| patch.at(corner));
+                prop_assert!((q - p).cross(r - p).dot(p + q + r) > 0.0);
+            }
+        }
+    }
+}

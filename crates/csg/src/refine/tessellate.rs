@@ -272,6 +272,8 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let surface = mesh.surface(3 * triangle);
     let corners = mesh.corners(triangle);
     let (estimate, _) = deviation::estimate(surface, corners);
+    /// The surface over a triangle is larger than the triangle.
+    const CURVED: f64 = 1.05;
     let for_distance = (estimate / goal.aim()).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
@@ -281,7 +283,7 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
             .max(c.angle_between(a));
         turn / angle
     });
-    (1.02 * for_distance).max(for_angle).max(1.0)
+    (CURVED * for_distance).max(for_angle).max(1.0)
 }
 
 fn whole(rows: f64) -> u32 {
