@@ -207,3 +207,40 @@ fn links_permissions_and_devices_are_respected() {
         assert!(matches!(error, Error::Write(_)), "{error}");
     }
 }
+
+#[test]
+fn a_file_that_does_not_wait_for_the_disk_is_whole_as_well() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("picture");
+    fs::write(&path, "old").expect("written");
+    let mut file = AtomicFile::create(&path).expect("created").without_flush();
+    file.write_all(b"new").expect("written");
+    assert_eq!(fs::read(&path).expect("read"), b"old");
+    file.commit().expect("replaced");
+    assert_eq!(fs::read(&path).expect("read"), b"new");
+    assert_eq!(names(folder.path()), ["picture"]);
+}
+
+#[test]
+fn meshes_to_be_drawn_look_the_same_and_need_not_be_connected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("box.glb");
+    let mut mesh = small_box();
+    let corners =
+        |mesh: &Mesh| -> Vec<_> { (0..mesh.triangles.len()).map(|t| mesh.corners(t)).collect() };
+    for (with_normals, vertices) in [(true, 24), (false, 8)] {
+        if !with_normals {
+            mesh.corner_normals.clear();
+        }
+        write(&path, &mesh).expect("written");
+        let (welded, apart) = (
+            read_mesh(&path).expect("read"),
+            io::read_mesh_to_draw(&path).expect("read"),
+        );
+        assert_eq!(welded.positions.len(), 8);
+        assert_eq!(apart.positions.len(), vertices);
+        assert_eq!(corners(&apart), corners(&welded));
+        assert_eq!(apart.corner_normals, welded.corner_normals);
+        assert_eq!(apart.triangle_surfaces, welded.triangle_surfaces);
+    }
+}
