@@ -86,13 +86,13 @@ pub(super) fn divide(
     let total: f64 = stretches.iter().map(Stretch::chords).sum();
     let mut chords = ((total - 1e-3).ceil() as u32).max(edges);
     let mut points = Vec::new();
-    for _ in 0..MOST_TRIES {
+    for tries in 1..=MOST_TRIES {
         points = points_along(&stretches, total, chords)?;
         let first = mesh.at(mesh.origin(chain[0]));
         let last = mesh.at(mesh.target(chain[chain.len() - 1]));
         let excess = farthest(surfaces, first, &points, last) / goal.tolerance;
         // Curvature is the whole story only where it hardly changes.
-        if excess <= 1.0 || excess > 2.0 {
+        if excess <= 1.0 || excess > 2.0 || tries == MOST_TRIES {
             break;
         }
         chords = (f64::from(chords) * excess.sqrt()) as u32 + 1;
