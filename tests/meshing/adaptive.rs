@@ -8,6 +8,7 @@ use stereotomy::{csg, scenes};
 use super::defects::{largest_miss, size};
 use super::hard_models;
 use super::random::Random;
+use super::tolerance::sampled_deviation;
 
 fn mesh(solid: &Solid, smallest: f64) -> (Program, Meshed) {
     let program = Program::lower(solid).expect("a valid solid");
@@ -173,6 +174,36 @@ fn random_solids_are_manifold() {
         let (program, meshed) = mesh(&solid, 0.02);
         assert_sound(&format!("seed {seed}"), &program, &meshed);
     }
+}
+
+/// Refinement leaves the topology as it is, and where it reports nothing the
+/// deviation is within its bound and the mesh does not run through itself.
+#[test]
+fn random_solids_keep_a_tolerance_or_say_so() {
+    const TOLERANCE: f64 = 0.01;
+    let mut proven = 0;
+    for seed in 0..40 {
+        let (program, coarse) = mesh(&Random::new(seed).solid(), TOLERANCE);
+        let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+        let meshed = meshed.expect("a mesh");
+        let label = format!("seed {seed}: {:?}", meshed.report.fallbacks);
+        assert!(meshed.report.check.is_manifold(), "{label}");
+        assert_eq!(genus(&meshed), genus(&coarse), "{label}");
+        let parts = |meshed: &Meshed| meshed.report.check.components;
+        assert_eq!(parts(&meshed), parts(&coarse), "{label}");
+        if meshed.report.fallbacks.is_empty() {
+            proven += 1;
+            let bound = meshed.report.deviation.unwrap_or(0.0);
+            let sampled = sampled_deviation(&program, &meshed);
+            assert!(bound <= TOLERANCE, "{label}: {bound}");
+            assert!(
+                sampled <= 1.05 * bound + 1e-10,
+                "{label}: {sampled}, {bound}"
+            );
+            assert_eq!(meshed.mesh.self_intersections().len(), 0, "{label}");
+        }
+    }
+    assert!(proven >= 5, "{proven} solids");
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn mesh(program: &Program, cells: u32, tolerance: f64) -> Meshed {
 
 /// The largest distance, to first order, of any of a lattice of points on the
 /// triangles to the triangle's surface.
-fn sampled_deviation(program: &Program, meshed: &Meshed) -> f64 {
+pub fn sampled_deviation(program: &Program, meshed: &Meshed) -> f64 {
     const STEPS: u32 = 8;
     let mesh = &meshed.mesh;
     let mut largest = 0.0f64;
