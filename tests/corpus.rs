@@ -213,3 +213,24 @@ fn points_tell_the_same_volumes() {
         }
     }
 }
+
+/// Facets are planes: the boundary is exact, whatever the tolerance.
+#[test]
+fn faceted_boundaries_are_exact() {
+    for tree in corpus().iter().filter(|tree| tree.core) {
+        let name = tree.path.display();
+        let program = program(tree, true);
+        let meshed = Mesher::new().tolerance(1.0).mesh(&program);
+        let meshed = meshed.unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(meshed.report.method, "polyhedral", "{name}");
+        assert!(meshed.report.check.is_manifold(), "{name}");
+        // None runs through itself, nor is anything else reported.
+        assert!(meshed.report.fallbacks.is_empty(), "{name}");
+        let (wanted, precision) = tree.reference(true);
+        let off = (meshed.mesh.volume() - wanted).abs();
+        assert!(
+            off <= precision * wanted,
+            "{name}: off by {off:e} of {wanted}"
+        );
+    }
+}

@@ -77,13 +77,6 @@ fn reference_scenes_have_their_topology() {
     }
 }
 
-#[test]
-fn a_box_is_eight_cells() {
-    let (_, meshed) = mesh(&Solid::cube(1.0), 1e-3);
-    assert_eq!(meshed.report.surface_cells, 8);
-    assert_eq!(meshed.mesh.triangles.len(), 12);
-}
-
 /// The signed volumes of a mesh's parts, ascending.
 fn volumes(mesh: &Mesh) -> Vec<f64> {
     let parts = mesh.components();

@@ -6,6 +6,7 @@ mod defects;
 mod hard_models;
 mod measures;
 mod moved_solids;
+mod polyhedral;
 mod random;
 mod random_solids;
 mod reference_scenes;

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use csg::Solid;
+use csg::{Plane, Solid};
 use glam::{DAffine3, DQuat, DVec3};
 use stereotomy::csg;
 
@@ -99,8 +99,58 @@ impl Random {
         }
     }
 
+    /// A leaf bounded by planes.
+    fn flat_leaf(&mut self) -> Solid {
+        let [width, height] = [self.quarters(1, 5), self.quarters(1, 5)];
+        match self.below(8) {
+            0..=2 => Solid::cuboid([width, height, self.quarters(1, 6)]),
+            3 | 4 => {
+                let corners = 3 + self.below(9);
+                let polygon = (0..corners).map(|i| {
+                    let angle = TAU * i as f64 / corners as f64;
+                    [width * angle.cos(), width * angle.sin()]
+                });
+                Solid::prism(polygon.collect::<Vec<_>>(), 0.0..height)
+            }
+            // Thin, down to what rounding leaves.
+            5 => {
+                let thickness = 10f64.powf(self.between(-8.0, -1.0));
+                Solid::cuboid([width, height, thickness])
+            }
+            // A pyramid: all sides through one point.
+            6 => {
+                let sides = 3 + self.below(9);
+                let side = |i| {
+                    let angle = TAU * i as f64 / sides as f64;
+                    Plane::through(DVec3::Z, [angle.cos(), angle.sin(), 1.0])
+                };
+                let base = Plane::through([0.0, 0.0, -0.25], -DVec3::Z);
+                Solid::convex_polyhedron((0..sides).map(side).chain([base]))
+            }
+            // As its faces fall.
+            _ => {
+                let faces = 4 + self.below(12);
+                let random = (0..faces).map(|_| Plane {
+                    normal: DVec3::from_array([(); 3].map(|()| self.between(-1.0, 1.0))),
+                    offset: self.between(0.1, 0.6),
+                });
+                let faces: Vec<Plane> = random.collect();
+                Solid::convex_polyhedron(faces) & Solid::cuboid([1.5; 3])
+            }
+        }
+    }
+
     /// A bounded solid of 1 to 40 primitives.
     pub fn solid(&mut self) -> Solid {
+        self.solid_of(Self::leaf)
+    }
+
+    /// The same with planes alone.
+    pub fn polyhedron(&mut self) -> Solid {
+        self.solid_of(Self::flat_leaf)
+    }
+
+    fn solid_of(&mut self, leaf: fn(&mut Self) -> Solid) -> Solid {
         // Few of many primitives: they cost the most.
         let most = 1 + self.below(37);
         let leaves = 1 + self.below(4) + self.below(most);
@@ -113,7 +163,7 @@ impl Random {
                     let index = self.below(parts.len() as u64) as usize;
                     parts[index].clone()
                 }
-                _ => self.leaf(),
+                _ => leaf(self),
             };
             let map = match self.below(3) {
                 0 => maps[self.below(2) as usize],

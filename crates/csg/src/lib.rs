@@ -10,6 +10,7 @@ pub mod mesh;
 mod mesher;
 mod net;
 mod pages;
+mod polyhedral;
 pub mod program;
 #[cfg(test)]
 mod random;

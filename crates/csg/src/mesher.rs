@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::finish;
 use crate::mesh::{LengthUnit, Mesh, MeshSurface};
 use crate::net;
+use crate::polyhedral;
 use crate::program::{Bounds, Program, Surface};
 use crate::refine::{self, Goal, Surfaced, Unkept};
 use crate::report::Report;
@@ -95,7 +96,10 @@ impl Default for Mesher {
 }
 
 impl Mesher {
-    /// 128 cells along the longest side of the solid's bounds, in millimetres.
+    /// 128 cells along the longest side of the solid's bounds, in millimetres;
+    /// for a solid bounded by planes alone none at all, but its exact boundary.
+    /// That one is made with a [`Self::tolerance`], too, but not where
+    /// [`Self::cells`] or their size are asked for.
     pub fn new() -> Self {
         Self {
             resolution: None,
@@ -231,56 +235,52 @@ impl Mesher {
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
         let smallest = self.smallest_cell()?;
+        let by_cells = match self.method {
+            Method::Draft => "draft",
+            Method::Exact if smallest.is_some() => "adaptive",
+            Method::Exact => "exact",
+        };
+        let is_polyhedral = self.is_polyhedral(program);
         let mut report = Report {
-            method: match self.method {
-                Method::Draft => "draft",
-                Method::Exact if smallest.is_some() => "adaptive",
-                Method::Exact => "exact",
+            method: if is_polyhedral {
+                "polyhedral"
+            } else {
+                by_cells
             },
             ..Report::default()
         };
         let start = Instant::now();
         self.control.check()?;
-        let bounds = match self.bounds {
+        let mut bounds = match self.bounds {
             Some(bounds) if bounds.min.is_finite() && bounds.max.is_finite() => Some(bounds),
             Some(_) => {
                 return Err(Error::InvalidOption(
                     "the bounds must be finite: give two ordinary corners".into(),
                 ));
             }
+            None if is_polyhedral => program.loose_bounds()?,
             None => program.bounds()?,
         };
         let goal = self.goal()?;
         report.end_stage("bounds", start);
-        report.bounds = bounds;
-        let mut mesh = Mesh::default();
-        // A box without extent holds no solid: at most a point was left of it.
-        if let Some(bounds) = bounds.filter(|b| b.size().max_element() > 0.0) {
-            report.cell_size = match smallest {
-                Some(smallest) => smallest.min(bounds.size().max_element()),
-                None => self.cell_size_for(&bounds)?,
-            };
-            let origin = bounds.center();
-            let task = Task {
-                program,
-                surfaces: program.surfaces_about(origin),
-                origin,
-                size: bounds.size(),
-                cell: report.cell_size,
-                control: &self.control,
-            };
-            mesh = match self.method {
-                Method::Draft => draft::mesh(&task, &mut report)?,
-                Method::Exact if smallest.is_some() => adapt::mesh(&task, &mut report)?,
-                Method::Exact => net::mesh(&task, &mut report)?,
-            };
-            if let Some(goal) = goal {
-                self.refine(&mut mesh, &task, &goal, &mut report)?;
-            }
-            if matches!(self.method, Method::Exact) {
-                move_by(&mut mesh.positions, origin);
+        let mut mesh = None;
+        if let Some(loose) = bounds.filter(|_| is_polyhedral) {
+            mesh = self.polyhedral(program, loose, &mut report)?;
+            if mesh.is_none() && self.bounds.is_none() {
+                bounds = program.bounds()?;
             }
         }
+        // A box without extent holds no solid: at most a point was left of it.
+        let bounds = bounds.filter(|b| b.size().max_element() > 0.0);
+        let mut mesh = match (mesh, bounds) {
+            (Some(exact), _) => exact,
+            (None, None) => Mesh::default(),
+            (None, Some(bounds)) => {
+                report.method = by_cells;
+                report.bounds = Some(bounds);
+                self.mesh_by_cells(program, bounds, goal, &mut report)?
+            }
+        };
         mesh.unit = self.unit;
         self.control.check()?;
         let start = Instant::now();
@@ -311,6 +311,66 @@ impl Mesher {
             progress(1.0);
         }
         Ok(Meshed { mesh, report })
+    }
+
+    fn task<'a>(&'a self, program: &'a Program, bounds: Bounds, cell: f64) -> Task<'a> {
+        let origin = bounds.center();
+        Task {
+            program,
+            surfaces: program.surfaces_about(origin),
+            origin,
+            size: bounds.size(),
+            cell,
+            control: &self.control,
+        }
+    }
+
+    /// The exact boundary of planes; none where it could not be closed.
+    fn polyhedral(
+        &self,
+        program: &Program,
+        loose: Bounds,
+        report: &mut Report,
+    ) -> Result<Option<Mesh>, Error> {
+        let task = self.task(program, loose, 0.0);
+        let Some(mut mesh) = polyhedral::mesh(&task, report)? else {
+            return Ok(None);
+        };
+        move_by(&mut mesh.positions, task.origin);
+        report.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
+        if self.check {
+            for place in crossings(&mesh) {
+                report.add_fallback(Unkept::Crossing.describe(), place);
+            }
+        }
+        Ok(Some(mesh))
+    }
+
+    fn mesh_by_cells(
+        &self,
+        program: &Program,
+        bounds: Bounds,
+        goal: Option<Goal>,
+        report: &mut Report,
+    ) -> Result<Mesh, Error> {
+        let smallest = self.smallest_cell()?;
+        report.cell_size = match smallest {
+            Some(smallest) => smallest.min(bounds.size().max_element()),
+            None => self.cell_size_for(&bounds)?,
+        };
+        let task = self.task(program, bounds, report.cell_size);
+        let mut mesh = match self.method {
+            Method::Draft => draft::mesh(&task, report)?,
+            Method::Exact if smallest.is_some() => adapt::mesh(&task, report)?,
+            Method::Exact => net::mesh(&task, report)?,
+        };
+        if let Some(goal) = goal {
+            self.refine(&mut mesh, &task, &goal, report)?;
+        }
+        if matches!(self.method, Method::Exact) {
+            move_by(&mut mesh.positions, task.origin);
+        }
+        Ok(mesh)
     }
 
     fn goal(&self) -> Result<Option<Goal>, Error> {
@@ -367,14 +427,13 @@ impl Mesher {
             mesh.positions = std::mem::take(&mut surfaced.positions);
             mesh.triangles = std::mem::take(&mut surfaced.triangles);
             let crossings = if self.check {
-                mesh.self_intersections()
+                crossings(mesh)
             } else {
                 Vec::new()
             };
             tries += 1;
             if crossings.is_empty() || tries == MOST_TRIES {
-                for [triangle, _] in crossings {
-                    let place = mesh.corners(triangle as usize)[0];
+                for place in crossings {
                     outcome.unkept.push((Unkept::Crossing, place));
                 }
                 break;
@@ -391,6 +450,13 @@ impl Mesher {
         }
         report.end_stage("refine", start);
         Ok(())
+    }
+
+    /// Whether the exact boundary of planes is to be meshed, without cells.
+    fn is_polyhedral(&self, program: &Program) -> bool {
+        matches!(self.method, Method::Exact)
+            && self.resolution.is_none()
+            && polyhedral::is_polyhedral(program)
     }
 
     /// The size below which cells are not split, if they are adaptive.
@@ -451,6 +517,14 @@ fn merge_alike(mesh: &mut Mesh, program: &Program) {
         *index = merged[*index as usize];
     }
     mesh.surfaces = kept;
+}
+
+/// Places where a mesh runs through itself.
+fn crossings(mesh: &Mesh) -> Vec<DVec3> {
+    let pairs = mesh.self_intersections().into_iter();
+    pairs
+        .map(|[triangle, _]| mesh.corners(triangle as usize)[0])
+        .collect()
 }
 
 /// Moves all points.

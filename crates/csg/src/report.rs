@@ -15,7 +15,8 @@ pub const PLACES_PER_FALLBACK: usize = 8;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Report {
-    /// The method's name: `"draft"`.
+    /// The method's name: `"draft"`, `"exact"` on a uniform grid,
+    /// `"adaptive"`, or `"polyhedral"` for the exact boundary of planes.
     pub method: &'static str,
     /// The box that was meshed; `None` if the solid is proven empty.
     pub bounds: Option<Bounds>,

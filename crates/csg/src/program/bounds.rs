@@ -84,6 +84,19 @@ impl Program {
     /// # Errors
     /// [`Error::Unbounded`] if the solid reaches infinitely far.
     pub fn bounds(&self) -> Result<Option<Bounds>, Error> {
+        self.find_bounds(|surfaces, root, loose| Shaver::new(surfaces, root).shave(loose))
+    }
+
+    /// A box that encloses the solid, however much too large: a fraction of the
+    /// time that [`Self::bounds`] takes.
+    pub(crate) fn loose_bounds(&self) -> Result<Option<Bounds>, Error> {
+        self.find_bounds(|_, _, loose| Some(loose))
+    }
+
+    fn find_bounds(
+        &self,
+        tighten: impl FnOnce(&[Surface], &Cell, Bounds) -> Option<Bounds>,
+    ) -> Result<Option<Bounds>, Error> {
         let root = self.root_cell();
         match root.constant() {
             Some(false) => return Ok(None),
@@ -110,8 +123,8 @@ impl Program {
         if current.min.cmpgt(current.max).any() {
             return Ok(None);
         }
-        let shaved = Shaver::new(&surfaces, &root).shave(current);
-        Ok(shaved.map(|bounds| Bounds {
+        let tight = tighten(&surfaces, &root, current);
+        Ok(tight.map(|bounds| Bounds {
             min: bounds.min + origin,
             max: bounds.max + origin,
         }))

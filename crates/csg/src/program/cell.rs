@@ -27,6 +27,7 @@ pub struct Pruner {
     /// The gate that each half-space (2 surface + outside) was last met in.
     met_in: Vec<u32>,
     live_gates: Vec<bool>,
+    keeps_complements: bool,
     /// New index of each literal, surface and gate, or `UNUSED`.
     literal_index: Vec<u32>,
     surface_index: Vec<u32>,
@@ -34,6 +35,18 @@ pub struct Pruner {
 }
 
 const UNUSED: u32 = u32::MAX;
+
+impl Pruner {
+    /// A pruner that puts constants in and does nothing else: the shortened
+    /// formula has the given one's value for every assignment to its literals,
+    /// even one under which a surface's two half-spaces overlap.
+    pub(crate) fn literal_by_literal() -> Self {
+        Self {
+            keeps_complements: true,
+            ..Self::default()
+        }
+    }
+}
 
 impl Cell {
     /// The constant the cell comes to, if nothing varies in it any more.
@@ -138,7 +151,7 @@ impl Cell {
                             let literal = formula.literals[i as usize];
                             let slot = 2 * literal.surface as usize + usize::from(literal.outside);
                             met_in[slot] = index as u32;
-                            if met_in[slot ^ 1] == index as u32 {
+                            if met_in[slot ^ 1] == index as u32 && !pruner.keeps_complements {
                                 // S or not-S is everything, S and not-S nothing.
                                 (kept, only) = (0, Operand::Constant(absorbing));
                                 break;

@@ -1,0 +1,336 @@
+//! The boundary as half-edges: pieces of edges linked to the contours of faces.
+//!
+//! Each half-edge has its twin on the other face by construction, and every
+//! contour closes; so the surface is closed, oriented and manifold whatever the
+//! coordinates are. Where faces touch along an edge or at a point, contours keep
+//! to their own sector of the face, and twins to their own wedge of the solid.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::lines::{Piece, Side};
+use super::weld::Welder;
+
+/// An index that stands for nothing.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A half-edge; removed ones have no twin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfEdge {
+    /// The vertex it starts from.
+    pub from: u32,
+    pub twin: u32,
+    pub next: u32,
+    pub previous: u32,
+    pub face: u32,
+}
+
+/// Contours of all faces.
+#[derive(Debug, Default)]
+pub(super) struct Boundary {
+    pub points: Vec<DVec3>,
+    pub half_edges: Vec<HalfEdge>,
+    pub faces: Vec<Side>,
+}
+
+/// Directions in a face that differ by less are the same, in radians.
+const SAME_DIRECTION: f64 = 1e-9;
+
+impl Boundary {
+    /// Links pieces; none if they do not close, where rounding made blocks and
+    /// lines disagree.
+    pub fn link(scene: &Scene<'_>, pieces: &[Piece]) -> Option<Self> {
+        let mut all = Self::default();
+        let mut welder = Welder::new(scene.weld);
+        let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
+        all.half_edges.reserve(2 * pieces.len());
+        for piece in pieces {
+            let (from, to) = (welder.number(piece.from), welder.number(piece.to));
+            if from == to {
+                continue;
+            }
+            let first = all.half_edges.len() as u32;
+            for (k, (side, start)) in piece.sides.iter().zip([from, to]).enumerate() {
+                let face = *face_of.entry(*side).or_insert_with(|| {
+                    all.faces.push(*side);
+                    all.faces.len() as u32 - 1
+                });
+                all.half_edges.push(HalfEdge {
+                    from: start,
+                    twin: first + 1 - k as u32,
+                    next: NONE,
+                    previous: NONE,
+                    face,
+                });
+            }
+        }
+        all.points = welder.points;
+        all.link_contours(scene)?;
+        all.simplify(scene);
+        all.part_double_edges();
+        Some(all)
+    }
+
+    fn at(&self, half_edge: u32) -> &HalfEdge {
+        &self.half_edges[half_edge as usize]
+    }
+
+    /// The vertex that a half-edge ends in.
+    pub fn end(&self, half_edge: u32) -> u32 {
+        self.at(self.at(half_edge).twin).from
+    }
+
+    fn join(&mut self, half_edge: u32, next: u32) {
+        self.half_edges[half_edge as usize].next = next;
+        self.half_edges[next as usize].previous = half_edge;
+    }
+
+    fn make_twins(&mut self, a: u32, b: u32) {
+        self.half_edges[a as usize].twin = b;
+        self.half_edges[b as usize].twin = a;
+    }
+
+    fn remove(&mut self, half_edge: u32) {
+        self.half_edges[half_edge as usize].twin = NONE;
+    }
+
+    fn is_removed(&self, half_edge: u32) -> bool {
+        self.at(half_edge).twin == NONE
+    }
+
+    /// Finds every half-edge's next: around each vertex and in each face, the
+    /// one that starts where the face's sector left of it ends.
+    fn link_contours(&mut self, scene: &Scene<'_>) -> Option<()> {
+        // Half-edges by the vertex they start from.
+        let mut first_at = vec![0u32; self.points.len() + 1];
+        for half_edge in &self.half_edges {
+            first_at[half_edge.from as usize + 1] += 1;
+        }
+        for vertex in 0..self.points.len() {
+            first_at[vertex + 1] += first_at[vertex];
+        }
+        let mut filled = first_at.clone();
+        let mut leaving = vec![0u32; self.half_edges.len()];
+        for (index, half_edge) in (0u32..).zip(&self.half_edges) {
+            let slot = &mut filled[half_edge.from as usize];
+            leaving[*slot as usize] = index;
+            *slot += 1;
+        }
+        let mut out: SmallVec<[u32; 4]> = SmallVec::new();
+        for vertex in 0..self.points.len() {
+            let here = first_at[vertex] as usize..first_at[vertex + 1] as usize;
+            for k in here.clone() {
+                // Each arrives as another one's twin.
+                let arriving = self.at(leaving[k]).twin;
+                let face = self.at(arriving).face;
+                let same_face = |&h: &u32| self.at(h).face == face;
+                out.clear();
+                out.extend(leaving[here.clone()].iter().copied().filter(same_face));
+                let next = match out.as_slice() {
+                    &[only] => only,
+                    many => self.end_of_sector(scene, arriving, many)?,
+                };
+                if self.at(next).previous != NONE {
+                    return None;
+                }
+                self.join(arriving, next);
+            }
+        }
+        Some(())
+    }
+
+    /// Of the half-edges that leave the vertex where another arrives, in the
+    /// same face, the first clockwise from it: between the two lies the face.
+    fn end_of_sector(&self, scene: &Scene<'_>, arriving: u32, leaving: &[u32]) -> Option<u32> {
+        let face = &self.faces[self.at(arriving).face as usize];
+        let flat = |vertex: u32| scene.flatten(face, self.points[vertex as usize]);
+        let here = flat(self.end(arriving));
+        let angle_to = |vertex: u32| (flat(vertex) - here).to_angle();
+        let back = angle_to(self.at(arriving).from);
+        let clockwise = |&h: &u32| {
+            let turn = (back - angle_to(self.end(h))).rem_euclid(std::f64::consts::TAU);
+            let is_none = turn < SAME_DIRECTION;
+            if is_none {
+                turn + std::f64::consts::TAU
+            } else {
+                turn
+            }
+        };
+        let turns = leaving.iter().map(|h| (clockwise(h), *h));
+        turns.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, h)| h)
+    }
+
+    /// Takes out vertices at which an edge goes straight on, faces of two
+    /// corners, and edges with the same face on both sides.
+    ///
+    /// A vertex on a straight edge stays if other edges touch it there, where
+    /// faces may be pinched between the two; so does an edge within a face that
+    /// others touch.
+    fn simplify(&mut self, scene: &Scene<'_>) {
+        let mut leaving = vec![0u32; self.points.len()];
+        for half_edge in &self.half_edges {
+            leaving[half_edge.from as usize] += 1;
+        }
+        let mut pending: Vec<u32> = (0..self.half_edges.len() as u32).rev().collect();
+        while let Some(half_edge) = pending.pop() {
+            if self.is_removed(half_edge) {
+                continue;
+            }
+            let HalfEdge {
+                twin,
+                next,
+                previous,
+                ..
+            } = *self.at(half_edge);
+            let is_alone = |h: u32| leaving[self.at(h).from as usize] == 1;
+            if next == half_edge || next == twin && previous == twin {
+                // Nothing but this edge.
+                if next == twin && !(is_alone(half_edge) && is_alone(twin)) {
+                    continue;
+                }
+                let HalfEdge { next, previous, .. } = *self.at(twin);
+                if next != half_edge && next != twin {
+                    self.join(previous, next);
+                    pending.extend([previous, next]);
+                }
+                self.remove(half_edge);
+                self.remove(twin);
+                continue;
+            }
+            if previous == next {
+                // A face of two corners.
+                let other = self.at(next).twin;
+                self.make_twins(twin, other);
+                self.remove(half_edge);
+                self.remove(next);
+                pending.extend([twin, other, self.at(twin).next, self.at(other).next]);
+                continue;
+            }
+            let around = self.at(previous).twin;
+            if around == half_edge {
+                // The end of a spike.
+                if !is_alone(half_edge) {
+                    continue;
+                }
+                let (before, after) = (self.at(previous).previous, next);
+                self.join(before, after);
+                self.remove(half_edge);
+                self.remove(previous);
+                pending.extend([before, after]);
+                continue;
+            }
+            let opposite = self.at(around).previous;
+            if self.at(opposite).twin == half_edge
+                && leaving[self.at(half_edge).from as usize] == 2
+                && self.goes_straight(scene, half_edge)
+            {
+                // Two edges and two faces meet here, in one line.
+                self.join(previous, next);
+                let after = self.at(around).next;
+                self.join(opposite, after);
+                self.make_twins(previous, opposite);
+                self.remove(half_edge);
+                self.remove(around);
+                pending.extend([previous, next, opposite, after]);
+            }
+        }
+    }
+
+    /// Whether an edge goes on in the direction of the one before it. It does
+    /// between faces of two planes, but borders of looks turn within one.
+    fn goes_straight(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+        let before = self.at(self.at(half_edge).previous).from;
+        let ends = [before, self.at(half_edge).from, self.end(half_edge)];
+        let [a, b, c] = ends.map(|p| self.points[p as usize]);
+        let off = (b - a).cross(c - b).length();
+        before != self.end(half_edge) && off <= scene.weld * (c - a).length()
+    }
+
+    /// For each half-edge the number of the vertex of the finished mesh that it
+    /// starts from: each point once for every fan of faces around it. And the
+    /// points of these vertices.
+    pub fn fans(&self) -> (Vec<u32>, Vec<u32>) {
+        let mut fan_of = vec![NONE; self.half_edges.len()];
+        let mut point_of = Vec::with_capacity(self.points.len());
+        for start in 0..self.half_edges.len() as u32 {
+            if self.is_removed(start) || fan_of[start as usize] != NONE {
+                continue;
+            }
+            let mut at = start;
+            while fan_of[at as usize] == NONE {
+                fan_of[at as usize] = point_of.len() as u32;
+                at = self.at(self.at(at).previous).twin;
+            }
+            point_of.push(self.at(start).from);
+        }
+        (fan_of, point_of)
+    }
+
+    /// Parts edges that have both vertices in common by vertices in their
+    /// middles.
+    fn part_double_edges(&mut self) {
+        let (fan_of, _) = self.fans();
+        // One half of each edge, with its ends.
+        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);
+        for half_edge in 0..fan_of.len() as u32 {
+            let twin = self.at(half_edge).twin;
+            if !self.is_removed(half_edge) && half_edge < twin {
+                let mut ends = [half_edge, twin].map(|h| fan_of[h as usize]);
+                ends.sort_unstable();
+                edges.push((ends, half_edge));
+            }
+        }
+        edges.sort_unstable();
+        for alike in edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1) {
+            for &(_, half_edge) in alike {
+                self.part(half_edge);
+            }
+        }
+    }
+
+    /// Puts a vertex in the middle of an edge.
+    fn part(&mut self, half_edge: u32) {
+        let twin = self.at(half_edge).twin;
+        let [a, b] = [half_edge, twin].map(|h| self.points[self.at(h).from as usize]);
+        let middle = self.points.len() as u32;
+        self.points.push(0.5 * (a + b));
+        let first = self.half_edges.len() as u32;
+        for (k, half) in [half_edge, twin].into_iter().enumerate() {
+            let HalfEdge { face, next, .. } = *self.at(half);
+            let rest = first + k as u32;
+            self.half_edges.push(HalfEdge {
+                from: middle,
+                twin: NONE,
+                next: NONE,
+                previous: NONE,
+                face,
+            });
+            self.join(rest, next);
+            self.join(half, rest);
+        }
+        self.make_twins(half_edge, first + 1);
+        self.make_twins(twin, first);
+    }
+
+    /// The contours, by face: for each face its half-edges in runs.
+    pub fn contours(&self) -> Vec<Vec<Vec<u32>>> {
+        let mut of_face = vec![Vec::new(); self.faces.len()];
+        let mut seen = vec![false; self.half_edges.len()];
+        for start in 0..self.half_edges.len() as u32 {
+            if self.is_removed(start) || seen[start as usize] {
+                continue;
+            }
+            let mut contour = Vec::new();
+            let mut at = start;
+            while !seen[at as usize] {
+                seen[at as usize] = true;
+                contour.push(at);
+                at = self.at(at).next;
+            }
+            of_face[self.at(start).face as usize].push(contour);
+        }
+        of_face
+    }
+}

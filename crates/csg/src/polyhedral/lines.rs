@@ -1,0 +1,486 @@
+//! The edges of a polyhedral solid: the lines in which planes meet, cut up by
+//! the other planes, and which faces meet along each piece.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::cells::Block;
+use super::regions::{Candidate, Finder, merge};
+use super::{Plane, Scene};
+
+/// One of the two faces that meet along an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Side {
+    /// The plane it lies on, by number.
+    pub plane: u32,
+    /// The first primitive of those that look like its own, by number.
+    pub look: u32,
+    /// Whether its outward normal is that of the plane.
+    pub along_normal: bool,
+}
+
+/// A piece of an edge: the boundary of the first face runs from `from` to `to`
+/// there, with the face on its left as seen from outside, and that of the
+/// second back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub from: DVec3,
+    pub to: DVec3,
+    pub sides: [Side; 2],
+}
+
+/// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
+/// which, turning counter-clockwise about the line, the plane's inside lies.
+type HalfPlane = u32;
+
+/// The two faces at every solid wedge around a line: mostly one wedge.
+type Wedges = SmallVec<[[Side; 2]; 2]>;
+
+/// Finds the edges in blocks. Holds scratch memory.
+#[derive(Default)]
+pub(super) struct Tracer {
+    finder: Finder,
+    candidates: Vec<Candidate>,
+    /// For each position in the cell: whether all its literals look alike, and
+    /// the look of the first.
+    looks: Vec<(bool, u32)>,
+    /// Where the other planes cross the line, and their positions.
+    crossings: Vec<(f64, u32)>,
+    /// Positions of the planes through the line, but for the first two.
+    others: SmallVec<[u32; 4]>,
+    around: SmallVec<[HalfPlane; 8]>,
+    /// Per position the signs (1: inside) before the first crossing.
+    inside: Vec<bool>,
+    /// Per position the signs on all stretches and in all sectors, a bit each.
+    words: Vec<u64>,
+    gates: Vec<u64>,
+}
+
+/// A line with the interval of it that lies in a block.
+pub(super) struct Line {
+    point: DVec3,
+    direction: DVec3,
+    start: f64,
+    end: f64,
+}
+
+impl Line {
+    /// The whole line common to two planes of a block, the same to the bit in
+    /// every block; none if they are parallel.
+    pub fn of_pair(scene: &Scene<'_>, block: &Block, pair: [u32; 2]) -> Option<Self> {
+        let [p, q] = pair.map(|position| {
+            let id = block.cell.surfaces[position as usize];
+            &scene.planes[id as usize]
+        });
+        let direction = p.normal.cross(q.normal);
+        let square = direction.length_squared();
+        if square < PARALLEL * PARALLEL {
+            return None;
+        }
+        let point =
+            (q.normal.cross(direction) * p.offset + direction.cross(p.normal) * q.offset) / square;
+        Some(Self {
+            point,
+            direction: direction / square.sqrt(),
+            start: f64::NEG_INFINITY,
+            end: f64::INFINITY,
+        })
+    }
+
+    /// Clips the line to a box (Liang and Barsky, *A New Concept and Method for
+    /// Line Clipping*, 1984); false if nothing is left.
+    fn clip(&mut self, low: DVec3, high: DVec3) -> bool {
+        for axis in 0..3 {
+            let (at, slope) = (self.point[axis], self.direction[axis]);
+            if slope == 0.0 {
+                if !(low[axis] <= at && at < high[axis]) {
+                    return false;
+                }
+                continue;
+            }
+            let (mut enter, mut leave) = ((low[axis] - at) / slope, (high[axis] - at) / slope);
+            if slope < 0.0 {
+                std::mem::swap(&mut enter, &mut leave);
+            }
+            self.start = self.start.max(enter);
+            self.end = self.end.min(leave);
+        }
+        self.start < self.end
+    }
+
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.point + t * self.direction
+    }
+
+    /// Where along the line a point lies.
+    pub fn along(&self, point: DVec3) -> f64 {
+        (point - self.point).dot(self.direction)
+    }
+
+    /// Whether all of a clipped line lies in a plane.
+    fn lies_in(&self, scene: &Scene<'_>, plane: &Plane) -> bool {
+        let value = plane.value(self.point);
+        let slope = plane.normal.dot(self.direction);
+        let ends = [self.start, self.end].map(|t| (value + slope * t).abs());
+        ends[0].max(ends[1]) <= scene.on_plane
+    }
+}
+
+/// Planes that meet at a smaller sine of their angle are parallel.
+const PARALLEL: f64 = 1e-11;
+
+/// In blocks of no more planes every pair of them is traced: it takes less time
+/// than finding out which pairs meet on the boundary.
+const ALL_PAIRS: usize = 16;
+
+/// Lines are traced beyond where they may carry edges by so many times the
+/// distance below which points are one.
+const MARGIN: f64 = 100.0;
+
+impl Tracer {
+    /// Appends all pieces of edges in a block. False if more planes than can be
+    /// told apart have one line in common.
+    pub fn trace(&mut self, scene: &Scene<'_>, block: &Block, pieces: &mut Vec<Piece>) -> bool {
+        self.find_looks(scene, block);
+        let count = block.cell.surfaces.len();
+        let mut candidates = std::mem::take(&mut self.candidates);
+        candidates.clear();
+        if count <= ALL_PAIRS {
+            candidates.extend((1..count as u32).flat_map(|second| {
+                (0..second).map(move |first| Candidate {
+                    pair: [first, second],
+                    start: f64::NEG_INFINITY,
+                    end: f64::INFINITY,
+                })
+            }));
+        } else {
+            self.finder.find(scene, block, &mut candidates);
+            merge(&mut candidates);
+            for candidate in &mut candidates {
+                self.name_by_first_pair(scene, block, candidate);
+            }
+            merge(&mut candidates);
+        }
+        let traced = candidates
+            .iter()
+            .all(|candidate| self.trace_line(scene, block, candidate, pieces));
+        self.candidates = candidates;
+        traced
+    }
+
+    /// Names a line by the first two of all planes through it.
+    fn name_by_first_pair(&mut self, scene: &Scene<'_>, block: &Block, candidate: &mut Candidate) {
+        let pair = candidate.pair;
+        let Some(mut line) = Line::of_pair(scene, block, pair) else {
+            return;
+        };
+        if !line.clip(block.low, block.high) {
+            return;
+        }
+        let ids = block.cell.surfaces.iter();
+        let mut through = (0u32..).zip(ids).filter(|&(position, &id)| {
+            pair.contains(&position) || line.lies_in(scene, &scene.planes[id as usize])
+        });
+        let first = [through.next(), through.next()].map(|p| p.map_or(0, |(position, _)| position));
+        if first == pair {
+            return;
+        }
+        if let Some(same) = Line::of_pair(scene, block, first) {
+            let ends = [candidate.start, candidate.end].map(|t| same.along(line.at(t)));
+            *candidate = Candidate {
+                pair: first,
+                start: ends[0].min(ends[1]),
+                end: ends[0].max(ends[1]),
+            };
+        }
+    }
+
+    fn find_looks(&mut self, scene: &Scene<'_>, block: &Block) {
+        const NONE: u32 = u32::MAX;
+        self.looks.clear();
+        self.looks.resize(block.cell.surfaces.len(), (true, NONE));
+        for literal in block.cell.formula.literals() {
+            let look = scene.looks[literal.origin as usize];
+            let (alike, first) = &mut self.looks[literal.surface as usize];
+            if *first == NONE {
+                *first = look;
+            }
+            *alike &= *first == look;
+        }
+    }
+
+    /// Traces a line where it may carry edges, and everywhere if they turn out
+    /// to go on beyond.
+    fn trace_line(
+        &mut self,
+        scene: &Scene<'_>,
+        block: &Block,
+        candidate: &Candidate,
+        pieces: &mut Vec<Piece>,
+    ) -> bool {
+        let pair = candidate.pair;
+        let Some(mut line) = Line::of_pair(scene, block, pair) else {
+            return true;
+        };
+        if !line.clip(block.low, block.high) || !self.cross(scene, block, &line, pair) {
+            return true;
+        }
+        self.sort_around(scene, block, &line, pair);
+        if self.around.len() > 64 {
+            return false;
+        }
+        let margin = MARGIN * scene.weld;
+        let within = [candidate.start - margin, candidate.end + margin];
+        let before = pieces.len();
+        if !self.trace_within(scene, block, &line, pair, within, pieces) {
+            pieces.truncate(before);
+            let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+            self.trace_within(scene, block, &line, pair, everywhere, pieces);
+        }
+        true
+    }
+
+    /// Traces the stretches between two places; false if edges go on beyond.
+    fn trace_within(
+        &mut self,
+        scene: &Scene<'_>,
+        block: &Block,
+        line: &Line,
+        pair: [u32; 2],
+        [start, end]: [f64; 2],
+        pieces: &mut Vec<Piece>,
+    ) -> bool {
+        let sectors = self.around.len();
+        let first = self.crossings.partition_point(|&(t, _)| t < start);
+        let last = self.crossings.partition_point(|&(t, _)| t <= end);
+        // Stretches between crossings, as many at once as fit into a word.
+        let at_once = 64 / sectors;
+        let mut open = Wedges::new();
+        let mut from = line.at(line.start);
+        for batch in (first..=last).step_by(at_once) {
+            let count = at_once.min(last + 1 - batch);
+            let result = self.evaluate(block, batch, count);
+            for k in 0..count {
+                let solid = result >> (k * sectors);
+                let stretch = batch + k;
+                let wedges = self.wedges(block, scene, solid, stretch);
+                if stretch == first {
+                    if start > line.start && !wedges.is_empty() {
+                        return false;
+                    }
+                    open = wedges;
+                } else if wedges != open || self.is_shared(scene, stretch - 1) {
+                    let (_, crossing) = self.crossings[stretch - 1];
+                    let triple = [pair[0], pair[1], crossing];
+                    let ids = triple.map(|p| block.cell.surfaces[p as usize]);
+                    let here = scene.common_point(ids);
+                    emit(&open, from, here, pieces);
+                    (open, from) = (wedges, here);
+                }
+            }
+        }
+        if end < line.end && !open.is_empty() {
+            return false;
+        }
+        emit(&open, from, line.at(line.end), pieces);
+        true
+    }
+
+    /// Finds where the other planes cross the line, in order, and those that
+    /// contain it. False if the line is another pair's to trace.
+    fn cross(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) -> bool {
+        self.crossings.clear();
+        self.others.clear();
+        self.inside.clear();
+        for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
+            if pair.contains(&position) {
+                self.inside.push(true);
+                continue;
+            }
+            let plane = &scene.planes[id as usize];
+            let slope = plane.normal.dot(line.direction);
+            let value = plane.value(line.point);
+            let (first, last) = (value + slope * line.start, value + slope * line.end);
+            if line.lies_in(scene, plane) {
+                if position < pair[1] {
+                    return false;
+                }
+                self.others.push(position);
+                self.inside.push(true);
+                continue;
+            }
+            let at = -value / slope;
+            if line.start < at && at < line.end {
+                self.crossings.push((at, position));
+                self.inside.push(slope > 0.0);
+            } else {
+                self.inside.push(first + last <= 0.0);
+            }
+        }
+        self.crossings
+            .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        true
+    }
+
+    /// Whether another plane crosses at the same place: other edges may touch
+    /// the line there though none ends.
+    fn is_shared(&self, scene: &Scene<'_>, crossing: usize) -> bool {
+        let near = |other: usize| {
+            let gap = |&(t, _): &(f64, u32)| (t - self.crossings[crossing].0).abs();
+            self.crossings
+                .get(other)
+                .is_some_and(|c| gap(c) <= scene.weld)
+        };
+        near(crossing + 1) || near(crossing.wrapping_sub(1))
+    }
+
+    /// The half-planes around the line, counter-clockwise about its direction.
+    /// The sector before the first is inside of every plane through the line
+    /// whose outer half comes first.
+    fn sort_around(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) {
+        let [p, q] = pair;
+        self.around.clear();
+        if self.others.is_empty() {
+            // The direction is the cross product of their normals.
+            self.around
+                .extend_from_slice(&[2 * p, 2 * q, 2 * p + 1, 2 * q + 1]);
+            return;
+        }
+        let normal = |at: u32| scene.planes[block.cell.surfaces[at as usize] as usize].normal;
+        // The half from which the normal points counter-clockwise.
+        let outer = |at: u32| normal(at).cross(line.direction);
+        let x = outer(p).normalize_or_zero();
+        let y = line.direction.cross(x);
+        let mut half_planes: SmallVec<[(f64, HalfPlane); 8]> = SmallVec::new();
+        for &at in pair.iter().chain(&self.others) {
+            let angle = if at == p {
+                0.0
+            } else {
+                outer(at).dot(y).atan2(outer(at).dot(x))
+            };
+            let opposite = if angle > 0.0 {
+                angle - std::f64::consts::PI
+            } else {
+                angle + std::f64::consts::PI
+            };
+            half_planes.push((angle, 2 * at));
+            half_planes.push((opposite, 2 * at + 1));
+        }
+        half_planes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.around.extend(half_planes.into_iter().map(|(_, h)| h));
+    }
+
+    /// The solid's values on `count` stretches from `first` on, the sectors of
+    /// each in succession, a bit each. Sector k comes before half-plane k.
+    fn evaluate(&mut self, block: &Block, first: usize, count: usize) -> u64 {
+        let sectors = self.around.len();
+        let low_bits = |n: usize| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
+        self.words.clear();
+        self.words
+            .extend(self.inside.iter().map(|&i| if i { u64::MAX } else { 0 }));
+        for (rank, &(_, position)) in self.crossings.iter().enumerate() {
+            // Crossed before stretch rank + 1.
+            let kept = (rank + 1).saturating_sub(first).min(count) * sectors;
+            self.words[position as usize] ^= !low_bits(kept);
+        }
+        let one_of_each = (0..count).fold(0, |word, k| word | 1u64 << (k * sectors));
+        for (k, &half_plane) in self.around.iter().enumerate() {
+            // Inside from beyond the inner half up to the outer half.
+            if half_plane & 1 == 1 {
+                continue;
+            }
+            let inner = self.around.iter().position(|&h| h == half_plane + 1);
+            let inner = inner.unwrap_or(0);
+            let is_inside = |sector: usize| {
+                if inner < k {
+                    inner < sector && sector <= k
+                } else {
+                    sector <= k || sector > inner
+                }
+            };
+            let word = (0..sectors)
+                .filter(|&sector| is_inside(sector))
+                .fold(0, |word, sector| word | one_of_each << sector);
+            self.words[(half_plane / 2) as usize] = word;
+        }
+        let words = &self.words;
+        block
+            .cell
+            .formula
+            .evaluate_words(&mut self.gates, |_, position| words[position as usize])
+    }
+
+    /// The faces of the solid wedges on one stretch.
+    fn wedges(&mut self, block: &Block, scene: &Scene<'_>, solid: u64, stretch: usize) -> Wedges {
+        let sectors = self.around.len();
+        let mut wedges = Wedges::new();
+        let is_solid = |sector: usize| solid >> (sector % sectors) & 1 == 1;
+        for start in 0..sectors {
+            // Half-plane k lies between sectors k and k + 1.
+            if is_solid(start) || !is_solid(start + 1) {
+                continue;
+            }
+            let length = (1..sectors).find(|&n| !is_solid(start + 1 + n));
+            let end = (start + length.unwrap_or(0)) % sectors;
+            let [first, last] = [end, start].map(|k| {
+                let half_plane = self.around[k];
+                Side {
+                    plane: block.cell.surfaces[(half_plane / 2) as usize],
+                    look: self.look(scene, block, k, stretch),
+                    along_normal: (half_plane & 1 == 0) == (k == end),
+                }
+            });
+            wedges.push([first, last]);
+        }
+        // A face that goes on straight has no edge there, unless others touch.
+        if wedges.len() == 1 && wedges[0][0] == wedges[0][1] {
+            wedges.clear();
+        }
+        wedges
+    }
+
+    /// The look of half-plane `k` on a stretch: with the literals on its plane
+    /// toggled one after another, the last first, that of the one at which the
+    /// solid changes. Literals that do not matter there have no say, so that
+    /// blocks agree whatever they were pruned of.
+    fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, stretch: usize) -> u32 {
+        let position = self.around[k] / 2;
+        let (alike, first) = self.looks[position as usize];
+        if alike {
+            return first;
+        }
+        // The signs in the sector on the plane's inner side.
+        let sectors = self.around.len();
+        let inner = if self.around[k] & 1 == 0 {
+            k
+        } else {
+            (k + 1) % sectors
+        };
+        self.evaluate(block, stretch, 1);
+        let literals = block.cell.formula.literals();
+        let own = || {
+            (0u32..)
+                .zip(literals)
+                .filter(|(_, l)| l.surface == position)
+        };
+        let words = &self.words;
+        // Assignment j toggles the j-th literal and all after it.
+        let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
+            let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
+            match own().position(|(o, _)| o == i) {
+                Some(j) if j < 63 => inside ^ ((2 << j) - 1),
+                _ => inside,
+            }
+        });
+        let none = result >> 63 & 1;
+        let changes = |&(j, _): &(usize, _)| result >> j & 1 != none;
+        let decisive = own().take(63).enumerate().filter(changes).last();
+        decisive.map_or(first, |(_, (_, literal))| {
+            scene.looks[literal.origin as usize]
+        })
+    }
+}
+
+fn emit(wedges: &Wedges, from: DVec3, to: DVec3, pieces: &mut Vec<Piece>) {
+    pieces.extend(wedges.iter().map(|&sides| Piece { from, to, sides }));
+}

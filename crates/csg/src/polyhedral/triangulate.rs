@@ -1,0 +1,388 @@
+//! Polygons with holes cut into triangles, every vertex kept.
+//!
+//! Holes are joined to the contour around them by bridges (Eberly,
+//! *Triangulation by Ear Clipping*, 2002), then ears are clipped. Corners on
+//! straight stretches of a contour are corners of triangles, but no triangle is
+//! flat: they belong to neighbours whose edges end there.
+
+use glam::DVec2;
+
+/// A corner of the polygon in work.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    point: DVec2,
+    /// What it is called outside.
+    name: u32,
+    previous: u32,
+    next: u32,
+}
+
+/// A named point of a contour.
+pub(super) type Named = (DVec2, u32);
+
+/// What lies within one contour.
+struct Region<'a> {
+    outer: &'a [Named],
+    /// Of all within the outer contour, holes included.
+    area: f64,
+    holes: Vec<&'a [Named]>,
+}
+
+/// Cuts the regions bounded by `contours`, counter-clockwise around regions and
+/// clockwise around holes, into counter-clockwise triangles of names. None if
+/// no triangulation without flat triangles was found; distances below
+/// `tolerance` are rounding. Time is quadratic in the size of a contour at
+/// worst, rather linear mostly.
+pub(super) fn triangulate(contours: &[Vec<Named>], tolerance: f64) -> Option<Vec<[u32; 3]>> {
+    let mut regions: Vec<Region<'_>> = Vec::new();
+    let mut holes: Vec<&[Named]> = Vec::new();
+    for outer in contours {
+        let area = signed_area(outer);
+        if area > 0.0 {
+            let holes = Vec::new();
+            regions.push(Region { outer, area, holes });
+        } else {
+            holes.push(outer);
+        }
+    }
+    for hole in holes {
+        let around = match regions.as_mut_slice() {
+            [only] => only,
+            many => many
+                .iter_mut()
+                .filter(|region| contains(region.outer, hole[0].0))
+                .min_by(|a, b| a.area.total_cmp(&b.area))?,
+        };
+        around.holes.push(hole);
+    }
+    let mut triangles = Vec::new();
+    for mut region in regions {
+        let mut work = Clipper::new(region.outer, tolerance);
+        let left_end = |hole: &[Named]| leftmost(hole).0.x;
+        region
+            .holes
+            .sort_by(|a, b| left_end(a).total_cmp(&left_end(b)));
+        let mut left = region.area;
+        for hole in region.holes {
+            left += signed_area(hole);
+            work.bridge(hole)?;
+        }
+        let first = triangles.len();
+        let clipped = work.clip(&mut triangles)?;
+        // Whatever went wrong, triangles that overlap have too much area.
+        let count = (triangles.len() - first) as f64;
+        let rounding = 8.0 * f64::EPSILON * count * work.extent().length_squared();
+        if (clipped - left).abs() > rounding {
+            return None;
+        }
+    }
+    Some(triangles)
+}
+
+fn signed_area(contour: &[Named]) -> f64 {
+    let origin = contour[0].0;
+    let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
+    0.5 * pairs
+        .map(|(a, b)| (a.0 - origin).perp_dot(b.0 - origin))
+        .sum::<f64>()
+}
+
+fn leftmost(contour: &[Named]) -> Named {
+    let key = |p: &Named| (p.0.x, p.0.y);
+    contour.iter().copied().fold(
+        contour[0],
+        |least, p| {
+            if key(&p) < key(&least) { p } else { least }
+        },
+    )
+}
+
+/// Whether a point lies inside a contour: the parity of crossings of a ray.
+fn contains(contour: &[Named], point: DVec2) -> bool {
+    let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
+    let crosses = |&(a, b): &(&Named, &Named)| {
+        let (a, b) = (a.0 - point, b.0 - point);
+        (a.y > 0.0) != (b.y > 0.0) && (a.perp_dot(b) > 0.0) == (b.y > a.y)
+    };
+    pairs.filter(crosses).count() % 2 == 1
+}
+
+/// The least and the greatest coordinates.
+fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
+    let none = [DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY)];
+    points.fold(none, |[low, high], p| [low.min(p), high.max(p)])
+}
+
+/// Twice the area of a triangle, exact in sign.
+fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    let coordinate = |p: DVec2| robust::Coord { x: p.x, y: p.y };
+    robust::orient2d(coordinate(a), coordinate(b), coordinate(c))
+}
+
+/// How much is held against an ear.
+#[derive(Clone, Copy, PartialEq)]
+enum Care {
+    /// Neither flat, nor does anything touch its diagonal.
+    Full,
+    /// Positive area, and nothing inside.
+    Some,
+}
+
+struct Clipper {
+    corners: Vec<Corner>,
+    tolerance: f64,
+}
+
+impl Clipper {
+    fn new(outer: &[Named], tolerance: f64) -> Self {
+        let mut work = Self {
+            corners: Vec::with_capacity(outer.len()),
+            tolerance,
+        };
+        work.add_ring(outer);
+        work
+    }
+
+    fn at(&self, corner: u32) -> &Corner {
+        &self.corners[corner as usize]
+    }
+
+    fn point(&self, corner: u32) -> DVec2 {
+        self.at(corner).point
+    }
+
+    fn extent(&self) -> DVec2 {
+        let [least, most] = bounds(self.corners.iter().map(|c| c.point));
+        most - least
+    }
+
+    fn add_ring(&mut self, ring: &[Named]) -> u32 {
+        let first = self.corners.len() as u32;
+        let count = ring.len() as u32;
+        for (k, &(point, name)) in (0u32..).zip(ring) {
+            self.corners.push(Corner {
+                point,
+                name,
+                previous: first + (k + count - 1) % count,
+                next: first + (k + 1) % count,
+            });
+        }
+        first
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        self.corners[a as usize].next = b;
+        self.corners[b as usize].previous = a;
+    }
+
+    /// Whether a direction from a corner points into the polygon.
+    fn opens_towards(&self, corner: u32, target: DVec2) -> bool {
+        let here = self.point(corner);
+        let (before, after) = (
+            self.point(self.at(corner).previous),
+            self.point(self.at(corner).next),
+        );
+        if orient(before, here, after) > 0.0 {
+            orient(here, after, target) >= 0.0 && orient(before, here, target) >= 0.0
+        } else {
+            orient(here, after, target) >= 0.0 || orient(before, here, target) >= 0.0
+        }
+    }
+
+    /// Joins a hole to the ring of corner 0 by a bridge from its leftmost
+    /// corner. The holes must come from left to right.
+    fn bridge(&mut self, hole: &[Named]) -> Option<()> {
+        let start = leftmost(hole);
+        let here = start.0;
+        // The nearest edge that a ray to the left hits: it goes down.
+        let mut nearest = f64::NEG_INFINITY;
+        let mut best = None;
+        let mut at = 0;
+        loop {
+            let corner = *self.at(at);
+            let (p, q) = (corner.point, self.point(corner.next));
+            if p.y >= here.y && here.y >= q.y && p.y != q.y {
+                let x = p.x + (here.y - p.y) * (q.x - p.x) / (q.y - p.y);
+                if x <= here.x && x > nearest {
+                    nearest = x;
+                    best = Some(if p.x < q.x { at } else { corner.next });
+                }
+            }
+            at = corner.next;
+            if at == 0 {
+                break;
+            }
+        }
+        let mut best = best?;
+        // Its left end is seen from the hole, unless corners lie in between:
+        // then the one with the least slope is.
+        let end = self.point(best);
+        let hit = DVec2::new(nearest, here.y);
+        let triangle = if here.y < end.y {
+            [here, end, hit]
+        } else {
+            [hit, end, here]
+        };
+        let mut slope = f64::INFINITY;
+        let stop = best;
+        let mut at = best;
+        loop {
+            let p = self.point(at);
+            let is_between = end.x <= p.x && p.x < here.x && {
+                let [a, b, c] = triangle;
+                orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0
+            };
+            if is_between && self.opens_towards(at, here) {
+                let own = (here.y - p.y).abs() / (here.x - p.x);
+                if own < slope || own == slope && p.x > self.point(best).x {
+                    (best, slope) = (at, own);
+                }
+            }
+            at = self.at(at).next;
+            if at == stop {
+                break;
+            }
+        }
+        let ring = self.add_ring(hole);
+        let offset = hole.iter().position(|p| p.1 == start.1)?;
+        let tip = ring + offset as u32;
+        // Both ends twice: once on the way there, once on the way back.
+        let (after, before) = (self.at(best).next, self.at(tip).previous);
+        let twins = [*self.at(tip), *self.at(best)].map(|corner| {
+            self.corners.push(corner);
+            self.corners.len() as u32 - 1
+        });
+        self.join(best, tip);
+        self.join(before, twins[0]);
+        self.join(twins[0], twins[1]);
+        self.join(twins[1], after);
+        Some(())
+    }
+
+    /// Clips ears until nothing is left; the area of all triangles.
+    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>) -> Option<f64> {
+        let mut left = self.corners.len();
+        let mut obstacles = Obstacles::new(self);
+        let mut at = 0;
+        let mut vain = 0;
+        let mut care = Care::Full;
+        let mut area = 0.0;
+        loop {
+            let Corner { previous, next, .. } = *self.at(at);
+            let [a, b, c] = [previous, at, next].map(|k| self.point(k));
+            if left == 3 || self.is_ear(at, care, &obstacles) {
+                let doubled = (b - a).perp_dot(c - a);
+                area += 0.5 * doubled;
+                if doubled <= 0.0 {
+                    return None;
+                }
+                triangles.push([previous, at, next].map(|k| self.at(k).name));
+                if left == 3 {
+                    return Some(area);
+                }
+                self.join(previous, next);
+                obstacles.remove(at);
+                left -= 1;
+                // Not the next one: that makes fans.
+                at = self.at(next).next;
+                vain = 0;
+                care = Care::Full;
+                continue;
+            }
+            at = next;
+            vain += 1;
+            if vain > left {
+                if care == Care::Some {
+                    return None;
+                }
+                (care, vain) = (Care::Some, 0);
+            }
+        }
+    }
+
+    fn is_ear(&self, corner: u32, care: Care, obstacles: &Obstacles) -> bool {
+        let Corner { previous, next, .. } = *self.at(corner);
+        let [a, b, c] = [previous, corner, next].map(|k| self.point(k));
+        let area = orient(a, b, c);
+        let longest = (b - a)
+            .length_squared()
+            .max((c - b).length_squared())
+            .max((a - c).length_squared())
+            .sqrt();
+        let flat = self.tolerance * longest;
+        let (least, aside, beyond) = match care {
+            Care::Full => (flat, 0.0, -flat),
+            Care::Some => (0.0, flat, flat),
+        };
+        if area <= least {
+            return false;
+        }
+        let blocks = |p: DVec2| {
+            p != a
+                && p != b
+                && p != c
+                && orient(c, a, p) >= beyond
+                && orient(a, b, p) > aside
+                && orient(b, c, p) > aside
+        };
+        !obstacles.any_in(a.min(b).min(c), a.max(b).max(c), |k| {
+            k != previous && k != corner && k != next && blocks(self.point(k))
+        })
+    }
+}
+
+/// Corners that are not convex, in a grid: only they can lie in an ear.
+struct Obstacles {
+    low: DVec2,
+    /// Squares per unit of length, and per side.
+    scale: DVec2,
+    side: usize,
+    squares: Vec<Vec<u32>>,
+    is_left: Vec<bool>,
+}
+
+impl Obstacles {
+    fn new(work: &Clipper) -> Self {
+        let [low, high] = bounds(work.corners.iter().map(|c| c.point));
+        let obstacles: Vec<u32> = (0..work.corners.len() as u32)
+            .filter(|&k| {
+                let corner = work.at(k);
+                let [a, c] = [corner.previous, corner.next].map(|k| work.point(k));
+                orient(a, corner.point, c) <= 2.0 * work.tolerance * (c - a).length()
+            })
+            .collect();
+        let side = ((obstacles.len() as f64 / 4.0).sqrt() as usize).max(1);
+        let mut grid = Self {
+            low,
+            scale: side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE)),
+            side,
+            squares: vec![Vec::new(); side * side],
+            is_left: vec![true; work.corners.len()],
+        };
+        for k in obstacles {
+            let [x, y] = grid.square(work.point(k));
+            grid.squares[y * side + x].push(k);
+        }
+        grid
+    }
+
+    fn square(&self, point: DVec2) -> [usize; 2] {
+        let at = (point - self.low) * self.scale;
+        [at.x, at.y].map(|v| (v as usize).min(self.side - 1))
+    }
+
+    fn remove(&mut self, corner: u32) {
+        self.is_left[corner as usize] = false;
+    }
+
+    /// Whether a test holds for any of those left in a box.
+    fn any_in(&self, low: DVec2, high: DVec2, test: impl Fn(u32) -> bool) -> bool {
+        let ([x0, y0], [x1, y1]) = (self.square(low), self.square(high));
+        (y0..=y1).any(|y| {
+            self.squares[y * self.side + x0..=y * self.side + x1]
+                .iter()
+                .flatten()
+                .any(|&k| self.is_left[k as usize] && test(k))
+        })
+    }
+}
