@@ -10,23 +10,7 @@ use glam::{DVec3, UVec3};
 use super::complex::{Complex, Corner, Cut, Edge, FaceCrossing, Pairing, Transition};
 use super::tree::{Node, Place, ROOT_BITS, Tree};
 use crate::mesh::Mesh;
-
-/// SplitMix64 (Steele, Lea & Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-}
+use crate::random::Random;
 
 impl Pairing for Random {
     /// Any pairing without crossings: the first with any partner that leaves

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, UVec3};
 
-use crate::program::{Cell, Origin, Surface};
+use crate::program::{Cell, Changes, Origin, Surface, roots_between};
 
 /// What the whole mesh has in common.
 pub(super) struct Scene<'a> {
@@ -44,17 +44,8 @@ pub(super) struct Probe {
     gates: Vec<u64>,
     signs: Vec<u64>,
     roots: Vec<Root>,
+    truth: Changes,
 }
-
-/// Bit i of the k-th: bit k of i.
-const VARIABLES: [u64; 6] = [
-    0xaaaa_aaaa_aaaa_aaaa,
-    0xcccc_cccc_cccc_cccc,
-    0xf0f0_f0f0_f0f0_f0f0,
-    0xff00_ff00_ff00_ff00,
-    0xffff_0000_ffff_0000,
-    0xffff_ffff_0000_0000,
-];
 
 /// More changes on one edge than this are beyond one word of assignments.
 const MOST_ROOTS: usize = 62;
@@ -185,93 +176,10 @@ impl Probe {
         constraints: &[u32],
         point: DVec3,
     ) -> bool {
-        if constraints.len() > VARIABLES.len() {
-            return true;
-        }
-        let mut free = constraints.len();
-        self.signs.clear();
-        for &id in &cell.surfaces {
-            let sign = match constraints.iter().position(|&c| c == id) {
-                Some(k) => VARIABLES[k],
-                None => {
-                    let surface = &scene.surfaces[id as usize];
-                    let value = surface.value(point);
-                    let on_it = free < VARIABLES.len()
-                        && value.abs() <= scene.tolerance * surface.gradient(point).length();
-                    if on_it {
-                        free += 1;
-                        VARIABLES[free - 1]
-                    } else if value <= 0.0 {
-                        u64::MAX
-                    } else {
-                        0
-                    }
-                }
-            };
-            self.signs.push(sign);
-        }
-        let signs = &self.signs;
-        let table = cell
-            .formula
-            .evaluate_words(&mut self.gates, |_, surface| signs[surface as usize]);
-        let assignments = if free >= 6 {
-            u64::MAX
-        } else {
-            (1 << (1 << free)) - 1
-        };
-        (0..constraints.len()).all(|k| {
-            let shifted = table >> (1 << k);
-            (table ^ shifted) & !VARIABLES[k] & assignments != 0
-        })
+        let (surfaces, tolerance) = (scene.surfaces, scene.tolerance);
+        self.truth
+            .across(surfaces, cell, constraints, point, tolerance)
     }
-}
-
-/// Roots, as shares of the edge, of the quadratic with second coefficient
-/// `quadratic` per unit of length that takes the values f0 and f1 at the ends
-/// of an edge of the given length: one if f <= 0 at one end alone, else two
-/// or none. Without cancellation (Press et al., *Numerical Recipes*, 5.6).
-fn roots_between(quadratic: f64, length: f64, f0: f64, f1: f64) -> ([f64; 2], usize) {
-    let a = quadratic * length * length;
-    let b = f1 - f0 - a;
-    if (f0 <= 0.0) != (f1 <= 0.0) {
-        if a == 0.0 {
-            return ([(f0 / (f0 - f1)).clamp(0.0, 1.0), 0.0], 1);
-        }
-        let discriminant = (b * b - 4.0 * a * f0).max(0.0);
-        let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-        let misfit = |t: f64| {
-            if t.is_finite() {
-                (t - 0.5).abs()
-            } else {
-                f64::INFINITY
-            }
-        };
-        let (first, second) = (q / a, f0 / q);
-        let t = if misfit(second) <= misfit(first) {
-            second
-        } else {
-            first
-        };
-        let t = if t >= 0.0 { t.min(1.0) } else { 0.0 };
-        return ([t, 0.0], 1);
-    }
-    // The extremum lies between the ends, and beyond zero.
-    if !(b.abs() < 2.0 * a.abs() && a * f0 > 0.0) || b * a >= 0.0 {
-        return ([0.0; 2], 0);
-    }
-    let discriminant = b * b - 4.0 * a * f0;
-    if discriminant <= 0.0 {
-        return ([0.0; 2], 0);
-    }
-    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-    let (first, second) = (q / a, f0 / q);
-    (
-        [
-            first.min(second).clamp(0.0, 1.0),
-            first.max(second).clamp(0.0, 1.0),
-        ],
-        2,
-    )
 }
 
 /// A surface over a box: its gradient in the middle, and by what share of it
