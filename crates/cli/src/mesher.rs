@@ -12,7 +12,8 @@ use crate::progress::Progress;
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MesherOptions {
     /// Uniform cells, so many along the longest side of the solid's bounds
-    /// [default: 128; with a tolerance or a smallest feature, cells as large as
+    /// [default: 128; none for a solid bounded by planes alone, whose boundary
+    /// is found exactly; with a tolerance or a smallest feature, cells as large as
     /// the solid is simple]
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
