@@ -20,7 +20,7 @@ use crate::scenes::{self, Scene};
 use crate::timing::{Passes, on_threads};
 
 /// No finer setting of a mesher is tried once one took so many seconds.
-const MOST: f64 = 5.0;
+const MOST: f64 = 2.0;
 
 #[derive(clap::Args)]
 pub struct Options {

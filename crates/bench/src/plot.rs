@@ -63,7 +63,7 @@ pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
             .configure_series_labels()
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.3))
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::LowerLeft)
             .draw()?;
     }
     root.present()?;

@@ -99,7 +99,7 @@ impl Mesher {
     /// 128 cells along the longest side of the solid's bounds, in millimetres;
     /// for a solid bounded by planes alone none at all, but its exact boundary.
     /// That one is made with a [`Self::tolerance`], too, but not where
-    /// [`Self::cells`] or their size are asked for.
+    /// [`Self::cells`], their size or a box are given.
     pub fn new() -> Self {
         Self {
             resolution: None,
@@ -263,15 +263,16 @@ impl Mesher {
         };
         let goal = self.goal()?;
         report.end_stage("bounds", start);
+        // A box without extent holds no solid: at most a point was left of it.
+        let has_extent = |bounds: &Bounds| bounds.size().max_element() > 0.0;
         let mut mesh = None;
-        if let Some(loose) = bounds.filter(|_| is_polyhedral) {
+        if let Some(loose) = bounds.filter(|b| is_polyhedral && has_extent(b)) {
             mesh = self.polyhedral(program, loose, &mut report)?;
-            if mesh.is_none() && self.bounds.is_none() {
+            if mesh.is_none() {
                 bounds = program.bounds()?;
             }
         }
-        // A box without extent holds no solid: at most a point was left of it.
-        let bounds = bounds.filter(|b| b.size().max_element() > 0.0);
+        let bounds = bounds.filter(has_extent);
         let mut mesh = match (mesh, bounds) {
             (Some(exact), _) => exact,
             (None, None) => Mesh::default(),
@@ -452,10 +453,12 @@ impl Mesher {
         Ok(())
     }
 
-    /// Whether the exact boundary of planes is to be meshed, without cells.
+    /// Whether the exact boundary of planes is to be meshed, without cells. It
+    /// is that of the whole solid, not of what lies in a box that was given.
     fn is_polyhedral(&self, program: &Program) -> bool {
         matches!(self.method, Method::Exact)
             && self.resolution.is_none()
+            && self.bounds.is_none()
             && polyhedral::is_polyhedral(program)
     }
 
