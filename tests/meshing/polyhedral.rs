@@ -141,6 +141,9 @@ fn solids_that_touch_are_split() {
         Plane::through([0.5, 0.0, 0.0], [1.0, 0.0, 0.0]),
     ]);
     let block = Solid::cuboid_between([-1.0, -1.0, 0.0], [0.0, 0.0, 1.0]);
+    // The edge of a hollow touches the middle of a face from inside.
+    let hollow = Solid::cuboid([0.2, 0.2, 0.5]).rotate_z(TAU / 8.0);
+    let hollow = Solid::cube(1.0) - hollow.translate([0.5 - 0.1 * 2.0f64.sqrt(), 0.0, 0.0]);
     let wedge_volume = 0.5 * 0.5 * 0.5 / 3.0;
     for (name, solid, volume, parts) in [
         ("edge", at(0.0, 0.0, 0.0) | at(1.0, 1.0, 0.0), 2.0, 2),
@@ -148,6 +151,7 @@ fn solids_that_touch_are_split() {
         ("face", at(0.0, 0.0, 0.0) | at(1.0, 0.0, 0.0), 2.0, 1),
         ("posts", posts, 10.0, 1),
         ("tip", block | wedge, 1.0 + wedge_volume, 2),
+        ("hollow", hollow, 1.0 - 0.2 * 0.2 * 0.5, 1),
     ] {
         for turn in [0.0, 0.7] {
             let (program, meshed) = mesh(&solid.rotate_xyz(turn, 2.0 * turn, 3.0 * turn));

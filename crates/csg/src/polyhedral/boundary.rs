@@ -11,6 +11,7 @@ use smallvec::SmallVec;
 
 use super::Scene;
 use super::lines::{Piece, Side};
+use super::triangulate::is_surrounded;
 use super::weld::Welder;
 
 /// An index that stands for nothing.
@@ -200,6 +201,9 @@ impl Boundary {
                 continue;
             }
             if previous == next {
+                if self.lies_within_face(scene, half_edge) {
+                    continue;
+                }
                 // A face of two corners.
                 let other = self.at(next).twin;
                 self.make_twins(twin, other);
@@ -236,6 +240,21 @@ impl Boundary {
                 pending.extend([previous, next, opposite, after]);
             }
         }
+    }
+
+    /// Whether the middle of an edge lies within other contours of its face: then
+    /// two edges between the same vertices are a slit, along which other faces
+    /// touch it, and else all that is left of a face thinner than rounding.
+    fn lies_within_face(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+        let HalfEdge { face, next, .. } = *self.at(half_edge);
+        let side = &self.faces[face as usize];
+        let flat = |vertex: u32| scene.flatten(side, self.points[vertex as usize]);
+        let [a, b] = [half_edge, next].map(|h| flat(self.at(h).from));
+        let others = (0..self.half_edges.len() as u32)
+            .filter(|&h| h != half_edge && h != next)
+            .filter(|&h| !self.is_removed(h) && self.at(h).face == face)
+            .map(|h| [flat(self.at(h).from), flat(self.end(h))]);
+        is_surrounded(others, 0.5 * (a + b))
     }
 
     /// Whether an edge goes on in the direction of the one before it. It does

@@ -97,14 +97,20 @@ fn leftmost(contour: &[Named]) -> Named {
     )
 }
 
-/// Whether a point lies inside a contour: the parity of crossings of a ray.
+/// Whether a point lies inside a contour.
 fn contains(contour: &[Named], point: DVec2) -> bool {
     let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
-    let crosses = |&(a, b): &(&Named, &Named)| {
-        let (a, b) = (a.0 - point, b.0 - point);
+    is_surrounded(pairs.map(|(a, b)| [a.0, b.0]), point)
+}
+
+/// Whether a point lies within closed contours, given edge by edge: the parity
+/// of crossings of a ray.
+pub(super) fn is_surrounded(edges: impl Iterator<Item = [DVec2; 2]>, point: DVec2) -> bool {
+    let crosses = |&[a, b]: &[DVec2; 2]| {
+        let (a, b) = (a - point, b - point);
         (a.y > 0.0) != (b.y > 0.0) && (a.perp_dot(b) > 0.0) == (b.y > a.y)
     };
-    pairs.filter(crosses).count() % 2 == 1
+    edges.filter(crosses).count() % 2 == 1
 }
 
 /// The least and the greatest coordinates.
