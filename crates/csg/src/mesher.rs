@@ -89,6 +89,19 @@ pub(crate) struct Task<'a> {
     pub(crate) control: &'a Control,
 }
 
+impl Task<'_> {
+    /// The entry of triangles on a surface of a primitive.
+    pub(crate) fn mesh_surface(&self, surface: u32, primitive: u32) -> MeshSurface {
+        let origin = &self.program.origins()[primitive as usize];
+        MeshSurface {
+            surface,
+            primitive,
+            name: origin.name.as_ref().map(Arc::clone),
+            color: origin.color,
+        }
+    }
+}
+
 impl Default for Mesher {
     fn default() -> Self {
         Self::new()

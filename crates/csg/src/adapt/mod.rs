@@ -21,7 +21,6 @@ mod settle;
 mod touch;
 mod tree;
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -35,7 +34,7 @@ use self::probe::{Change, Probe, Scene};
 use self::settle::{CORNER_SLACK, Expected, constraints_of, passage, vertex};
 use self::tree::{MOST_LEVELS, ROOT_BITS};
 use crate::error::Error;
-use crate::mesh::{Mesh, MeshSurface};
+use crate::mesh::Mesh;
 use crate::mesher::Task;
 use crate::net::solve;
 use crate::program::Surface;
@@ -261,13 +260,8 @@ fn assemble(
             let entry = *entries
                 .entry((change.surface, change.origin))
                 .or_insert_with(|| {
-                    let origin = &task.program.origins()[change.origin as usize];
-                    mesh.surfaces.push(MeshSurface {
-                        surface: change.surface,
-                        primitive: change.origin,
-                        name: origin.name.as_ref().map(Arc::clone),
-                        color: origin.color,
-                    });
+                    mesh.surfaces
+                        .push(task.mesh_surface(change.surface, change.origin));
                     mesh.surfaces.len() as u32 - 1
                 });
             mesh.triangles.push(corners.map(|corner| {

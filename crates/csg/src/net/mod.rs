@@ -35,7 +35,6 @@ mod validity;
 
 use std::cell::RefCell;
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -393,13 +392,7 @@ fn table_of_surfaces(task: &Task<'_>, parts: &mut [Part]) -> Vec<MeshSurface> {
         group.entry = *index
             .entry((group.surface, group.origin))
             .or_insert_with(|| {
-                let origin = &task.program.origins()[group.origin as usize];
-                surfaces.push(MeshSurface {
-                    surface: group.surface,
-                    primitive: group.origin,
-                    name: origin.name.as_ref().map(Arc::clone),
-                    color: origin.color,
-                });
+                surfaces.push(task.mesh_surface(group.surface, group.origin));
                 surfaces.len() as u32 - 1
             });
     }

@@ -14,7 +14,7 @@
 //! This is the boundary evaluation of classical solid modelling (Requicha and
 //! Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and
 //! Merging Algorithms*, 1985) with a formula over half-spaces in place of point
-//! membership tests. Walls and gaps may be as thin as [`WELD`] of the scene.
+//! membership tests. Walls and gaps must be thicker than [`WELD`] of the scene.
 
 mod boundary;
 mod cells;
@@ -23,7 +23,6 @@ mod regions;
 mod triangulate;
 mod weld;
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
@@ -35,7 +34,7 @@ use self::cells::{Block, cut};
 use self::lines::{Piece, Side, Tracer};
 use self::triangulate::{Named, triangulate};
 use crate::error::Error;
-use crate::mesh::{Mesh, MeshSurface};
+use crate::mesh::Mesh;
 use crate::mesher::Task;
 use crate::program::{Origin, Program, Surface};
 use crate::report::Report;
@@ -156,7 +155,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>,
     };
     task.control.check()?;
     let start = report.end_stage("contours", start);
-    let mesh = assemble(&scene, task.program.origins(), &boundary);
+    let mesh = assemble(&scene, task, &boundary);
     report.end_stage("triangles", start);
     if let Some(mesh) = &mesh {
         let (deviation, farthest) = deviation(&scene, mesh);
@@ -209,7 +208,7 @@ fn trace(scene: &Scene<'_>, blocks: &[Block]) -> Option<Vec<Piece>> {
 }
 
 /// Triangles of all faces.
-fn assemble(scene: &Scene<'_>, origins: &[Origin], boundary: &Boundary) -> Option<Mesh> {
+fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<Mesh> {
     const MANY_FACES: usize = 64;
     let (fan_of, point_of) = boundary.fans();
     let mut mesh = Mesh {
@@ -244,13 +243,7 @@ fn assemble(scene: &Scene<'_>, origins: &[Origin], boundary: &Boundary) -> Optio
             continue;
         }
         let entry = *entry_of.entry((side.plane, side.look)).or_insert_with(|| {
-            let origin = &origins[side.look as usize];
-            mesh.surfaces.push(MeshSurface {
-                surface: side.plane,
-                primitive: side.look,
-                name: origin.name.as_ref().map(Arc::clone),
-                color: origin.color,
-            });
+            mesh.surfaces.push(task.mesh_surface(side.plane, side.look));
             mesh.surfaces.len() as u32 - 1
         });
         mesh.triangle_surfaces

@@ -158,23 +158,7 @@ impl Patch {
         if let Some(single) = single {
             // From the corner across up both sides.
             let (down, up) = ((single + 1) % 3, (single + 2) % 3);
-            let apex = self.on_side(up, 0);
-            self.outer.clear();
-            for i in 1..=self.chords(up) {
-                self.outer.push(self.on_side(up, i));
-            }
-            self.inner.clear();
-            for i in (0..self.chords(down)).rev() {
-                self.inner.push(self.on_side(down, i));
-            }
-            self.triangles.push([apex, self.outer[0], self.inner[0]]);
-            zip(
-                &self.outer,
-                &self.inner,
-                &self.positions,
-                &mut self.triangles,
-                length,
-            );
+            self.fill_corner((up, self.chords(up)), (down, 0), length);
             return;
         }
         // From the middle of the longest side to the corner across.
@@ -182,32 +166,27 @@ impl Patch {
         let (after, before) = ((longest + 1) % 3, (longest + 2) % 3);
         let middle = self.chords(longest) / 2;
         // Up from the ends of the longest side: between it and the sides.
+        self.fill_corner((longest, middle), (before, 0), length);
+        self.fill_corner((after, self.chords(after)), (longest, middle), length);
+    }
+
+    /// Fills the strip between two sides from the corner where they meet: up to
+    /// a chord of the one that starts there, and down to one of the other.
+    fn fill_corner(
+        &mut self,
+        (right, last): (usize, u32),
+        (left, first): (usize, u32),
+        length: impl Fn(DVec3, DVec3) -> f64,
+    ) {
         self.outer.clear();
-        for i in 1..=middle {
-            self.outer.push(self.on_side(longest, i));
+        for i in 1..=last {
+            self.outer.push(self.on_side(right, i));
         }
         self.inner.clear();
-        for i in (0..self.chords(before)).rev() {
-            self.inner.push(self.on_side(before, i));
+        for i in (first..self.chords(left)).rev() {
+            self.inner.push(self.on_side(left, i));
         }
-        let corner = self.on_side(longest, 0);
-        self.triangles.push([corner, self.outer[0], self.inner[0]]);
-        zip(
-            &self.outer,
-            &self.inner,
-            &self.positions,
-            &mut self.triangles,
-            length,
-        );
-        self.outer.clear();
-        for i in 1..=self.chords(after) {
-            self.outer.push(self.on_side(after, i));
-        }
-        self.inner.clear();
-        for i in (middle..self.chords(longest)).rev() {
-            self.inner.push(self.on_side(longest, i));
-        }
-        let corner = self.on_side(after, 0);
+        let corner = self.on_side(right, 0);
         self.triangles.push([corner, self.outer[0], self.inner[0]]);
         zip(
             &self.outer,
