@@ -162,6 +162,17 @@ fn operand_mask<'a>(
     }
 }
 
+/// The lower samples of the lattice edges along x, y and z whose ends differ,
+/// and the cells whose corners do.
+#[inline(always)]
+pub(super) fn changes(mask: &Mask, out: &mut [Mask; 4]) {
+    let [x, y, z, cells] = out;
+    changes_along(0, mask, x);
+    changes_along(1, mask, y);
+    changes_along(2, mask, z);
+    mixed_cells(mask, cells);
+}
+
 /// The lower samples of the lattice edges along `axis` whose ends differ.
 #[inline(always)]
 pub(super) fn changes_along(axis: usize, mask: &Mask, out: &mut Mask) {
@@ -312,18 +323,15 @@ pub(super) const OWNED: Mask = {
     owned
 };
 
-/// Row y + 16 z of a mask, as a 16-bit number.
-#[inline(always)]
-pub(super) fn row(mask: &Mask, row: usize) -> u32 {
-    (mask[row >> 2] >> (16 * (row & 3)) & 0xffff) as u32
-}
-
 /// The inside corners of a cell, bit x + 2y + 4z, by its lowest sample.
 #[inline(always)]
 pub(super) fn corners(mask: &Mask, sample: usize) -> u8 {
-    let (x, first) = (sample & 15, sample >> 4);
-    let pair = |r: usize| (row(mask, r) >> x & 3) as u8;
-    pair(first) | pair(first + 1) << 2 | pair(first + 16) << 4 | pair(first + 17) << 6
+    let (word, bit) = (sample >> 6, sample & 63);
+    // 64 samples from the cell's own on: its row and the next one start there.
+    let from =
+        |word: usize| mask[word % WORDS] >> bit | mask[(word + 1) % WORDS] << 1 << (63 - bit);
+    let square = |rows: u64| rows & 0b11 | rows >> 14 & 0b1100;
+    (square(from(word)) | square(from(word + LAYER)) << 4) as u8
 }
 
 /// Whether one sample is set.

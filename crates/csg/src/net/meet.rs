@@ -157,7 +157,13 @@ impl<const N: usize> Batch<N> {
     /// f and its gradient of every surface of a lane.
     #[inline(always)]
     fn values<const CURVED: bool>(&self, lane: usize, point: Vector) -> [(f64, Vector); N] {
-        array::from_fn(|k| self.surfaces[k].value::<CURVED>(lane, point))
+        // A loop: calls of closures by library functions are not compiled for
+        // the vectors at hand.
+        let mut values = [(0.0, [0.0; 3]); N];
+        for (value, surface) in values.iter_mut().zip(&self.surfaces) {
+            *value = surface.value::<CURVED>(lane, point);
+        }
+        values
     }
 }
 

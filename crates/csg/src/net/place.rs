@@ -171,14 +171,7 @@ impl Placer {
 
     #[inline(always)]
     fn find_crossings(&mut self, surfaces: usize, crossings: &mut Crossings) {
-        let fill = |mask: &Mask, out: &mut [Mask; 4]| {
-            let [x, y, z, cells] = out;
-            brick::changes_along(0, mask, x);
-            brick::changes_along(1, mask, y);
-            brick::changes_along(2, mask, z);
-            brick::mixed_cells(mask, cells);
-        };
-        fill(&self.classified.solid, &mut crossings.solid);
+        brick::changes(&self.classified.solid, &mut crossings.solid);
         if surfaces == 1 {
             return;
         }
@@ -186,7 +179,7 @@ impl Placer {
         let mut any = [[0u64; WORDS]; 4];
         crossings.several = [[0; WORDS]; 4];
         for (signs, changes) in self.classified.signs.iter().zip(&mut self.changes) {
-            fill(signs, changes);
+            brick::changes(signs, changes);
             for ((any, several), changes) in
                 any.iter_mut().zip(&mut crossings.several).zip(&*changes)
             {

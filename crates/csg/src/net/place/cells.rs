@@ -48,20 +48,22 @@ impl Placer {
             let count = brick::expand(&own, &mut self.list, |_, _, sample| sample);
             // Compacted in place: what is read lies ahead of what is written.
             let mut simple = 0;
-            for i in 0..count {
-                let sample = self.list[i];
+            let (list, solid) = (&mut *self.list, &self.classified.solid);
+            let (x, y, z) = (&mut *self.x, &mut *self.y, &mut *self.z);
+            for i in 0..count.min(EDGES) {
+                let sample = list[i];
                 let at = usize::from(sample) % EDGES;
-                let pattern = &PATTERNS[usize::from(brick::corners(&self.classified.solid, at))];
+                let pattern = &PATTERNS[usize::from(brick::corners(solid, at))];
+                let low = self.samples.point(at);
+                // Written over if the cell is not one.
+                list[simple] = sample;
+                x[simple] = low.x + pattern.middle[0] * step;
+                y[simple] = low.y + pattern.middle[1] * step;
+                z[simple] = low.z + pattern.middle[2] * step;
+                simple += usize::from(pattern.simple);
                 if !pattern.simple {
                     self.slow.push(sample);
-                    continue;
                 }
-                let low = self.samples.point(at);
-                self.list[simple] = sample;
-                self.x[simple] = low.x + pattern.middle[0] * step;
-                self.y[simple] = low.y + pattern.middle[1] * step;
-                self.z[simple] = low.z + pattern.middle[2] * step;
-                simple += 1;
             }
             self.move_to_surface(scene, surface, simple, part);
         }
