@@ -4,6 +4,7 @@
 mod adaptive;
 mod defects;
 mod hard_models;
+mod limits;
 mod measures;
 mod moved_solids;
 mod polyhedral;

@@ -15,7 +15,8 @@ pub mod exit_codes {
     pub const MODEL: u8 = 4;
     /// The output cannot be written.
     pub const OUTPUT: u8 = 5;
-    /// The model is right but too large for this program.
+    /// The model is right but too large for this program, or for the limits
+    /// that were given.
     pub const TOO_LARGE: u8 = 6;
 }
 
@@ -27,7 +28,7 @@ Exit codes:
   3  the input cannot be read, or is not what its name says
   4  the model is faulty: a bad argument of a node, or no bounds
   5  the output cannot be written
-  6  the model is too large for this program";
+  6  the model is too large for this program, or for the limits given";
 
 /// An error on its way to the user.
 #[derive(Debug)]
@@ -75,11 +76,15 @@ impl From<csg::Error> for Failure {
         let (code, context) = match &error {
             csg::Error::InvalidOption(_) => (exit_codes::USAGE, "an option is out of range"),
             csg::Error::TooLarge { .. } => (exit_codes::TOO_LARGE, "the model is too large"),
+            csg::Error::LimitReached(_) => (exit_codes::TOO_LARGE, "a limit was reached"),
             csg::Error::Unbounded { .. } => (exit_codes::MODEL, "the model has no end"),
             _ => (exit_codes::MODEL, "the model is faulty"),
         };
         let hint = match &error {
             csg::Error::TooLarge { .. } => Some("fewer cells (--cells) make a smaller mesh"),
+            csg::Error::LimitReached(_) => {
+                Some("--partial writes what fits the limits, if anything does")
+            }
             csg::Error::Unbounded { .. } => {
                 Some("one unbounded operand of a union makes the whole unbounded")
             }

@@ -1,8 +1,8 @@
 //! From the input to a mesh, as the options say, with the time it took.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use csg::{LengthUnit, Mesh, Mesher, Program, Report};
+use csg::{LengthUnit, Limits, Mesh, Mesher, Program, Report};
 
 use crate::failure::Failure;
 use crate::input::Subject;
@@ -38,9 +38,78 @@ pub(crate) struct MesherOptions {
     /// Mesh with plain surface nets: bevelled edges, perhaps not manifold
     #[arg(long)]
     pub(crate) draft: bool,
+    #[command(flatten)]
+    pub(crate) limits: LimitOptions,
     /// The unit of the model's lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     pub(crate) unit: Unit,
+}
+
+/// How much a mesh may cost.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Limits")]
+pub(crate) struct LimitOptions {
+    /// The most cells that may be looked at
+    #[arg(long, value_name = "N")]
+    pub(crate) limit_cells: Option<u64>,
+    /// The most triangles of the mesh
+    #[arg(long, value_name = "N")]
+    pub(crate) limit_triangles: Option<u64>,
+    /// The most memory for cells and triangles, in bytes, or with K, M or G
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    pub(crate) limit_memory: Option<u64>,
+    /// The longest time for meshing, in seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) limit_time: Option<Duration>,
+    /// Where a limit is reached, write what fits it: larger cells, or a larger
+    /// tolerance, as the report says
+    #[arg(long)]
+    pub(crate) partial: bool,
+}
+
+impl LimitOptions {
+    fn limits(&self) -> Limits {
+        let mut limits = Limits::new();
+        if let Some(most) = self.limit_cells {
+            limits = limits.cells(most);
+        }
+        if let Some(most) = self.limit_triangles {
+            limits = limits.triangles(most);
+        }
+        if let Some(most) = self.limit_memory {
+            limits = limits.memory(most);
+        }
+        if let Some(most) = self.limit_time {
+            limits = limits.time(most);
+        }
+        if self.partial {
+            limits = limits.partial();
+        }
+        limits
+    }
+}
+
+/// Bytes, by thousands with K, M or G.
+fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, unit) = match text.strip_suffix(['K', 'M', 'G']) {
+        Some(digits) => (digits, &text[digits.len()..]),
+        None => (text, ""),
+    };
+    let factor = match unit {
+        "K" => 1e3,
+        "M" => 1e6,
+        "G" => 1e9,
+        _ => 1.0,
+    };
+    match digits.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number * factor < 1e18 => Ok((number * factor) as u64),
+        _ => Err("give a number of bytes, such as 500M or 2G".into()),
+    }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = text.parse::<f64>().map_err(|e| e.to_string())?;
+    Duration::try_from_secs_f64(number).map_err(|e| e.to_string())
 }
 
 /// Units by their symbols.
@@ -122,6 +191,7 @@ pub(crate) fn produce(
                 // To a tolerance, a mesh that fails its check is made anew.
                 .check(check || options.tolerance.is_some())
                 .unit(options.unit.length_unit())
+                .limits(options.limits.limits())
                 .progress(progress.callback());
             if let Some(cells) = options.cells {
                 mesher = mesher.cells(cells);

@@ -309,6 +309,42 @@ fn failures_have_a_cause_a_hint_and_a_code() {
 }
 
 #[test]
+fn limits_end_the_work_or_make_what_fits() {
+    let folder = Folder::new();
+    for (limit, words) in [
+        ("--limit-cells 5000 --cells 100", "5000 cells"),
+        ("--limit-triangles 700 --tolerance 1e-4", "700 triangles"),
+        ("--limit-memory 200K --tolerance 1e-4", "0.2 MB"),
+        ("--limit-time 0 --tolerance 1e-4", "0ns"),
+    ] {
+        let message = failed(&folder.run(&format!("mesh in.csg -o out.stl {limit}")), 6);
+        assert!(message.contains(words), "{message}");
+        assert!(message.contains("--partial"), "{message}");
+        assert!(!folder.file("out.stl").exists(), "{limit}");
+    }
+    for (limit, most) in [
+        ("--limit-cells 5000 --cells 100", 5000),
+        ("--limit-triangles 700 --tolerance 1e-4", 700),
+        ("--limit-memory 200K --tolerance 1e-4", 2000),
+        ("--limit-time 0.3 --tolerance 1e-9", u64::MAX),
+    ] {
+        let command = format!("mesh in.csg -o out.stl --json - --partial {limit}");
+        let output = folder.run(&command);
+        let said = String::from_utf8_lossy(&succeeded(&output).stderr).into_owned();
+        assert!(said.contains("would take more than the limit"), "{said}");
+        let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(json["manifold"], true);
+        assert!(json["triangles"].as_u64() <= Some(most), "{limit}");
+        let reached = json["report"]["limits_reached"].as_array().expect("a list");
+        assert!(!reached.is_empty(), "{limit}");
+        fs::remove_file(folder.file("out.stl")).expect("a file");
+    }
+    for wrong in ["--limit-cells -1", "--limit-memory much", "--limit-time -1"] {
+        failed(&folder.run(&format!("mesh in.csg -o out.stl {wrong}")), 2);
+    }
+}
+
+#[test]
 fn help_documents_the_exit_codes() {
     let folder = Folder::new();
     let output = folder.run("--help");

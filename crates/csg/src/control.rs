@@ -3,8 +3,10 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
 
 use crate::error::Error;
+use crate::limits::{Demand, Limit, LimitReached, Limits};
 
 /// A handle that stops a computation from another thread. Clones stop the
 /// same one.
@@ -41,30 +43,135 @@ impl CancelToken {
     }
 }
 
-/// The caller's wishes during one computation: told of progress, asked
-/// whether to go on.
+/// What the caller of a mesher handed over: whom to tell of progress, and who
+/// may stop it.
 #[derive(Clone, Default)]
-pub(crate) struct Control {
+pub(crate) struct Caller {
     pub(crate) progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
     pub(crate) cancel: CancelToken,
 }
 
-impl fmt::Debug for Control {
+impl fmt::Debug for Caller {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Control")
+        f.debug_struct("Caller")
             .field("progress", &self.progress.is_some())
             .field("cancel", &self.cancel)
             .finish()
     }
 }
 
+/// What one computation is asked now and then: may it go on? And told: how far
+/// it is. Counts what it spends.
+#[derive(Debug)]
+pub(crate) struct Control {
+    caller: Caller,
+    limits: Limits,
+    deadline: Option<Instant>,
+    /// What the work is done for.
+    demand: Demand,
+    cells: AtomicU64,
+    bytes: AtomicU64,
+    /// The last percent that the caller was told of. Shared, for what is done
+    /// once more.
+    told: Arc<AtomicU64>,
+}
+
 impl Control {
-    /// An error once the caller has cancelled.
+    /// Of a computation that begins now.
+    pub(crate) fn start(caller: &Caller, limits: Limits, demand: Demand) -> Self {
+        Self {
+            caller: caller.clone(),
+            limits,
+            deadline: limits
+                .time
+                .and_then(|time| Instant::now().checked_add(time)),
+            demand,
+            cells: AtomicU64::new(0),
+            bytes: AtomicU64::new(0),
+            told: Arc::default(),
+        }
+    }
+
+    /// Of a part of it with something else to do, or of another try: nothing is
+    /// spent yet but time.
+    pub(crate) fn again(&self, demand: Demand) -> Self {
+        Self {
+            caller: self.caller.clone(),
+            demand,
+            cells: AtomicU64::new(0),
+            bytes: AtomicU64::new(0),
+            told: Arc::clone(&self.told),
+            ..*self
+        }
+    }
+
+    /// An error once the caller has cancelled, or a limit is reached. By counts
+    /// it depends on what was counted alone: who goes on to the end of a loop
+    /// whose rest is skipped learns the same on any number of threads.
+    #[inline]
     pub(crate) fn check(&self) -> Result<(), Error> {
-        if self.cancel.is_cancelled() {
-            Err(Error::Cancelled)
-        } else {
-            Ok(())
+        if self.caller.cancel.is_cancelled() {
+            return Err(Error::Cancelled);
+        }
+        let exceeded = |spent: &AtomicU64, most: Option<u64>| {
+            most.filter(|&most| spent.load(Ordering::Relaxed) > most)
+        };
+        if let Some(most) = exceeded(&self.cells, self.limits.cells) {
+            return Err(self.reached(Limit::Cells(most)));
+        }
+        if let Some(most) = exceeded(&self.bytes, self.limits.memory) {
+            return Err(self.reached(Limit::Memory(most)));
+        }
+        match (self.deadline, self.limits.time) {
+            (Some(end), Some(most)) if Instant::now() >= end => {
+                Err(self.reached(Limit::Time(most)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Counts cells that were looked at and bytes that are kept.
+    #[inline]
+    pub(crate) fn spend(&self, cells: u64, bytes: u64) -> Result<(), Error> {
+        self.cells.fetch_add(cells, Ordering::Relaxed);
+        self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        self.check()
+    }
+
+    /// An error for a mesh of more triangles than allowed.
+    pub(crate) fn check_triangles(&self, count: usize) -> Result<(), Error> {
+        match self.limits.triangles {
+            Some(most) if count as u64 > most => Err(self.reached(Limit::Triangles(most))),
+            _ => self.check(),
+        }
+    }
+
+    /// An error for more bytes, on top of those spent, than allowed.
+    pub(crate) fn check_memory(&self, bytes: usize) -> Result<(), Error> {
+        let bytes = bytes as u64 + self.bytes.load(Ordering::Relaxed);
+        match self.limits.memory {
+            Some(most) if bytes > most => Err(self.reached(Limit::Memory(most))),
+            _ => self.check(),
+        }
+    }
+
+    fn reached(&self, limit: Limit) -> Error {
+        Error::LimitReached(LimitReached {
+            limit,
+            demand: self.demand,
+            kept: None,
+        })
+    }
+
+    /// Tells the caller what share of the whole is done, if it is a percent more
+    /// than was told before.
+    pub(crate) fn tell(&self, share: f64) {
+        let Some(progress) = &self.caller.progress else {
+            return;
+        };
+        let percent = (100.0 * share) as u64;
+        if self.told.fetch_max(percent, Ordering::Relaxed) < percent {
+            progress(share);
         }
     }
 
@@ -81,6 +188,13 @@ impl Control {
     }
 }
 
+#[cfg(test)]
+impl Default for Control {
+    fn default() -> Self {
+        Self::start(&Caller::default(), Limits::new(), Demand::ExactBoundary)
+    }
+}
+
 /// A stage whose pieces of work are counted from many threads.
 pub(crate) struct Stage<'a> {
     control: &'a Control,
@@ -93,14 +207,9 @@ pub(crate) struct Stage<'a> {
 impl Stage<'_> {
     /// Counts finished pieces; tells the caller at every percent.
     pub(crate) fn add(&self, pieces: u64) {
-        let Some(progress) = &self.control.progress else {
-            return;
-        };
-        let before = self.done.fetch_add(pieces, Ordering::Relaxed);
-        let percent = |done: u64| u128::from(done) * 100 / u128::from(self.total);
-        if percent(before + pieces) > percent(before) {
-            let share = (before + pieces) as f64 / self.total as f64;
-            progress(self.start + (self.end - self.start) * share.min(1.0));
-        }
+        let done = pieces + self.done.fetch_add(pieces, Ordering::Relaxed);
+        let share = (done as f64 / self.total as f64).min(1.0);
+        self.control
+            .tell(self.start + (self.end - self.start) * share);
     }
 }

@@ -35,6 +35,9 @@ use crate::report::Report;
 const SIDE: i32 = ROW as i32 - 2;
 type Samples = ConstShape3u32<{ ROW as u32 }, { ROW as u32 }, { ROW as u32 }>;
 
+/// About what is held at a time for each vertex and what becomes of it.
+const BYTES_PER_VERTEX: usize = 300;
+
 /// Meshes the task's program on its lattice.
 pub(crate) fn mesh(task: &Task, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
@@ -142,7 +145,12 @@ impl Walk<'_> {
             };
         }
         if size.max_element() == 1 {
-            patches.push(self.brick(low, &cell)?);
+            let patch = self.brick(low, &cell)?;
+            let bytes = BYTES_PER_VERTEX * patch.positions.len();
+            self.task
+                .control
+                .spend((SIDE as u64).pow(3), bytes as u64)?;
+            patches.push(patch);
             self.stage.add(1);
             return Ok(());
         }

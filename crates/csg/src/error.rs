@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::limits::LimitReached;
+
 /// Why a solid could not be lowered, measured or meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -34,6 +36,11 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
+    /// The mesh would cost more than [`crate::Limits`] allow.
+    #[error(
+        "{0}: raise the limit, ask for larger cells or a larger tolerance, or for what fits, if anything does (Limits::partial)"
+    )]
+    LimitReached(LimitReached),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

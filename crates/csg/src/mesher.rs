@@ -1,22 +1,20 @@
 //! The one entry from a program to a mesh: options in, mesh and report out.
 
+mod fit;
+mod run;
+mod task;
+
 use std::sync::Arc;
-use std::time::Instant;
 
-use glam::DVec3;
-use rayon::prelude::*;
-use rustc_hash::FxHashMap;
-
-use crate::adapt;
-use crate::control::{CancelToken, Control};
-use crate::draft;
+use self::run::Run;
+pub(crate) use self::task::Task;
+use crate::control::{Caller, CancelToken};
 use crate::error::Error;
-use crate::finish;
-use crate::mesh::{LengthUnit, Mesh, MeshSurface};
-use crate::net;
+use crate::limits::Limits;
+use crate::mesh::{LengthUnit, Mesh};
 use crate::polyhedral;
-use crate::program::{Bounds, Program, Surface};
-use crate::refine::{self, Goal, Surfaced, Unkept};
+use crate::program::{Bounds, Program};
+use crate::refine::Goal;
 use crate::report::Report;
 
 /// The most cells along one axis: indices and patience end there.
@@ -47,7 +45,8 @@ pub struct Mesher {
     check: bool,
     normals: bool,
     feature_angle: Option<f64>,
-    control: Control,
+    limits: Limits,
+    caller: Caller,
 }
 
 /// How fine the cells are.
@@ -75,33 +74,6 @@ pub struct Meshed {
     pub report: Report,
 }
 
-/// What there is to mesh. All geometry is relative to `origin`, the middle
-/// of the solid's bounds, so that a model far away loses no digits.
-pub(crate) struct Task<'a> {
-    pub(crate) program: &'a Program,
-    /// The program's surfaces about `origin`.
-    pub(crate) surfaces: Vec<Surface>,
-    pub(crate) origin: DVec3,
-    /// The lengths of the sides of the bounds.
-    pub(crate) size: DVec3,
-    /// Side of a cell.
-    pub(crate) cell: f64,
-    pub(crate) control: &'a Control,
-}
-
-impl Task<'_> {
-    /// The entry of triangles on a surface of a primitive.
-    pub(crate) fn mesh_surface(&self, surface: u32, primitive: u32) -> MeshSurface {
-        let origin = &self.program.origins()[primitive as usize];
-        MeshSurface {
-            surface,
-            primitive,
-            name: origin.name.as_ref().map(Arc::clone),
-            color: origin.color,
-        }
-    }
-}
-
 impl Default for Mesher {
     fn default() -> Self {
         Self::new()
@@ -125,7 +97,8 @@ impl Mesher {
             check: true,
             normals: false,
             feature_angle: None,
-            control: Control::default(),
+            limits: Limits::new(),
+            caller: Caller::default(),
         }
     }
 
@@ -226,13 +199,19 @@ impl Mesher {
     /// percent, from whatever thread did it; two calls from different threads
     /// may overtake each other.
     pub fn progress(mut self, callback: impl Fn(f64) + Send + Sync + 'static) -> Self {
-        self.control.progress = Some(Arc::new(callback));
+        self.caller.progress = Some(Arc::new(callback));
         self
     }
 
     /// A handle with which another thread may stop the work.
     pub fn cancel_token(mut self, token: CancelToken) -> Self {
-        self.control.cancel = token;
+        self.caller.cancel = token;
+        self
+    }
+
+    /// How much a mesh may cost; without end, unless said otherwise.
+    pub fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
         self
     }
 
@@ -244,147 +223,12 @@ impl Mesher {
     /// [`Error::Unbounded`] for a solid that reaches infinitely far,
     /// [`Error::InvalidOption`] for a resolution, a tolerance, an angle or a box
     /// out of range,
+    /// [`Error::LimitReached`] if it would cost more than [`Self::limits`]
+    /// allow,
     /// [`Error::TooLarge`] if the vertices outnumber an index,
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
-        let smallest = self.smallest_cell()?;
-        let by_cells = match self.method {
-            Method::Draft => "draft",
-            Method::Exact if smallest.is_some() => "adaptive",
-            Method::Exact => "exact",
-        };
-        let is_polyhedral = self.is_polyhedral(program);
-        let mut report = Report {
-            method: if is_polyhedral {
-                "polyhedral"
-            } else {
-                by_cells
-            },
-            ..Report::default()
-        };
-        let start = Instant::now();
-        self.control.check()?;
-        let mut bounds = match self.bounds {
-            Some(bounds) if bounds.min.is_finite() && bounds.max.is_finite() => Some(bounds),
-            Some(_) => {
-                return Err(Error::InvalidOption(
-                    "the bounds must be finite: give two ordinary corners".into(),
-                ));
-            }
-            None if is_polyhedral => program.loose_bounds()?,
-            None => program.bounds()?,
-        };
-        let goal = self.goal()?;
-        report.end_stage("bounds", start);
-        // A box without extent holds no solid: at most a point was left of it.
-        let has_extent = |bounds: &Bounds| bounds.size().max_element() > 0.0;
-        let mut mesh = None;
-        if let Some(loose) = bounds.filter(|b| is_polyhedral && has_extent(b)) {
-            mesh = self.polyhedral(program, loose, &mut report)?;
-            if mesh.is_none() {
-                bounds = program.bounds()?;
-            }
-        }
-        let bounds = bounds.filter(has_extent);
-        let mut mesh = match (mesh, bounds) {
-            (Some(exact), _) => exact,
-            (None, None) => Mesh::default(),
-            (None, Some(bounds)) => {
-                report.method = by_cells;
-                report.bounds = Some(bounds);
-                self.mesh_by_cells(program, bounds, goal, &mut report)?
-            }
-        };
-        mesh.unit = self.unit;
-        self.control.check()?;
-        let start = Instant::now();
-        if self.normals {
-            mesh.corner_normals = finish::corner_normals(program, &mesh);
-            report.end_stage("normals", start);
-        }
-        let start = Instant::now();
-        if let Some(angle) = self.feature_angle {
-            if !(0.0..=std::f64::consts::PI).contains(&angle) {
-                return Err(Error::InvalidOption(format!(
-                    "a feature angle of {angle}: give radians from 0 to pi"
-                )));
-            }
-            mesh.feature_edges = finish::feature_edges(program, &mesh, angle);
-            report.end_stage("feature edges", start);
-        }
-        if self.check {
-            let start = Instant::now();
-            report.check = mesh.check();
-            (
-                report.largest_vertex_distance,
-                report.largest_centroid_distance,
-            ) = finish::largest_distances(program, &mesh);
-            report.end_stage("check", start);
-        }
-        if let Some(progress) = &self.control.progress {
-            progress(1.0);
-        }
-        Ok(Meshed { mesh, report })
-    }
-
-    fn task<'a>(&'a self, program: &'a Program, bounds: Bounds, cell: f64) -> Task<'a> {
-        let origin = bounds.center();
-        Task {
-            program,
-            surfaces: program.surfaces_about(origin),
-            origin,
-            size: bounds.size(),
-            cell,
-            control: &self.control,
-        }
-    }
-
-    /// The exact boundary of planes; none where it could not be closed.
-    fn polyhedral(
-        &self,
-        program: &Program,
-        loose: Bounds,
-        report: &mut Report,
-    ) -> Result<Option<Mesh>, Error> {
-        let task = self.task(program, loose, 0.0);
-        let Some(mut mesh) = polyhedral::mesh(&task, report)? else {
-            return Ok(None);
-        };
-        move_by(&mut mesh.positions, task.origin);
-        report.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
-        if self.check {
-            for place in crossings(&mesh) {
-                report.add_fallback(Unkept::Crossing.describe(), place);
-            }
-        }
-        Ok(Some(mesh))
-    }
-
-    fn mesh_by_cells(
-        &self,
-        program: &Program,
-        bounds: Bounds,
-        goal: Option<Goal>,
-        report: &mut Report,
-    ) -> Result<Mesh, Error> {
-        let smallest = self.smallest_cell()?;
-        report.cell_size = match smallest {
-            Some(smallest) => smallest.min(bounds.size().max_element()),
-            None => self.cell_size_for(&bounds)?,
-        };
-        let task = self.task(program, bounds, report.cell_size);
-        let mut mesh = match self.method {
-            Method::Draft => draft::mesh(&task, report)?,
-            Method::Exact if smallest.is_some() => adapt::mesh(&task, report)?,
-            Method::Exact => net::mesh(&task, report)?,
-        };
-        if let Some(goal) = goal {
-            self.refine(&mut mesh, &task, &goal, report)?;
-        }
-        if matches!(self.method, Method::Exact) {
-            move_by(&mut mesh.positions, task.origin);
-        }
-        Ok(mesh)
+        Run::new(self, program)?.mesh()
     }
 
     fn goal(&self) -> Result<Option<Goal>, Error> {
@@ -410,60 +254,9 @@ impl Mesher {
         }
         Ok(Some(Goal {
             tolerance,
+            promised: tolerance,
             angle: self.angle,
         }))
-    }
-
-    /// Brings a mesh in the task's frame to the tolerance, and, if it is to be
-    /// checked, to so much less that it does not run through itself.
-    fn refine(
-        &self,
-        mesh: &mut Mesh,
-        task: &Task<'_>,
-        goal: &Goal,
-        report: &mut Report,
-    ) -> Result<(), Error> {
-        const MOST_TRIES: u32 = 4;
-        let start = Instant::now();
-        merge_alike(mesh, task.program);
-        let mut surfaced = Surfaced {
-            positions: std::mem::take(&mut mesh.positions),
-            triangles: std::mem::take(&mut mesh.triangles),
-            groups: std::mem::take(&mut mesh.triangle_surfaces),
-            surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
-        };
-        let coarse = surfaced.clone();
-        let mut goal = *goal;
-        let mut outcome;
-        let mut tries = 0;
-        loop {
-            outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, &goal, &self.control)?;
-            mesh.positions = std::mem::take(&mut surfaced.positions);
-            mesh.triangles = std::mem::take(&mut surfaced.triangles);
-            let crossings = if self.check {
-                crossings(mesh)
-            } else {
-                Vec::new()
-            };
-            tries += 1;
-            if crossings.is_empty() || tries == MOST_TRIES {
-                for place in crossings {
-                    outcome.unkept.push((Unkept::Crossing, place));
-                }
-                break;
-            }
-            // Faces that run close by each other need smaller triangles.
-            goal.tolerance *= 0.5;
-            surfaced = coarse.clone();
-        }
-        mesh.triangle_surfaces = surfaced.groups;
-        report.deviation = Some(outcome.deviation);
-        report.farthest = Some(outcome.farthest + task.origin);
-        for (reason, place) in outcome.unkept {
-            report.add_fallback(reason.describe(), place + task.origin);
-        }
-        report.end_stage("refine", start);
-        Ok(())
     }
 
     /// Whether the exact boundary of planes is to be meshed, without cells. It
@@ -507,47 +300,5 @@ impl Mesher {
                 "a cell size of {size} for a solid {longest} long: ask for {range}"
             ))),
         }
-    }
-}
-
-/// Makes one entry of those of a mesh's surfaces that only differ in which of
-/// several primitives of the same kind, name and colour they come from: borders
-/// between them on one surface would keep vertices that nobody needs.
-fn merge_alike(mesh: &mut Mesh, program: &Program) {
-    let origin = |entry: &MeshSurface| &program.origins()[entry.primitive as usize];
-    let mut kept: Vec<MeshSurface> = Vec::new();
-    let mut of_surface: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-    let mut merged = Vec::with_capacity(mesh.surfaces.len());
-    for entry in &mesh.surfaces {
-        let known = of_surface.entry(entry.surface).or_default();
-        let alike = known
-            .iter()
-            .find(|&&k| origin(&kept[k as usize]) == origin(entry));
-        merged.push(alike.copied().unwrap_or_else(|| {
-            kept.push(entry.clone());
-            known.push(kept.len() as u32 - 1);
-            kept.len() as u32 - 1
-        }));
-    }
-    for index in &mut mesh.triangle_surfaces {
-        *index = merged[*index as usize];
-    }
-    mesh.surfaces = kept;
-}
-
-/// Places where a mesh runs through itself.
-fn crossings(mesh: &Mesh) -> Vec<DVec3> {
-    let pairs = mesh.self_intersections().into_iter();
-    pairs
-        .map(|[triangle, _]| mesh.corners(triangle as usize)[0])
-        .collect()
-}
-
-/// Moves all points.
-fn move_by(positions: &mut [DVec3], by: DVec3) {
-    if by != DVec3::ZERO {
-        positions
-            .par_chunks_mut(4096)
-            .for_each(|chunk| chunk.iter_mut().for_each(|p| *p += by));
     }
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use crate::limits::LimitReached;
 use crate::mesh::MeshCheck;
 use crate::program::Bounds;
 
@@ -39,6 +40,9 @@ pub struct Report {
     pub deviation: Option<f64>,
     /// Where that is.
     pub farthest: Option<DVec3>,
+    /// With limits and partial results: what was made larger to stay within
+    /// them.
+    pub limits_reached: Vec<LimitReached>,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.

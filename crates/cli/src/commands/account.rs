@@ -49,6 +49,7 @@ struct ReportAccount {
     /// Null unless a tolerance was asked for.
     deviation: Option<f64>,
     farthest: Option<[f64; 3]>,
+    limits_reached: Vec<String>,
     fallbacks: Vec<FallbackAccount>,
 }
 
@@ -110,6 +111,11 @@ impl ReportAccount {
             // JSON knows no infinity.
             deviation: report.deviation.filter(|d| d.is_finite()),
             farthest: report.farthest.map(|p| p.to_array()),
+            limits_reached: report
+                .limits_reached
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
             fallbacks: report
                 .fallbacks
                 .iter()
@@ -152,6 +158,9 @@ impl fmt::Display for Account {
         };
         writeln!(f, "state       {state}")?;
         if let Some(report) = &self.report {
+            for reached in &report.limits_reached {
+                writeln!(f, "limit       {reached}")?;
+            }
             for fallback in &report.fallbacks {
                 writeln!(f, "settled for {} x {}", fallback.count, fallback.kind)?;
             }

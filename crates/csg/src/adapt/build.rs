@@ -6,7 +6,13 @@ use glam::DVec3;
 use super::probe::Scene;
 use super::settle::{Settler, Verdict};
 use super::tree::{Node, Place, Tree};
+use crate::control::Control;
+use crate::error::Error;
 use crate::program::{Cell, Pruner};
+
+/// About what is held at a time for each leaf and what becomes of it, its
+/// program not included.
+const BYTES_PER_LEAF: usize = size_of::<Leaf>() + 600;
 
 /// A cell of the finished tree.
 #[derive(Clone, Debug)]
@@ -21,6 +27,7 @@ pub(super) struct Leaf {
 /// A growing tree and its leaves.
 pub(super) struct Grower<'a, 's> {
     pub scene: &'a Scene<'s>,
+    control: &'a Control,
     /// No cell is finer.
     pub most_levels: u32,
     pub tree: Tree,
@@ -34,9 +41,10 @@ pub(super) struct Grower<'a, 's> {
 }
 
 impl<'a, 's> Grower<'a, 's> {
-    pub fn new(scene: &'a Scene<'s>, most_levels: u32) -> Self {
+    pub fn new(scene: &'a Scene<'s>, most_levels: u32, control: &'a Control) -> Self {
         Self {
             scene,
+            control,
             most_levels,
             tree: Tree {
                 nodes: vec![Node::Constant],
@@ -51,12 +59,12 @@ impl<'a, 's> Grower<'a, 's> {
     }
 
     /// Grows everything from the root.
-    pub fn grow(&mut self, root: &Cell) {
-        self.split(0, Place::ROOT, root);
+    pub fn grow(&mut self, root: &Cell) -> Result<(), Error> {
+        self.split(0, Place::ROOT, root)
     }
 
     /// Splits a leaf whose loops turned out not to tell all.
-    pub fn split_leaf(&mut self, leaf: usize) {
+    pub fn split_leaf(&mut self, leaf: usize) -> Result<(), Error> {
         let Leaf {
             node,
             place,
@@ -64,11 +72,12 @@ impl<'a, 's> Grower<'a, 's> {
             ..
         } = self.leaves[leaf];
         let cell = std::mem::take(cell);
-        self.split(node, place, &cell);
+        self.split(node, place, &cell)
     }
 
     /// Makes a node's eight children, and theirs.
-    fn split(&mut self, node: u32, place: Place, cell: &Cell) {
+    fn split(&mut self, node: u32, place: Place, cell: &Cell) -> Result<(), Error> {
+        self.control.spend(8, 8 * size_of::<Node>() as u64)?;
         let first = self.tree.nodes.len() as u32;
         self.tree.nodes[node as usize] = Node::Children(first);
         self.tree.nodes.extend([Node::Constant; 8]);
@@ -93,9 +102,11 @@ impl<'a, 's> Grower<'a, 's> {
             let node = first + octant as u32;
             let verdict = self.settler.judge(self.scene, &part, child);
             if verdict == Verdict::Split && child.level < self.most_levels {
-                self.split(node, child, &part);
+                self.split(node, child, &part)?;
                 continue;
             }
+            let bytes = BYTES_PER_LEAF + part.bytes();
+            self.control.spend(0, bytes as u64)?;
             self.tree.nodes[node as usize] = Node::Leaf(self.leaves.len() as u32);
             self.leaves.push(Leaf {
                 node,
@@ -108,5 +119,6 @@ impl<'a, 's> Grower<'a, 's> {
             });
         }
         self.levels.push(part);
+        Ok(())
     }
 }

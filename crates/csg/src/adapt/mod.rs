@@ -137,8 +137,8 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         .log2()
         .ceil()
         .clamp(1.0, f64::from(MOST_LEVELS));
-    let mut grower = Grower::new(&scene, levels as u32);
-    grower.grow(&task.program.root_cell());
+    let mut grower = Grower::new(&scene, levels as u32, task.control);
+    grower.grow(&task.program.root_cell())?;
     let start = report.end_stage("cells", start);
     let mut probe = Probe::default();
     let mut complex = Complex::default();
@@ -172,7 +172,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
             break;
         }
         for leaf in unsound {
-            grower.split_leaf(leaf);
+            grower.split_leaf(leaf)?;
         }
     }
     report.cells_visited = grower.visited;

@@ -47,6 +47,7 @@ use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
 use self::place::{Placer, Scene};
 use self::stitch::{Leftovers, Output, Scratch, Stitched, Stitcher};
+use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
@@ -92,11 +93,9 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         .par_iter()
         .map(|block| {
             let mut part = Part::with_room_for(cells_in(block.from, block.to));
-            if task.control.check().is_ok() {
-                WALKER.with_borrow_mut(|walker| {
-                    arch.dispatch(WalkBlock(walker, &scene, block, &mut part));
-                });
-            }
+            WALKER.with_borrow_mut(|walker| {
+                arch.dispatch(WalkBlock(walker, &scene, block, &mut part, task.control));
+            });
             stage.add(1);
             part
         })
@@ -189,14 +188,20 @@ thread_local! {
 
 /// The work on one block, compiled for every SIMD level: what is inlined here
 /// runs on vectors as wide as the machine's.
-struct WalkBlock<'a, 's>(&'a mut Walker, &'a Scene<'s>, &'a Block, &'a mut Part);
+struct WalkBlock<'a, 's>(
+    &'a mut Walker,
+    &'a Scene<'s>,
+    &'a Block,
+    &'a mut Part,
+    &'a Control,
+);
 
 impl pulp::WithSimd for WalkBlock<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.0.block(self.1, self.2, self.3);
+        self.0.block(self.1, self.2, self.3, self.4);
     }
 }
 
@@ -214,6 +219,9 @@ impl pulp::WithSimd for StitchPart<'_, '_, '_> {
 
 /// A point nearer to a surface than this share of the scene lies on it.
 const ON_SURFACE: f64 = 2e-13;
+
+/// About what is held at a time for each vertex and what becomes of it.
+const BYTES_PER_VERTEX: usize = 150;
 
 /// A triangle smaller than this share of a cell's face counts as having no
 /// area.
@@ -291,10 +299,13 @@ struct Walker {
 
 impl Walker {
     #[inline(always)]
-    fn block(&mut self, scene: &Scene<'_>, block: &Block, part: &mut Part) {
+    fn block(&mut self, scene: &Scene<'_>, block: &Block, part: &mut Part, control: &Control) {
         self.pending.clear();
         self.pending.push((block.from, block.to, 0));
         while let Some((from, to, level)) = self.pending.pop() {
+            if control.check().is_err() {
+                return;
+            }
             if self.levels.len() <= level {
                 self.levels.resize_with(level + 1, Cell::default);
             }
@@ -311,7 +322,13 @@ impl Walker {
             if cell.constant().is_some() {
                 part.cells_pruned += cells_in(from, to);
             } else if to - from == UVec3::ONE {
+                let before = part.vertices.len();
                 self.placer.brick(scene, cell, from, part);
+                let bytes = BYTES_PER_VERTEX * (part.vertices.len() - before);
+                let cells = (CELLS * CELLS * CELLS) as u64;
+                if control.spend(cells, bytes as u64).is_err() {
+                    return;
+                }
             } else {
                 let halves = children(from, to).map(|(from, to)| (from, to, level + 1));
                 self.pending.extend(halves);

@@ -41,13 +41,14 @@ const SAME_DIRECTION: f64 = 1e-9;
 
 impl Boundary {
     /// Links pieces; none if they do not close, where rounding made blocks and
-    /// lines disagree.
+    /// lines disagree, or if the caller does not want to go on.
     pub fn link(scene: &Scene<'_>, pieces: &[Piece]) -> Option<Self> {
         let mut all = Self::default();
         let mut welder = Welder::new(scene.weld);
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
         for piece in pieces {
+            scene.control.check().ok()?;
             let (from, to) = (welder.number(piece.from), welder.number(piece.to));
             if from == to {
                 continue;
@@ -69,7 +70,7 @@ impl Boundary {
         }
         all.points = welder.points;
         all.link_contours(scene)?;
-        all.simplify(scene);
+        all.simplify(scene)?;
         all.part_double_edges();
         Some(all)
     }
@@ -121,6 +122,7 @@ impl Boundary {
         }
         let mut out: SmallVec<[u32; 4]> = SmallVec::new();
         for vertex in 0..self.points.len() {
+            scene.control.check().ok()?;
             let here = first_at[vertex] as usize..first_at[vertex + 1] as usize;
             for k in here.clone() {
                 // Each arrives as another one's twin.
@@ -169,13 +171,14 @@ impl Boundary {
     /// A vertex on a straight edge stays if other edges touch it there, where
     /// faces may be pinched between the two; so does an edge within a face that
     /// others touch.
-    fn simplify(&mut self, scene: &Scene<'_>) {
+    fn simplify(&mut self, scene: &Scene<'_>) -> Option<()> {
         let mut leaving = vec![0u32; self.points.len()];
         for half_edge in &self.half_edges {
             leaving[half_edge.from as usize] += 1;
         }
         let mut pending: Vec<u32> = (0..self.half_edges.len() as u32).rev().collect();
         while let Some(half_edge) = pending.pop() {
+            scene.control.check().ok()?;
             if self.is_removed(half_edge) {
                 continue;
             }
@@ -240,6 +243,7 @@ impl Boundary {
                 pending.extend([previous, next, opposite, after]);
             }
         }
+        Some(())
     }
 
     /// Whether the middle of an edge lies within other contours of its face: then

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::control::{Control, Stage};
+use crate::error::Error;
 use crate::program::{Cell, Pruner, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
@@ -31,10 +33,19 @@ pub(super) struct Counts {
     pub pruned: u64,
 }
 
+/// Progress is told by boxes of so many cuts.
+const CUTS_TOLD: u32 = 3;
+
 /// Cuts the box around the whole scene.
-pub(super) fn cut(surfaces: &[Surface], root: &Block) -> (Vec<Block>, Counts) {
+pub(super) fn cut(
+    surfaces: &[Surface],
+    root: &Block,
+    control: &Control,
+) -> Result<(Vec<Block>, Counts), Error> {
     let mut cutter = Cutter {
         surfaces,
+        control,
+        stage: control.stage(1 << (3 * CUTS_TOLD), 0.0, 0.2),
         // Looks are told by toggling single literals.
         pruner: Pruner::literal_by_literal(),
         blocks: Vec::new(),
@@ -46,12 +57,14 @@ pub(super) fn cut(surfaces: &[Surface], root: &Block) -> (Vec<Block>, Counts) {
         cell: pruned,
         ..*root
     };
-    cutter.descend(root, 0, 0);
-    (cutter.blocks, cutter.counts)
+    cutter.descend(root, 0, 0)?;
+    Ok((cutter.blocks, cutter.counts))
 }
 
 struct Cutter<'a> {
     surfaces: &'a [Surface],
+    control: &'a Control,
+    stage: Stage<'a>,
     pruner: Pruner,
     blocks: Vec<Block>,
     counts: Counts,
@@ -68,14 +81,21 @@ impl Cutter<'_> {
         self.counts.pruned += u64::from(out.constant().is_some());
     }
 
-    fn descend(&mut self, block: Block, cuts: u32, vain: u32) {
-        if block.cell.constant().is_some() {
-            return;
-        }
+    fn descend(&mut self, block: Block, cuts: u32, vain: u32) -> Result<(), Error> {
+        self.control.spend(1, 0)?;
         let planes = block.cell.surfaces.len();
-        if planes <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS {
+        let is_last = planes <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS;
+        let is_constant = block.cell.constant().is_some();
+        if cuts == CUTS_TOLD || cuts < CUTS_TOLD && (is_constant || is_last) {
+            self.stage.add(1 << (3 * (CUTS_TOLD - cuts)));
+        }
+        if is_constant {
+            return Ok(());
+        }
+        if is_last {
+            let bytes = size_of::<Block>() + block.cell.bytes();
             self.blocks.push(block);
-            return;
+            return self.control.spend(0, bytes as u64);
         }
         let middle = 0.5 * (block.low + block.high);
         for octant in 0..8 {
@@ -91,7 +111,8 @@ impl Cutter<'_> {
             self.prune(&block.cell, low, high, &mut cell);
             let is_vain = 8 * cell.surfaces.len() > 7 * planes;
             let part = Block { low, high, cell };
-            self.descend(part, cuts + 1, if is_vain { vain + 1 } else { 0 });
+            self.descend(part, cuts + 1, if is_vain { vain + 1 } else { 0 })?;
         }
+        Ok(())
     }
 }

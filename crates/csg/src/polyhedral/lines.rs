@@ -139,7 +139,7 @@ const MARGIN: f64 = 100.0;
 
 impl Tracer {
     /// Appends all pieces of edges in a block. False if more planes than can be
-    /// told apart have one line in common.
+    /// told apart have one line in common, or the caller does not want to go on.
     pub fn trace(&mut self, scene: &Scene<'_>, block: &Block, pieces: &mut Vec<Piece>) -> bool {
         self.find_looks(scene, block);
         let count = block.cell.surfaces.len();
@@ -161,9 +161,9 @@ impl Tracer {
             }
             merge(&mut candidates);
         }
-        let traced = candidates
-            .iter()
-            .all(|candidate| self.trace_line(scene, block, candidate, pieces));
+        let traced = candidates.iter().all(|candidate| {
+            scene.control.check().is_ok() && self.trace_line(scene, block, candidate, pieces)
+        });
         self.candidates = candidates;
         traced
     }

@@ -33,6 +33,7 @@ use self::boundary::Boundary;
 use self::cells::{Block, cut};
 use self::lines::{Piece, Side, Tracer};
 use self::triangulate::{Named, triangulate};
+use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesher::Task;
@@ -79,6 +80,7 @@ struct Scene<'a> {
     looks: &'a [u32],
     on_plane: f64,
     weld: f64,
+    control: &'a Control,
 }
 
 impl Scene<'_> {
@@ -133,29 +135,33 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>,
         looks: &looks,
         on_plane: ON_PLANE * longest + rounding,
         weld: WELD * longest + 10.0 * rounding,
+        control: task.control,
     };
     let root = Block {
         low: -0.5 * task.size - BELOW * longest,
         high: 0.5 * task.size + ABOVE * longest,
         cell: task.program.root_cell(),
     };
-    let (blocks, counts) = cut(&task.surfaces, &root);
+    let (blocks, counts) = cut(&task.surfaces, &root, task.control)?;
     report.cells_visited = counts.visited;
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
-    task.control.check()?;
     let start = report.end_stage("blocks", start);
-    let Some(pieces) = trace(&scene, &blocks) else {
+    let pieces = trace(&scene, &blocks);
+    task.control.check()?;
+    let Some(pieces) = pieces else {
         return Ok(None);
     };
-    task.control.check()?;
     let start = report.end_stage("edges", start);
-    let Some(boundary) = Boundary::link(&scene, &pieces) else {
+    let boundary = Boundary::link(&scene, &pieces);
+    task.control.check()?;
+    let Some(boundary) = boundary else {
         return Ok(None);
     };
-    task.control.check()?;
+    task.control.tell(0.9);
     let start = report.end_stage("contours", start);
     let mesh = assemble(&scene, task, &boundary);
+    task.control.check()?;
     report.end_stage("triangles", start);
     if let Some(mesh) = &mesh {
         let (deviation, farthest) = deviation(&scene, mesh);
@@ -190,20 +196,32 @@ fn looks(origins: &[Origin]) -> Vec<u32> {
         .collect()
 }
 
+/// About what is held at a time for each piece and what becomes of it.
+const BYTES_PER_PIECE: usize = 400;
+
 /// The pieces of edges in all blocks, in their order.
 fn trace(scene: &Scene<'_>, blocks: &[Block]) -> Option<Vec<Piece>> {
     /// Blocks that are worth handing to another thread.
     const AT_ONCE: usize = 64;
+    let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {
         let mut tracer = Tracer::default();
         let mut pieces = Vec::new();
-        let mut traced = blocks.iter().map(|b| tracer.trace(scene, b, &mut pieces));
-        traced.all(|could| could).then_some(pieces)
+        let traced = blocks.iter().all(|block| {
+            let before = pieces.len();
+            let traced = tracer.trace(scene, block, &mut pieces);
+            stage.add(1);
+            let bytes = BYTES_PER_PIECE * (pieces.len() - before);
+            traced && scene.control.spend(0, bytes as u64).is_ok()
+        });
+        traced.then_some(pieces)
     };
     if blocks.len() <= AT_ONCE {
         return trace_some(blocks);
     }
-    let parts: Option<Vec<Vec<Piece>>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
+    // All of them, whichever fails first: what is spent must not depend on it.
+    let parts: Vec<Option<Vec<Piece>>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
+    let parts: Option<Vec<Vec<Piece>>> = parts.into_iter().collect();
     Some(parts?.concat())
 }
 
@@ -219,7 +237,9 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<M
         ..Mesh::default()
     };
     let contours = boundary.contours();
+    let stage = scene.control.stage(boundary.faces.len() as u64, 0.9, 1.0);
     let cut_face = |face: usize| {
+        stage.add(1);
         let side = &boundary.faces[face];
         let name = |&half_edge: &u32| {
             let fan = fan_of[half_edge as usize];
@@ -229,7 +249,7 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<M
             .iter()
             .map(|contour| contour.iter().map(name).collect())
             .collect();
-        triangulate(&flat, scene.weld)
+        triangulate(&flat, scene.weld, scene.control)
     };
     let faces = boundary.faces.len();
     let triangles: Option<Vec<Vec<[u32; 3]>>> = if faces < MANY_FACES {

@@ -76,8 +76,12 @@ impl Finder {
         };
         let mut cell = self.spare.pop().unwrap_or_default();
         cell.clone_from(&block.cell);
+        self.pending.clear();
         self.pending.push((whole, cell));
         while let Some((mut piece, cell)) = self.pending.pop() {
+            if scene.control.check().is_err() {
+                return;
+            }
             let mut pruned = self.spare.pop().unwrap_or_default();
             if clip_by_root(scene, &cell, plane, &mut piece) {
                 self.prune(scene, &cell, plane, &piece, &mut pruned);

@@ -7,6 +7,8 @@
 
 use glam::DVec2;
 
+use crate::control::Control;
+
 /// A corner of the polygon in work.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
@@ -30,10 +32,14 @@ struct Region<'a> {
 
 /// Cuts the regions bounded by `contours`, counter-clockwise around regions and
 /// clockwise around holes, into counter-clockwise triangles of names. None if
-/// no triangulation without flat triangles was found; distances below
-/// `tolerance` are rounding. Time is quadratic in the size of a contour at
-/// worst, rather linear mostly.
-pub(super) fn triangulate(contours: &[Vec<Named>], tolerance: f64) -> Option<Vec<[u32; 3]>> {
+/// no triangulation without flat triangles was found, or the caller does not
+/// want to go on; distances below `tolerance` are rounding. Time is quadratic
+/// in the size of a contour at worst, rather linear mostly.
+pub(super) fn triangulate(
+    contours: &[Vec<Named>],
+    tolerance: f64,
+    control: &Control,
+) -> Option<Vec<[u32; 3]>> {
     let mut regions: Vec<Region<'_>> = Vec::new();
     let mut holes: Vec<&[Named]> = Vec::new();
     for outer in contours {
@@ -65,10 +71,11 @@ pub(super) fn triangulate(contours: &[Vec<Named>], tolerance: f64) -> Option<Vec
         let mut left = region.area;
         for hole in region.holes {
             left += signed_area(hole);
+            control.check().ok()?;
             work.bridge(hole)?;
         }
         let first = triangles.len();
-        let clipped = work.clip(&mut triangles)?;
+        let clipped = work.clip(&mut triangles, control)?;
         // Whatever went wrong, triangles that overlap have too much area.
         let count = (triangles.len() - first) as f64;
         let rounding = 8.0 * f64::EPSILON * count * work.extent().length_squared();
@@ -266,7 +273,7 @@ impl Clipper {
     }
 
     /// Clips ears until nothing is left; the area of all triangles.
-    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>) -> Option<f64> {
+    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>, control: &Control) -> Option<f64> {
         let mut left = self.corners.len();
         let mut obstacles = Obstacles::new(self);
         let mut at = 0;
@@ -282,6 +289,7 @@ impl Clipper {
                 if doubled <= 0.0 {
                     return None;
                 }
+                control.check().ok()?;
                 triangles.push([previous, at, next].map(|k| self.at(k).name));
                 if left == 3 {
                     return Some(area);

@@ -49,6 +49,11 @@ impl Pruner {
 }
 
 impl Cell {
+    /// What it holds besides itself, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.surfaces) + self.formula.bytes()
+    }
+
     /// The constant the cell comes to, if nothing varies in it any more.
     #[must_use]
     pub fn constant(&self) -> Option<bool> {

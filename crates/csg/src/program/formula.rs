@@ -84,6 +84,11 @@ impl Default for Formula {
 }
 
 impl Formula {
+    /// What its lists hold, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.literals) + size_of_val(&*self.gates) + size_of_val(&*self.operands)
+    }
+
     /// The literals in use.
     #[must_use]
     pub fn literals(&self) -> &[Literal] {

@@ -19,7 +19,7 @@ use super::half_edges::{HalfEdges, Kind, NONE, next};
 use super::regions::{Bend, Way};
 use super::shape::faces_out_in_the_middle;
 use super::tessellate::Fine;
-use super::{Goal, Unkept, deviation};
+use super::{BYTES_PER_TRIANGLE, Goal, Unkept, deviation};
 use crate::control::Control;
 use crate::error::Error;
 use crate::program::Surface;
@@ -70,6 +70,7 @@ impl<'m, 's> Grower<'m, 's> {
 
     pub fn run(&mut self, control: &Control) -> Result<(), Error> {
         self.measure_curves();
+        self.check_size(control)?;
         self.flip_everything();
         self.finish_curved_faces(control)?;
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
@@ -82,6 +83,16 @@ impl<'m, 's> Grower<'m, 's> {
             self.unkept.push((Unkept::Folded, place));
         }
         Ok(())
+    }
+
+    /// An error if there are more triangles, with those that the points of
+    /// curves will make, than allowed.
+    pub(super) fn check_size(&self, control: &Control) -> Result<(), Error> {
+        let waiting: u32 = self.pieces.iter().map(|piece| piece.count).sum();
+        let triangles = self.mesh.triangle_count() as usize - self.mesh.free.len();
+        let triangles = triangles + 2 * waiting as usize;
+        control.check_triangles(triangles)?;
+        control.check_memory(BYTES_PER_TRIANGLE * triangles)
     }
 
     /// Finds the points that every edge along a curve needs.
@@ -147,7 +158,7 @@ impl<'m, 's> Grower<'m, 's> {
         // More than 2^levels parts are asked of none.
         let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
         for level in (0..levels).rev() {
-            control.check()?;
+            self.check_size(control)?;
             let most = f64::from(level).exp2();
             self.halve_pieces(most, &of_piece);
             self.halve_edges(most, &of_edge);
@@ -311,7 +322,7 @@ impl<'m, 's> Grower<'m, 's> {
     ) -> Result<(), Error> {
         let mut triangles: Vec<u32> = (0..self.mesh.triangle_count()).collect();
         for _ in 0..MOST_ROUNDS {
-            control.check()?;
+            self.check_size(control)?;
             self.changed.clear();
             for &triangle in &triangles {
                 if !self.mesh.is_gone(triangle) && is_wanted(self, triangle) {

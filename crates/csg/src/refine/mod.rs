@@ -42,11 +42,24 @@ use crate::program::Surface;
 pub(crate) struct Goal {
     /// The largest distance between mesh and boundary, both ways.
     pub tolerance: f64,
+    /// What is farther off than this is reported.
+    pub promised: f64,
     /// The largest angle that a surface may turn along an edge, in radians.
     pub angle: Option<f64>,
 }
 
 impl Goal {
+    /// Coarser by a factor, about evenly in chords and angles.
+    pub fn loosened(&self, factor: f64) -> Self {
+        Self {
+            tolerance: factor * self.tolerance,
+            angle: self
+                .angle
+                .map(|angle| (factor.sqrt() * angle).min(std::f64::consts::PI)),
+            ..*self
+        }
+    }
+
     /// The distance to aim for, so that what is found by curvature meets the
     /// tolerance as it is bounded.
     fn aim(&self) -> f64 {
@@ -106,6 +119,9 @@ pub(crate) struct Outcome {
 /// A point nearer to a surface than this share of the mesh's size lies on it.
 const ON_SURFACE: f64 = 1e-12;
 
+/// About what is held for each triangle at a time.
+const BYTES_PER_TRIANGLE: usize = 200;
+
 /// Brings a mesh to the tolerance with as few triangles as it knows how.
 ///
 /// `surfaces` are in the frame of the positions. The mesh must be closed,
@@ -139,6 +155,7 @@ pub(crate) fn to_tolerance(
             unkept: vec![(Unkept::NotManifold, place)],
         });
     };
+    control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
     coarsen::coarsen(&mut mesh);
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
@@ -157,7 +174,7 @@ fn measure(mesh: &HalfEdges<'_>, fine: &Fine, goal: &Goal) -> Outcome {
         if bound > outcome.deviation {
             (outcome.deviation, outcome.farthest) = (bound, place);
         }
-        if bound > goal.tolerance {
+        if bound > goal.promised {
             outcome.unkept.push((Unkept::Far, place));
         }
     };

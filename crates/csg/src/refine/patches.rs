@@ -69,7 +69,7 @@ impl Grower<'_, '_> {
         let mut tries = 0;
         loop {
             control.check()?;
-            self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces);
+            self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces, control)?;
             tries += 1;
             let parts = self.fine.parts.iter().filter(|part| part.is_folded);
             let folded: Vec<u32> = parts.map(|part| part.large).collect();

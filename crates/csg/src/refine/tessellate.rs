@@ -16,7 +16,9 @@ use super::grow::{Piece, project};
 use super::half_edges::{HalfEdges, NONE};
 use super::patch::Patch;
 use super::regions::Way;
-use super::{Goal, deviation};
+use super::{BYTES_PER_TRIANGLE, Goal, deviation};
+use crate::control::Control;
+use crate::error::Error;
 
 /// Marks vertices on the sides of large triangles: the rest is their number in
 /// [`Fine::points`].
@@ -25,6 +27,9 @@ pub(super) const ON_SIDE: u32 = 1 << 31;
 /// Marks vertices inside of large triangles: the rest is their number in
 /// [`Part::inner`].
 pub(super) const INNER: u32 = 1 << 30;
+
+/// About what is held for each small triangle at a time.
+const BYTES_PER_FINE: usize = 80;
 
 /// The small triangles of faces.
 #[derive(Default)]
@@ -107,10 +112,13 @@ impl<'m, 's> Tessellator<'m, 's> {
     }
 
     /// Fills all triangles; where the bound fails, again with more rows.
-    pub fn run(mut self, pieces: &[Piece]) -> Fine {
+    pub fn run(mut self, pieces: &[Piece], control: &Control) -> Result<Fine, Error> {
         const MOST_TRIES: usize = 12;
         for tries in 1.. {
             self.cut_sides(pieces);
+            let (open, fine) = self.count();
+            control.check_triangles(open + fine)?;
+            control.check_memory(BYTES_PER_TRIANGLE * open + BYTES_PER_FINE * fine)?;
             self.fill();
             let parts = &mut self.fine.parts;
             let strays = |part: &Part| part.deviation > self.goal.tolerance;
@@ -126,7 +134,23 @@ impl<'m, 's> Tessellator<'m, 's> {
                 part.is_stale = true;
             }
         }
-        self.fine
+        Ok(self.fine)
+    }
+
+    /// How many triangles are left alone, and how many small ones the others
+    /// come to: by Euler's formula two for each vertex inside and one for each
+    /// but two on the rim.
+    fn count(&self) -> (usize, usize) {
+        let parts = self.fine.parts.iter();
+        let fine = parts.clone().map(|part| {
+            let rows = whole(self.large[part.large as usize].rows) as usize;
+            let inner = rows.saturating_sub(1) * rows.saturating_sub(2) / 2;
+            let sides = 3 * part.large as usize..3 * part.large as usize + 3;
+            let on_sides: u32 = self.sides[sides].iter().map(|side| side.count).sum();
+            1 + on_sides as usize + 2 * inner
+        });
+        let live = self.mesh.triangle_count() as usize - self.mesh.free.len();
+        (live - parts.len(), fine.sum())
     }
 
     /// Finds the points on all sides that are new or need more than they have.
