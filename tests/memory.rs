@@ -12,7 +12,7 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 #[test]
 fn the_estimate_is_within_a_factor_of_two() {
     let ways: [(&str, Solid, Mesher); 8] = [
-        ("uniform", scenes::drilled(), Mesher::new().cells(150)),
+        ("uniform", scenes::drilled(), Mesher::new().cells(100)),
         (
             "uniform planes",
             scenes::menger(3),
@@ -25,8 +25,8 @@ fn the_estimate_is_within_a_factor_of_two() {
         ),
         (
             "adaptive",
-            scenes::cheese(100),
-            Mesher::new().smallest_feature(1e-3),
+            scenes::cheese(40),
+            Mesher::new().smallest_feature(4e-3),
         ),
         (
             "to a tolerance",
@@ -36,7 +36,7 @@ fn the_estimate_is_within_a_factor_of_two() {
         (
             "curves to a tolerance",
             scenes::flange(),
-            Mesher::new().tolerance(1e-7),
+            Mesher::new().tolerance(1e-6),
         ),
         ("planes", scenes::menger(3), Mesher::new()),
         ("draft", scenes::drilled(), Mesher::new().cells(100).draft()),

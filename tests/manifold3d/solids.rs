@@ -7,6 +7,9 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use stereotomy::csg;
 
+#[path = "../../crates/csg/src/random.rs"]
+mod split_mix;
+
 /// The JSON of a solid: what both programs build.
 pub fn question(solid: &Solid) -> Value {
     let all = |operands: &[Solid]| operands.iter().map(question).collect::<Vec<_>>();
@@ -42,28 +45,20 @@ pub fn question(solid: &Solid) -> Value {
     }
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
-pub struct Random(u64);
+/// Random numbers and solids.
+pub struct Random(split_mix::Random);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
+        Self(split_mix::Random(seed))
     }
 
     fn below(&mut self, n: u64) -> u64 {
-        self.next() % n
+        self.0.below(n as usize) as u64
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
+        low + (high - low) * self.0.unit()
     }
 
     /// A multiple of 1/4: sizes and places that make faces coincide.

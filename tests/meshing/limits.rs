@@ -49,7 +49,7 @@ fn ways() -> Vec<Way> {
         ),
         way(
             "polyhedral",
-            scenes::menger(2),
+            scenes::menger(3),
             Mesher::new().tolerance(1e-3),
         ),
         way("draft", scenes::drilled(), Mesher::new().cells(60).draft()),
@@ -67,7 +67,7 @@ fn limit_of(result: Result<Meshed, Error>) -> LimitReached {
     }
 }
 
-/// The limits of a third of what a mesh took, one by one.
+/// The limits of a third of what a mesh took, about, one by one.
 fn thirds(meshed: &Meshed) -> [(Limits, Limit); 2] {
     let cells = meshed.report.cells_visited / 3;
     let triangles = meshed.mesh.triangles.len() as u64 / 3;

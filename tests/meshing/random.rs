@@ -7,29 +7,24 @@ use csg::{Plane, Solid};
 use glam::{DAffine3, DQuat, DVec3};
 use stereotomy::csg;
 
-/// SplitMix64 (Steele, Lea & Flood 2014): the same numbers everywhere.
-pub struct Random(u64);
+#[path = "../../crates/csg/src/random.rs"]
+mod split_mix;
+
+/// Random numbers and solids.
+pub struct Random(split_mix::Random);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        Self(split_mix::Random(seed))
     }
 
     pub fn below(&mut self, count: u64) -> u64 {
-        self.next() % count
+        self.0.below(count as usize) as u64
     }
 
     /// A number in 0..1.
     pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * 0.5f64.powi(53)
+        self.0.unit()
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {

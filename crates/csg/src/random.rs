@@ -1,6 +1,7 @@
-//! Numbers for tests that are random and yet the same everywhere.
+//! Numbers for tests that are random and yet the same everywhere. Tests of
+//! other crates and the benchmarks take this file, too.
 
-/// SplitMix64 (Steele, Lea & Flood 2014).
+/// SplitMix64 (Steele, Lea & Flood 2014), from a seed.
 pub(crate) struct Random(pub u64);
 
 impl Random {
