@@ -3,6 +3,7 @@
 mod assemble;
 mod atomic;
 mod contents;
+mod decimal;
 mod error;
 mod format;
 pub mod gltf;

@@ -1,8 +1,10 @@
 //! The OBJ reader.
 //!
-//! Large files are cut into pieces that are read in parallel. Where anything
-//! is wrong, or indices count backwards, which takes all that came before,
-//! one thread goes over the whole file again, and says at which line.
+//! Large files are cut into pieces that are read in parallel, most lines in
+//! one quick pass ([`quick_vector`], [`quick_face`]), all others word by word.
+//! Where anything is wrong, or indices count backwards, which takes all that
+//! came before, one thread goes over the whole file again, and says at which
+//! line.
 
 use std::borrow::Cow;
 
@@ -15,7 +17,7 @@ use rustc_hash::FxHashMap;
 use crate::assemble::Assembler;
 use crate::parts::{DEFAULT_COLOR, DEFAULT_MATERIAL};
 use crate::weld::split;
-use crate::{Error, MeshFormat};
+use crate::{Error, MeshFormat, decimal};
 
 /// Reads an OBJ file; `load` fetches a material library by name, and where it
 /// gives nothing the colours are left out.
@@ -31,6 +33,7 @@ pub fn read_obj(data: &[u8], load: impl FnMut(&str) -> Option<Vec<u8>>) -> Resul
     let pieces = pieces(data);
     let parsed: Result<Vec<Piece>, Error> = pieces
         .into_par_iter()
+        .with_max_len(1)
         .map(|piece| Piece::parse(piece, false))
         .collect();
     let pieces = match parsed.ok().filter(|pieces| fit(pieces)) {
@@ -40,17 +43,18 @@ pub fn read_obj(data: &[u8], load: impl FnMut(&str) -> Option<Vec<u8>>) -> Resul
     assemble(pieces, load)
 }
 
-/// Cuts a file into pieces of some megabytes that end with a line.
+/// Cuts a file into a few pieces for each thread that end with a line.
 fn pieces(data: &[u8]) -> Vec<&[u8]> {
-    const LEAST: usize = 1 << 21;
+    let share = data.len() / (8 * rayon::current_num_threads());
+    let least = share.max(1 << 18);
     let mut pieces = Vec::new();
     let mut rest = data;
-    while rest.len() > 2 * LEAST {
-        let mut end = LEAST;
-        // (A line after a backslash goes on in the next one.)
-        for line in rest[LEAST..].split_inclusive(|&b| b == b'\n') {
+    while rest.len() > 2 * least {
+        let mut end = least;
+        for line in rest[least..].split_inclusive(|&b| b == b'\n') {
             end += line.len();
-            if !line.trim_ascii_end().ends_with(b"\\") {
+            // (A line after a backslash goes on in the next one.)
+            if !rest[..end].trim_ascii_end().ends_with(b"\\") {
                 break;
             }
         }
@@ -69,7 +73,7 @@ struct Piece {
     normals: Vec<Vec3>,
     /// Vertices of the whole file, counted from 0.
     triangles: Vec<[u32; 3]>,
-    /// Normals of the whole file, for each triangle; empty if one of them has
+    /// Normals of the whole file, for each triangle; fewer if one of them has
     /// a corner without.
     triangle_normals: Vec<[u32; 3]>,
     /// What changes before a triangle, by its number.
@@ -97,120 +101,259 @@ fn fit(pieces: &[Piece]) -> bool {
     })
 }
 
+/// A corner of a face: the numbers of its vertex and of its normal.
+type Corner = (i64, Option<i64>);
+
 impl Piece {
     /// Reads the lines of a piece, or of the whole file where it stands
     /// `alone`.
     fn parse(data: &[u8], alone: bool) -> Result<Self, Error> {
-        let mut piece = Self::default();
-        let mut face: Vec<(u32, Option<u32>)> = Vec::new();
-        let mut with_normals = true;
-        for (number, line) in lines(data) {
-            let mut words = words(&line);
-            match words.next() {
-                Some(b"v") => {
-                    let place = vector(&mut words).filter(|place| place.is_finite());
-                    let place =
-                        place.ok_or_else(|| malformed(number, "v needs three finite numbers"))?;
-                    piece.places.push(place);
-                }
-                Some(b"vn") => {
-                    let normal = vector(&mut words);
-                    let normal =
-                        normal.ok_or_else(|| malformed(number, "vn needs three numbers"))?;
-                    piece.normals.push(normal.normalize_or_zero().as_vec3());
-                }
-                Some(b"f") => {
-                    face.clear();
-                    for word in words {
-                        let corner = piece.corner(word, alone);
-                        face.push(corner.map_err(|problem| malformed(number, &problem))?);
-                    }
-                    if face.len() < 3 {
-                        return Err(malformed(number, "a face needs at least three corners"));
-                    }
-                    for i in 1..face.len() - 1 {
-                        let corners = [face[0], face[i], face[i + 1]];
-                        piece.triangles.push(corners.map(|(vertex, _)| vertex));
-                        let [a, b, c] = corners.map(|(_, normal)| normal);
-                        match (a, b, c) {
-                            (Some(a), Some(b), Some(c)) if with_normals => {
-                                piece.triangle_normals.push([a, b, c]);
-                            }
-                            _ => with_normals = false,
-                        }
-                    }
-                }
-                Some(b"g" | b"o") => {
-                    let name = words.next().map(text).filter(|name| name != "default");
-                    piece.change(Change::Name(name));
-                }
-                Some(b"usemtl") => {
-                    let material = words.next().map(text).unwrap_or_default();
-                    piece.change(Change::Material(material));
-                }
-                Some(b"mtllib") => {
-                    let names: Vec<_> = words.map(text).collect();
-                    piece.change(Change::Libraries(names.join(" ")));
-                }
-                _ => {}
+        // Room for some of each; lines are about as long.
+        let some = data.len() / 64;
+        let mut piece = Self {
+            places: Vec::with_capacity(some),
+            normals: Vec::with_capacity(some),
+            triangles: Vec::with_capacity(some),
+            triangle_normals: Vec::with_capacity(some),
+            ..Self::default()
+        };
+        let mut face = Vec::new();
+        let (mut rest, mut number) = (data, 1);
+        while !rest.is_empty() {
+            if let Some(length) = piece.quick_line(rest, &mut face, alone) {
+                rest = &rest[length..];
+                number += 1;
+            } else {
+                let (line, breaks, later) = line(rest);
+                let read = piece.line(&line, &mut face, alone);
+                read.map_err(|problem| malformed(number, &problem))?;
+                rest = later;
+                number += breaks;
             }
         }
-        if !with_normals {
-            piece.triangle_normals.clear();
-        }
         Ok(piece)
+    }
+
+    /// Reads the line that `text` begins with, if it is one of the kinds that
+    /// files consist of; returns its length.
+    fn quick_line(&mut self, text: &[u8], face: &mut Vec<Corner>, alone: bool) -> Option<usize> {
+        match text {
+            [b'v', b' ', numbers @ ..] => {
+                let (place, length) = quick_vector(numbers)?;
+                self.places.push(place);
+                Some(2 + length)
+            }
+            [b'v', b'n', b' ', numbers @ ..] => {
+                let (normal, length) = quick_vector(numbers)?;
+                self.normals.push(normal.normalize_or_zero().as_vec3());
+                Some(3 + length)
+            }
+            [b'f', b' ', corners @ ..] => {
+                let length = quick_face(corners, face)?;
+                self.face(face, alone).ok()?;
+                Some(2 + length)
+            }
+            _ => None,
+        }
+    }
+
+    /// Reads any line.
+    fn line(&mut self, line: &[u8], face: &mut Vec<Corner>, alone: bool) -> Result<(), String> {
+        let mut words = words(line);
+        match words.next() {
+            Some(b"v") => {
+                let place = vector(&mut words).filter(|place| place.is_finite());
+                self.places
+                    .push(place.ok_or("v needs three finite numbers")?);
+            }
+            Some(b"vn") => {
+                let normal = vector(&mut words).ok_or("vn needs three numbers")?;
+                self.normals.push(normal.normalize_or_zero().as_vec3());
+            }
+            Some(b"f") => {
+                face.clear();
+                for word in words {
+                    face.push(corner(word)?);
+                }
+                let wrong = match self.face(face, alone) {
+                    Ok(()) => return Ok(()),
+                    Err(wrong) => wrong,
+                };
+                return Err(match wrong {
+                    WrongFace::TooShort => "a face needs at least three corners".to_owned(),
+                    WrongFace::NoVertex(number) => {
+                        let count = self.places.len();
+                        format!("\"{number}\" names none of the {count} vertices so far")
+                    }
+                    WrongFace::NoNormal(number) => {
+                        let count = self.normals.len();
+                        format!("\"{number}\" names none of the {count} normals so far")
+                    }
+                });
+            }
+            Some(b"g" | b"o") => {
+                let name = words.next().map(text).filter(|name| name != "default");
+                self.change(Change::Name(name));
+            }
+            Some(b"usemtl") => {
+                let material = words.next().map(text).unwrap_or_default();
+                self.change(Change::Material(material));
+            }
+            Some(b"mtllib") => {
+                let names: Vec<_> = words.map(text).collect();
+                self.change(Change::Libraries(names.join(" ")));
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     fn change(&mut self, change: Change) {
         self.changes.push((self.triangles.len(), change));
     }
 
-    /// A corner `v`, `v/t`, `v//n` or `v/t/n`: indices from 1, or from -1
-    /// backwards. The vertex and the normal, counted from 0.
-    fn corner(&mut self, word: &[u8], alone: bool) -> Result<(u32, Option<u32>), String> {
+    /// Adds the triangles of a face.
+    #[inline]
+    fn face(&mut self, face: &[Corner], alone: bool) -> Result<(), WrongFace> {
+        let [first, second, rest @ ..] = face else {
+            return Err(WrongFace::TooShort);
+        };
+        if rest.is_empty() {
+            return Err(WrongFace::TooShort);
+        }
+        let (first, mut last) = (self.corner(*first, alone)?, self.corner(*second, alone)?);
+        for &corner in rest {
+            let next = self.corner(corner, alone)?;
+            let [a, b, c] = [first, last, next];
+            self.triangles.push([a.0, b.0, c.0]);
+            if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
+                self.triangle_normals.push([a, b, c]);
+            }
+            last = next;
+        }
+        Ok(())
+    }
+
+    /// A corner's vertex and normal, counted from 0.
+    #[inline]
+    fn corner(
+        &mut self,
+        (vertex, normal): Corner,
+        alone: bool,
+    ) -> Result<(u32, Option<u32>), WrongFace> {
         let [places, normals] = [self.places.len(), self.normals.len()];
         let [needed_places, needed_normals] = &mut self.needed;
-        let mut fields = word.split(|&b| b == b'/');
-        let vertex = fields.next().unwrap_or_default();
-        let vertex = index(vertex, places, alone.then_some("vertices"), needed_places)?;
-        let normal = match fields.nth(1) {
-            Some(digits) if !digits.is_empty() => {
-                let what = alone.then_some("normals");
-                Some(index(digits, normals, what, needed_normals)?)
+        let found = index(vertex, places, alone, needed_places);
+        let found = found.ok_or(WrongFace::NoVertex(vertex))?;
+        let normal = match normal {
+            Some(number) => {
+                let found = index(number, normals, alone, needed_normals);
+                Some(found.ok_or(WrongFace::NoNormal(number))?)
             }
-            _ => None,
+            None => None,
         };
-        Ok((vertex, normal))
+        Ok((found, normal))
     }
 }
 
-/// An index into what has been listed, `count` so far in this piece, counted
-/// from 0. Where the piece stands alone (and the list has a name), it must be
-/// one of these; else `needed` says how many others must come before.
-fn index(
-    digits: &[u8],
-    count: usize,
-    alone: Option<&str>,
-    needed: &mut usize,
-) -> Result<u32, String> {
-    let wrong = || {
-        let digits = String::from_utf8_lossy(digits);
-        let what = alone.unwrap_or_default();
-        format!("{digits:?} names none of the {count} {what} so far")
+/// What is wrong with a face: too few corners, or a number that names nothing.
+enum WrongFace {
+    TooShort,
+    NoVertex(i64),
+    NoNormal(i64),
+}
+
+/// The three numbers, apart by spaces, that end a line, and their length with
+/// its end.
+#[inline]
+fn quick_vector(text: &[u8]) -> Option<(DVec3, usize)> {
+    let mut at = 0;
+    let mut vector = [0.0; 3];
+    for number in &mut vector {
+        while text.get(at) == Some(&b' ') {
+            at += 1;
+        }
+        let length;
+        (*number, length) = decimal::number(&text[at..])?;
+        at += length;
+    }
+    let end = line_break(&text[at..])?;
+    Some((vector.into(), at + end))
+}
+
+/// The corners, apart by single spaces, that end a line, and their length with
+/// its end.
+#[inline]
+fn quick_face(text: &[u8], face: &mut Vec<Corner>) -> Option<usize> {
+    face.clear();
+    let mut at = 0;
+    let number = |at: &mut usize| {
+        let (number, length) = decimal::whole_number(&text[*at..])?;
+        *at += length;
+        i64::try_from(number).ok()
     };
-    let number = whole_number(digits).ok_or_else(wrong)?;
+    loop {
+        let vertex = number(&mut at)?;
+        let mut normal = None;
+        if text.get(at) == Some(&b'/') {
+            at += 1;
+            if text.get(at) != Some(&b'/') {
+                number(&mut at)?;
+            }
+            if text.get(at) == Some(&b'/') {
+                at += 1;
+                normal = Some(number(&mut at)?);
+            }
+        }
+        face.push((vertex, normal));
+        if text.get(at) != Some(&b' ') {
+            let end = line_break(&text[at..])?;
+            return Some(at + end);
+        }
+        at += 1;
+    }
+}
+
+/// The length of the line break that `text` begins with.
+#[inline]
+fn line_break(text: &[u8]) -> Option<usize> {
+    match text {
+        [b'\n', ..] => Some(1),
+        [b'\r', b'\n', ..] => Some(2),
+        _ => None,
+    }
+}
+
+/// A corner `v`, `v/t`, `v//n` or `v/t/n`.
+fn corner(word: &[u8]) -> Result<Corner, String> {
+    let number = |digits: &[u8]| {
+        let wrong = || format!("{:?} is no index", String::from_utf8_lossy(digits));
+        whole_number(digits).ok_or_else(wrong)
+    };
+    let mut fields = word.split(|&b| b == b'/');
+    let vertex = number(fields.next().unwrap_or_default())?;
+    let normal = fields.nth(1).filter(|digits| !digits.is_empty());
+    Ok((vertex, normal.map(number).transpose()?))
+}
+
+/// What a number, from 1, or from -1 backwards, names in a list of which there
+/// have been `count` in this piece, counted from 0. Where the piece stands
+/// alone, it must be one of these; else `needed` says how many others must
+/// come before.
+#[inline]
+fn index(number: i64, count: usize, alone: bool, needed: &mut usize) -> Option<u32> {
     let index = match number {
         1.. => number - 1,
-        ..=-1 if alone.is_some() => count as i64 + number,
-        _ => return Err(wrong()),
+        ..=-1 if alone => count as i64 + number,
+        _ => return None,
     };
-    let index = u32::try_from(index).map_err(|_| wrong())?;
+    let index = u32::try_from(index).ok()?;
     let missing = (index as usize + 1).saturating_sub(count);
-    if alone.is_some() && missing > 0 {
-        return Err(wrong());
+    if alone && missing > 0 {
+        return None;
     }
     *needed = missing.max(*needed);
-    Ok(index)
+    Some(index)
 }
 
 /// Puts the pieces together.
@@ -306,7 +449,10 @@ fn joined<T: Zeroable + Copy + Send + Sync>(mut lists: Vec<Vec<T>>) -> Vec<T> {
 /// Adds a library's materials; `None` for the one that stands for no colour.
 fn read_mtl(data: &[u8], materials: &mut FxHashMap<String, Option<Color>>) {
     let mut current = String::new();
-    for (_, line) in lines(data) {
+    let mut rest = data;
+    while !rest.is_empty() {
+        let (line, _, later) = line(rest);
+        rest = later;
         let mut words = words(&line);
         let keyword = words.next();
         if keyword == Some(b"newmtl") {
@@ -342,29 +488,32 @@ fn malformed(line: usize, problem: &str) -> Error {
     }
 }
 
-/// The lines with their numbers (from 1), continued ones joined, without
-/// comments.
-fn lines(data: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
-    let mut rest = data.split(|&b| b == b'\n').enumerate();
-    std::iter::from_fn(move || {
-        let (index, line) = rest.next()?;
-        let mut line = Cow::Borrowed(line.trim_ascii_end());
-        while line.ends_with(b"\\") {
-            let line = line.to_mut();
-            line.pop();
-            line.push(b' ');
-            if let Some((_, more)) = rest.next() {
-                line.extend_from_slice(more.trim_ascii_end());
-            }
+/// The line that `text` begins with, joined with those that continue it and
+/// without its comment; how many breaks end them, and what comes after.
+fn line(text: &[u8]) -> (Cow<'_, [u8]>, usize, &[u8]) {
+    let mut breaks = 0;
+    let mut rest = text;
+    let mut next = || {
+        breaks += 1;
+        let end = rest.iter().position(|&b| b == b'\n');
+        let line = &rest[..end.unwrap_or(rest.len())];
+        rest = end.map_or(&[], |end| &rest[end + 1..]);
+        line.trim_ascii_end()
+    };
+    let mut line = Cow::Borrowed(next());
+    while line.ends_with(b"\\") {
+        let line = line.to_mut();
+        line.pop();
+        line.push(b' ');
+        line.extend_from_slice(next());
+    }
+    if let Some(comment) = line.iter().position(|&b| b == b'#') {
+        match &mut line {
+            Cow::Borrowed(line) => *line = &line[..comment],
+            Cow::Owned(line) => line.truncate(comment),
         }
-        if let Some(comment) = line.iter().position(|&b| b == b'#') {
-            match &mut line {
-                Cow::Borrowed(line) => *line = &line[..comment],
-                Cow::Owned(line) => line.truncate(comment),
-            }
-        }
-        Some((index + 1, line))
-    })
+    }
+    (line, breaks, rest)
 }
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
