@@ -44,9 +44,9 @@ impl Cluster {
 /// A mesh cut into clusters, in drawing order.
 pub(crate) struct Clusters {
     pub clusters: Vec<Cluster>,
-    /// x, y and z of all clusters' vertices, and zeros after them, so that
+    /// x, y, z and 0 of all clusters' vertices, and zeros after them, so that
     /// every cluster's part can be taken for a full one.
-    pub vertices: [Vec<f32>; 3],
+    pub vertices: Vec<[f32; 4]>,
     /// For each triangle the numbers of its vertices within the cluster.
     pub local: Vec<[u8; 4]>,
 }
@@ -55,11 +55,21 @@ impl Clusters {
     /// Cuts triangles, in drawing order, into clusters. Those that name a
     /// vertex out of range or not finite become points, which are not drawn.
     pub fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let finite = positions.par_chunks(BLOCK);
+        let all_finite = finite.all(|chunk| chunk.iter().all(|p| p.is_finite()));
+        // (Whether a vertex is there is asked often; where it is, seldom.)
+        let usable = |v: u32| {
+            if all_finite {
+                (v as usize) < positions.len()
+            } else {
+                positions.get(v as usize).is_some_and(|p| p.is_finite())
+            }
+        };
         let mut local = vec![[0; 4]; triangles.len()];
         let mut blocks: Vec<Block> = local
             .par_chunks_mut(BLOCK)
             .zip(triangles.par_chunks(BLOCK))
-            .map(|(local, triangles)| Block::cut(positions, triangles, local))
+            .map(|(local, triangles)| Block::cut(usable, triangles, local))
             .collect();
         let (mut clusters, mut vertices) = (0, 0);
         for (index, block) in blocks.iter_mut().enumerate() {
@@ -70,24 +80,20 @@ impl Clusters {
             }
             clusters += block.clusters.len();
         }
-        let mut axes = [(); 3].map(|()| vec![0f32; vertices + CLUSTER_VERTICES]);
+        // (Zeros from the system, which the threads touch first.)
+        let mut all_vertices: Vec<[f32; 4]> = bytemuck::zeroed_vec(vertices + CLUSTER_VERTICES);
         let lengths: Vec<usize> = blocks.iter().map(Block::padded_vertices).collect();
-        let [x, y, z] = axes
-            .each_mut()
-            .map(|axis| split(axis, lengths.iter().copied()));
         blocks
             .par_iter_mut()
-            .zip(x)
-            .zip(y)
-            .zip(z)
-            .for_each(|(((block, x), y), z)| block.finish(positions, triangles, [x, y, z]));
+            .zip(split(&mut all_vertices, lengths.iter().copied()))
+            .for_each(|(block, vertices)| block.finish(positions, &local, vertices));
         let mut all = Vec::with_capacity(clusters);
         for block in &blocks {
             all.extend_from_slice(&block.clusters);
         }
         Self {
             clusters: all,
-            vertices: axes,
+            vertices: all_vertices,
             local,
         }
     }
@@ -109,7 +115,7 @@ struct Block {
 impl Block {
     /// Decides where clusters end, and numbers their vertices. Triangles and
     /// vertices are counted from the block's first.
-    fn cut(positions: &[Vec3], triangles: &[[u32; 3]], local: &mut [[u8; 4]]) -> Self {
+    fn cut(usable: impl Fn(u32) -> bool, triangles: &[[u32; 3]], local: &mut [[u8; 4]]) -> Self {
         let mut block = Self {
             clusters: Vec::with_capacity(triangles.len() / CLUSTER_TRIANGLES * 3 / 2 + 1),
             members: Vec::with_capacity(triangles.len()),
@@ -117,10 +123,7 @@ impl Block {
         let mut numbers = Numbers::new();
         let (mut first, mut first_member) = (0, 0);
         for (index, (triangle, local)) in triangles.iter().zip(local).enumerate() {
-            let usable = triangle
-                .iter()
-                .all(|&v| positions.get(v as usize).is_some_and(|p| p.is_finite()));
-            if !usable {
+            if !triangle.iter().all(|&v| usable(v)) {
                 // Three times one vertex has no area, and is never drawn.
                 if index - first >= CLUSTER_TRIANGLES {
                     block.end_cluster(first, index, first_member);
@@ -173,12 +176,7 @@ impl Block {
     }
 
     /// Copies the vertices to where they belong, and bounds each cluster.
-    fn finish(
-        &mut self,
-        positions: &[Vec3],
-        triangles: &[[u32; 3]],
-        [xs, ys, zs]: [&mut [f32]; 3],
-    ) {
+    fn finish(&mut self, positions: &[Vec3], local: &[[u8; 4]], vertices: &mut [[f32; 4]]) {
         let mut members = &self.members[..];
         let mut at = 0;
         let mut points = Vec::with_capacity(CLUSTER_VERTICES);
@@ -188,20 +186,18 @@ impl Block {
             members = rest;
             points.clear();
             points.extend(own.iter().map(|&v| positions[v as usize]));
-            for (k, point) in points.iter().enumerate() {
-                xs[at + k] = point.x;
-                ys[at + k] = point.y;
-                zs[at + k] = point.z;
+            for (to, point) in vertices[at..].iter_mut().zip(&points) {
+                *to = point.extend(0.0).to_array();
             }
             at += cluster.padded_vertices();
             (cluster.centre, cluster.radius) = bounding_sphere(&points);
             let first = cluster.first_triangle as usize;
             normals.clear();
             normals.extend(
-                triangles[first..first + cluster.triangles as usize]
+                local[first..first + cluster.triangles as usize]
                     .iter()
-                    .filter_map(|&[a, b, c]| {
-                        let at = |v: u32| positions.get(v as usize).copied();
+                    .filter_map(|&[a, b, c, _]| {
+                        let at = |v: u8| points.get(usize::from(v)).copied();
                         let (a, b, c) = (at(a)?, at(b)?, at(c)?);
                         (b - a).cross(c - a).try_normalize()
                     }),

@@ -9,12 +9,13 @@ use csg::Color;
 use glam::{DVec3, Vec3};
 
 use crate::camera::View;
+use crate::corners::Corners;
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
 use crate::hatch::hatch;
 use crate::interpolate::{
-    Cache, Corners, interpolate_few, interpolate_scattered, sample_positions, scattered,
+    Cache, interpolate_few, interpolate_scattered, sample_positions, scattered,
 };
 use crate::options::RenderOptions;
 use crate::scene::Scene;
@@ -87,10 +88,15 @@ impl<'a> ShadeContext<'a> {
             .any(|(s, _)| matches!(s, Source::Position(_)));
         let of_surface =
             |color: &Option<Color>| Material::of_color(color.unwrap_or(options.default_color));
+        let mut materials: Vec<_> = scene.colors.iter().map(of_surface).collect();
+        // Where all are alike, nobody need look which one it is.
+        if materials.iter().all(|material| *material == materials[0]) {
+            materials.truncate(1);
+        }
         Self {
             scene,
             matrix,
-            materials: scene.colors.iter().map(of_surface).collect(),
+            materials,
             ambient,
             lights: sources,
             interpolation: options.interpolation,
@@ -105,6 +111,9 @@ impl<'a> ShadeContext<'a> {
     #[inline(always)]
     pub fn material(&self, triangle: usize) -> usize {
         let last = self.materials.len() - 1;
+        if last == 0 {
+            return 0;
+        }
         self.scene
             .triangle_surfaces
             .get(triangle)
@@ -188,6 +197,16 @@ pub(crate) struct Job {
 /// The material of pixels that do not share one.
 pub(crate) const MIXED: usize = usize::MAX;
 
+/// The material of some pixels and one more, if they have one in common.
+#[inline(always)]
+pub(crate) fn shared(before: Option<usize>, one: usize) -> Option<usize> {
+    match before {
+        None => Some(one),
+        Some(before) if before == one => Some(one),
+        Some(_) => Some(MIXED),
+    }
+}
+
 /// What the pixels of a job show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Fragments {
@@ -209,8 +228,12 @@ pub(crate) struct Batch {
     /// Colours, linear and not clamped.
     pub colours: Vec<Triple16>,
     pub cache: Cache,
-    corners: Corners,
+    corners: [Corners; AT_ONCE],
 }
+
+/// Jobs whose corners are fetched together, before any of them is
+/// interpolated: fetching waits for memory, and the waits overlap.
+const AT_ONCE: usize = 16;
 
 /// Finds the colours of all jobs of a batch.
 pub(crate) fn shade(level: Level, context: &ShadeContext, batch: &mut Batch) {
@@ -246,12 +269,23 @@ impl Kernel for InterpolateJobs<'_> {
         // Lane by lane only where all is interpolated in the plain way.
         let plain =
             context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
+        let by_lane = |job: &Job| plain && scattered(&job.triangles);
         let mut cluster = None;
-        for (job, fragments) in batch.jobs.iter().zip(&mut batch.fragments) {
-            if plain && scattered(&job.triangles) {
-                interpolate_scattered(s, context, &mut batch.corners, &mut cluster, job, fragments);
-            } else {
-                interpolate_few(s, context, &mut batch.cache, job, fragments);
+        let fragments = batch.fragments.chunks_mut(AT_ONCE);
+        for (jobs, fragments) in batch.jobs.chunks(AT_ONCE).zip(fragments) {
+            let to = batch.corners.iter_mut().zip(fragments.iter_mut());
+            for (job, (corners, to)) in jobs.iter().zip(to) {
+                if by_lane(job) {
+                    to.material = corners.fetch(context, &mut cluster, job);
+                }
+            }
+            let to = batch.corners.iter().zip(fragments);
+            for (job, (corners, to)) in jobs.iter().zip(to) {
+                if by_lane(job) {
+                    interpolate_scattered(s, context, corners, job, to);
+                } else {
+                    interpolate_few(s, context, &mut batch.cache, job, to);
+                }
             }
         }
     }

@@ -199,65 +199,85 @@ pub(crate) fn fill<S: Lanes>(
     }
     let block = BLOCK as i32;
     let blocks = [x0 / block, x1 / block, y0 / block, y1 / block];
-    // The first block in pixels from the record's first pixel.
+    counts.blocks += samples.len() as u64
+        * (blocks[1] - blocks[0] + 1) as u64
+        * (blocks[3] - blocks[2] + 1) as u64;
+    // The first block in sub-pixels from the record's first pixel.
     let first = [
-        from_first[0] + blocks[0] * block,
-        from_first[1] + blocks[2] * block,
+        (from_first[0] + blocks[0] * block) << SUBPIXEL_BITS,
+        (from_first[1] + blocks[2] * block) << SUBPIXEL_BITS,
     ];
+    let (lane_x, lane_y) = (s.load_i(&LANE_X), s.load_i(&LANE_Y));
+    let (right, down) = (record.right, record.down);
+    let edges = triple!(|K| {
+        let (right, down) = (i64::from(right[K]), i64::from(down[K]));
+        Edge::<S> {
+            at_first: record.c[K] + right * i64::from(first[0]) + down * i64::from(first[1]),
+            in_block: s.i(record.right[K]) * lane_x + s.i(record.down[K]) * lane_y,
+        }
+    });
     for (plane, sample) in buffer.planes().zip(samples) {
-        let start = [
-            (first[0] << SUBPIXEL_BITS) + sample[0],
-            (first[1] << SUBPIXEL_BITS) + sample[1],
-        ];
+        let start = [first[0] + sample[0], first[1] + sample[1]];
+        let row = triple!(|K| {
+            let (right, down) = (i64::from(right[K]), i64::from(down[K]));
+            let at = right * i64::from(sample[0]) + down * i64::from(sample[1]);
+            // Beyond the limits the sign cannot change within a tile.
+            let c = (edges[K].at_first + at) >> SUBPIXEL_BITS;
+            s.i(c.clamp(-(1 << 30), 1 << 30) as i32) + edges[K].in_block
+        });
+        let row_depth = record.depth_at(start);
         if record.is_steep() {
             let in_block = record.precise_depth_in_block(s);
             let depth = |first: f64| (s.d(first) + in_block).to_single();
-            fill_plane(s, plane, record, start, blocks, depth, counts);
+            fill_plane(s, plane, record, blocks, row, row_depth, depth);
         } else {
             let in_block = record.depth_in_block(s);
             let depth = |first: f64| s.f(first as f32) + in_block;
-            fill_plane(s, plane, record, start, blocks, depth, counts);
+            fill_plane(s, plane, record, blocks, row, row_depth, depth);
         }
     }
 }
 
-/// Fills the blocks of a plane (first and last column, first and last row);
-/// the first sample of the first one is `start` sub-pixels from the record's
-/// first pixel. `depth` continues that of a block's first sample to all.
+/// An edge function, in sub-pixels at the first pixel of the first block, and
+/// its changes from there to all pixels of a block.
+#[derive(Clone, Copy)]
+struct Edge<S: Lanes> {
+    at_first: i64,
+    in_block: S::I,
+}
+
+/// Blocks of a triangle so small that looking whether one is missed altogether
+/// costs more than filling none of its pixels: the branch is not foreseen.
+const FEW: i32 = 4;
+
+/// Fills the blocks of a plane (first and last column, first and last row),
+/// from the edge functions and the depth at the first of them. `depth`
+/// continues that of a block's first sample to all.
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
     (depths, numbers): (&mut OfPixels<f32>, &mut OfPixels<i32>),
     record: &Record,
-    start: [i32; 2],
     [bx0, bx1, by0, by1]: [i32; 4],
+    mut row: [S::I; 3],
+    mut row_depth: f64,
     depth: impl Fn(f64) -> S::F,
-    counts: &mut FillCounts,
 ) {
     let block = BLOCK as i32;
-    let (lane_x, lane_y) = (s.load_i(&LANE_X), s.load_i(&LANE_Y));
     let (right, down) = (record.right, record.down);
     let zero = s.i(0);
     let id = s.i(record.triangle);
-    let mut row = triple!(|K| {
-        let at =
-            i64::from(right[K]) * i64::from(start[0]) + i64::from(down[K]) * i64::from(start[1]);
-        // Beyond the limits the sign cannot change within a tile.
-        let c = ((record.c[K] + at) >> SUBPIXEL_BITS).clamp(-(1 << 30), 1 << 30) as i32;
-        (s.i(c) + s.i(right[K]) * lane_x) + s.i(down[K]) * lane_y
-    });
+    let few = (bx1 - bx0 + 1) * (by1 - by0 + 1) <= FEW;
     let step = triple!(|K| s.i(right[K] * block));
     let step_down = triple!(|K| s.i(down[K] * block));
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
-    let mut row_depth = record.depth_at(start);
     let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     for by in by0..=by1 {
         let mut e = row;
         let mut depth_here = row_depth;
         for bx in bx0..=bx1 {
-            counts.blocks += 1;
             let outside = (e[0] | e[1] | e[2]).lt(zero);
-            if outside.bits() != 0xffff {
+            if few || outside.bits() != 0xffff {
                 let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
                 let z = depth(depth_here).max(low).min(high);
                 let (kept, number) = (&mut depths[index], &mut numbers[index]);

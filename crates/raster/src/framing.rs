@@ -1,10 +1,9 @@
 //! Standard views and automatic framing.
 
 use glam::{DVec3, DVec4};
-use rayon::prelude::*;
 
 use crate::camera::{Camera, Frame, Lens};
-use crate::scene::finite_bounds;
+use crate::scene::{combine_finite, finite_bounds};
 use crate::{Mesh, RasterError};
 
 /// The standard views of mechanical drawing (third-angle names), Z up: the
@@ -98,13 +97,11 @@ impl Camera {
         if !(frame.u.is_finite() && frame.v.is_finite() && frame.n.is_finite()) {
             return Err(RasterError::SingularView);
         }
-        let points = || mesh.positions.par_iter().copied().filter(|p| p.is_finite());
-        let (low, high) = finite_bounds(&mesh.positions).ok_or(RasterError::NothingToFrame)?;
+        let points = &mesh.positions;
+        let (low, high) = finite_bounds(points).ok_or(RasterError::NothingToFrame)?;
         let centre = low + (high - low) / 2.0;
-        let radius = points()
-            .map(|p| p.distance_squared(centre))
-            .reduce(|| 0.0, f64::max)
-            .sqrt();
+        let square = combine_finite(points, |p| p.distance_squared(centre), f64::max);
+        let radius = square.unwrap_or_default().sqrt();
         // A single point is framed as if it had a size.
         let radius = if radius > 0.0 {
             radius
@@ -122,10 +119,11 @@ impl Camera {
                 let tan_y = (fov_y / 2.0).tan() * FILL;
                 let tan_x = tan_y * aspect;
                 let tangents = DVec4::new(tan_x, tan_x, tan_y, tan_y);
-                let reach = points()
-                    .map(local)
-                    .map(|q| DVec4::new(q.x, -q.x, q.y, -q.y) + tangents * q.z)
-                    .reduce(|| DVec4::NEG_INFINITY, DVec4::max);
+                let reach = |p| {
+                    let q = local(p);
+                    DVec4::new(q.x, -q.x, q.y, -q.y) + tangents * q.z
+                };
+                let reach = combine_finite(points, reach, DVec4::max).unwrap_or_default();
                 let distance = ((reach[0] + reach[1]) / (2.0 * tan_x))
                     .max((reach[2] + reach[3]) / (2.0 * tan_y))
                     .max(radius * 1e-3);
@@ -140,14 +138,13 @@ impl Camera {
                     }
                     _ => (0.0, 0.0),
                 };
-                let (low, high) = points()
-                    .map(local)
-                    .map(|q| DVec3::new(q.x - q.z * skew.0, q.y - q.z * skew.1, q.z))
-                    .map(|drawn| (drawn, drawn))
-                    .reduce(
-                        || (DVec3::INFINITY, DVec3::NEG_INFINITY),
-                        |a, b| (a.0.min(b.0), a.1.max(b.1)),
-                    );
+                let drawn = |p| {
+                    let q = local(p);
+                    let drawn = DVec3::new(q.x - q.z * skew.0, q.y - q.z * skew.1, q.z);
+                    (drawn, drawn)
+                };
+                let wider = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+                let (low, high) = combine_finite(points, drawn, wider).unwrap_or_default();
                 let size = high - low;
                 let height = (size.y.max(size.x / aspect) / FILL).max(radius * 1e-3);
                 let middle = (low + high) / 2.0;

@@ -195,17 +195,11 @@ fn transform<S: Lanes>(
     let mut any = false;
     for start in (0..cluster.vertices as usize).step_by(LANES) {
         let from = cluster.first_vertex as usize + start;
-        let [xs, ys, zs] = &context.scene.cluster_vertices;
-        let (Some(px), Some(py), Some(pz)) =
-            (lanes_at(xs, from), lanes_at(ys, from), lanes_at(zs, from))
-        else {
+        let Some(points) = lanes_at(&context.scene.cluster_vertices, from) else {
             return true;
         };
-        let p = [
-            s.load_f(px).to_double(),
-            s.load_f(py).to_double(),
-            s.load_f(pz).to_double(),
-        ];
+        let points = s.columns(points);
+        let p = triple!(|K| points[K].to_double());
         let (dx, dy) = (apply::<S>(rows[0], p), apply::<S>(rows[1], p));
         let (dz, dw) = (apply::<S>(rows[2], p), apply::<S>(rows[3], p));
         let inverse = s.d(1.0) / dw;

@@ -18,16 +18,14 @@
 
 use glam::{DVec2, DVec4, Vec3};
 
-use crate::cluster::CLUSTER_VERTICES;
-use crate::deferred::{Fragments, Job, MIXED, ShadeContext};
+use crate::corners::Corners;
+use crate::deferred::{Fragments, Job, ShadeContext, shared};
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
-use crate::scene::Scene;
 use crate::shade::Interpolation;
 use crate::simd::vector::{Triple, load, splat, store};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
-use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, TILE, decode};
 
 /// So many changes of triangle from one lane of a block to the next are worth
@@ -294,16 +292,6 @@ pub(crate) fn scattered(triangles: &[i32; LANES]) -> bool {
     changes.sum::<u32>() >= SCATTERED
 }
 
-/// The material of some pixels and one more, if they have one in common.
-#[inline(always)]
-fn shared(before: Option<usize>, one: usize) -> Option<usize> {
-    match before {
-        None => Some(one),
-        Some(before) if before == one => Some(one),
-        Some(_) => Some(MIXED),
-    }
-}
-
 /// Interpolates what the pixels of a job show, one triangle after the other.
 /// Points are found only where shading asks for them; with Gouraud and flat
 /// shading the "normals" are finished colours.
@@ -375,78 +363,22 @@ fn row<S: Lanes>(s: S, r: DVec4, p: [S::D; 3]) -> S::D {
     (s.d(r.x) * p[0] + s.d(r.y) * p[1]) + (s.d(r.z) * p[2] + s.d(r.w))
 }
 
-/// The corners of 16 triangles and their normals: x, y and z by corner.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Corners {
-    position: [[[f32; LANES]; 3]; 3],
-    normal: [[[f32; LANES]; 3]; 3],
-}
-
-impl Corners {
-    /// Fetches a triangle from its cluster, where what belongs together lies
-    /// together: neighbouring pixels show triangles of few clusters.
-    #[inline(always)]
-    fn gather(&mut self, scene: &Scene, cluster: &ClusterView, triangle: usize, lane: usize) {
-        let Some(local) = scene.local.get(triangle) else {
-            return;
-        };
-        for (c, vertex) in local[..3].iter().enumerate() {
-            let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
-            for axis in 0..3 {
-                self.position[c][axis][lane] = cluster.positions[axis][vertex];
-            }
-        }
-        if cluster.smooth {
-            for (c, vertex) in local[..3].iter().enumerate() {
-                let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
-                for axis in 0..3 {
-                    self.normal[c][axis][lane] = cluster.normals[axis][vertex];
-                }
-            }
-        } else if let Some(normals) = scene.normals.get(triangle) {
-            for (to, normal) in self.normal.iter_mut().zip(normals) {
-                for axis in 0..3 {
-                    to[axis][lane] = normal[axis];
-                }
-            }
-        }
-    }
-}
-
-/// The same for Phong shading, each lane with its own triangle; `cluster` is
-/// the last one looked at.
+/// The same for Phong shading, each lane with its own triangle, whose corners
+/// have been fetched.
 #[inline(always)]
-pub(crate) fn interpolate_scattered<'c, S: Lanes>(
+pub(crate) fn interpolate_scattered<S: Lanes>(
     s: S,
-    context: &ShadeContext<'c>,
-    corners: &mut Corners,
-    cluster: &mut Option<ClusterView<'c>>,
+    context: &ShadeContext,
+    corners: &Corners,
     job: &Job,
     to: &mut Fragments,
 ) {
-    let (scene, matrix) = (context.scene, context.matrix);
-    let mut wanted = job.wanted;
-    let mut material = None;
-    while wanted != 0 {
-        let lane = wanted.trailing_zeros() as usize % LANES;
-        wanted &= wanted - 1;
-        let triangle = job.triangles[lane] as usize;
-        if !cluster
-            .as_ref()
-            .is_some_and(|c| c.triangles.contains(&triangle))
-        {
-            *cluster = scene.cluster_view(triangle);
-        }
-        if let Some(cluster) = cluster {
-            corners.gather(scene, cluster, triangle, lane);
-        }
-        material = shared(material, context.material(triangle));
-    }
+    let matrix = context.matrix;
     // Differences of numbers that may be far larger than they: taken in double
     // precision.
     let x = sample_positions(s, &LANE_X, job.at[0], matrix.middle[0]).to_double();
     let y = sample_positions(s, &LANE_Y, job.at[1], matrix.middle[1]).to_double();
-    let position = triple!(|K| load(s, &corners.position[K]));
+    let position = triple!(|K| s.columns(&corners.position[K]));
     let wide = triple!(|K| {
         let p = position[K];
         [p[0].to_double(), p[1].to_double(), p[2].to_double()]
@@ -462,12 +394,11 @@ pub(crate) fn interpolate_scattered<'c, S: Lanes>(
     let zero = s.f(0.0);
     let sign = (b[0] + b[1] + b[2]).lt(zero).select_f(s.f(-1.0), s.f(1.0));
     let weight = proper(s, triple!(|K| b[K] * sign));
-    let normal = mix::<S>(weight, triple!(|K| load(s, &corners.normal[K])));
+    let normal = mix::<S>(weight, triple!(|K| s.columns(&corners.normal[K])));
     store::<S>(normal, &mut to.normal);
     if context.positional {
         store::<S>(mix::<S>(weight, position), &mut to.point);
     }
-    to.material = material.unwrap_or(0);
 }
 
 /// Normal (or finished colour) and points of the cap of a section.
@@ -511,6 +442,7 @@ mod tests {
     use super::*;
     use crate::camera::View;
     use crate::options::RenderOptions;
+    use crate::scene::Scene;
     use crate::simd::{Kernel, Level};
     use crate::tile::BLOCK;
 
@@ -530,8 +462,9 @@ mod tests {
             let mut to = Fragments::default();
             let (context, job) = (self.context, &self.job);
             if self.by_lane {
-                let (corners, cluster) = (&mut Corners::default(), &mut None);
-                interpolate_scattered(s, context, corners, cluster, job, &mut to);
+                let mut corners = Corners::default();
+                to.material = corners.fetch(context, &mut None, job);
+                interpolate_scattered(s, context, &corners, job, &mut to);
             } else {
                 interpolate_few(s, context, &mut Cache::default(), job, &mut to);
             }

@@ -154,6 +154,7 @@ mod camera;
 pub mod clip;
 mod cluster;
 pub mod cohen_sutherland;
+mod corners;
 mod cull;
 mod deferred;
 mod edges;

@@ -1,5 +1,7 @@
 //! Corner normals for meshes that bring none.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -35,8 +37,21 @@ pub fn corner_normals(mesh: &Mesh, crease_angle: f64) -> Vec<[Vec3; 3]> {
 /// Computes the corner normals of some ranges of triangles: the number of the
 /// first and where to put them.
 pub(crate) fn compute(mesh: &Mesh, crease_angle: f64, parts: Vec<(usize, &mut [[Vec3; 3]])>) {
-    let around = Around::new(mesh);
+    let wanted: Vec<AtomicBool> = (0..mesh.positions.len())
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(|_| AtomicBool::new(false))
+        .collect();
+    parts.par_iter().for_each(|(first, normals)| {
+        for v in mesh.triangles[*first..][..normals.len()].as_flattened() {
+            if let Some(wanted) = wanted.get(*v as usize) {
+                wanted.store(true, Ordering::Relaxed);
+            }
+        }
+    });
     let crease = Crease::new(crease_angle);
+    let smooth = Smooth::new(mesh, &wanted, &crease);
+    let around = Around::new(mesh, &smooth);
     let stars = || vec![Star::default(); STARS];
     parts
         .into_par_iter()
@@ -44,33 +59,150 @@ pub(crate) fn compute(mesh: &Mesh, crease_angle: f64, parts: Vec<(usize, &mut [[
             for (normals, index) in normals.iter_mut().zip(first..) {
                 for (k, normal) in normals.iter_mut().enumerate() {
                     let vertex = mesh.triangles[index][k];
-                    if vertex as usize >= mesh.positions.len() {
-                        continue;
+                    match smooth.states.get(vertex as usize) {
+                        None => {}
+                        Some(&ROUGH) => {
+                            let star = &mut stars[vertex as usize % STARS];
+                            if star.vertex != Some(vertex) {
+                                star.fill(mesh, &around, vertex, &crease);
+                            }
+                            *normal = star.normal(mesh, index, &crease);
+                        }
+                        Some(_) => *normal = smooth.normals[vertex as usize],
                     }
-                    let star = &mut stars[vertex as usize % STARS];
-                    if star.vertex != Some(vertex) {
-                        star.fill(mesh, &around, vertex, &crease);
-                    }
-                    *normal = star.normal(mesh, index, &crease);
                 }
             }
         });
 }
 
-/// The triangles around each vertex, in one array.
+/// The normals at vertices whose faces all count as one surface.
+struct Smooth {
+    /// Of any use where the state is not [`ROUGH`].
+    normals: Vec<Vec3>,
+    /// For each vertex 0, or one more than the first triangle around it, or
+    /// [`ROUGH`].
+    states: Vec<u32>,
+}
+
+/// The state of a vertex whose faces do not, or may not, count as one surface.
+const ROUGH: u32 = u32::MAX;
+
+impl Smooth {
+    /// Each thread adds up what is around a range of the vertices: all go
+    /// over all triangles, but none waits, and the order is that of one. Only
+    /// vertices that are wanted are looked at.
+    fn new(mesh: &Mesh, wanted: &[AtomicBool], crease: &Crease) -> Self {
+        let vertices = mesh.positions.len();
+        let share = share(mesh);
+        // (Zeros from the system, which the threads touch first.)
+        let mut sums: Vec<DVec3> = bytemuck::zeroed_vec(vertices);
+        let mut normals: Vec<Vec3> = bytemuck::zeroed_vec(vertices);
+        let mut states: Vec<u32> = bytemuck::zeroed_vec(vertices);
+        sums.par_chunks_mut(share)
+            .zip(normals.par_chunks_mut(share))
+            .zip(states.par_chunks_mut(share))
+            .zip(wanted.par_chunks(share))
+            .enumerate()
+            .for_each(|(part, (((sums, normals), states), wanted))| {
+                for (index, triangle) in mesh.triangles.iter().enumerate() {
+                    let own = triangle.map(|v| (v as usize).wrapping_sub(part * share));
+                    let is_wanted = |v: usize| wanted.get(v).is_some_and(is_set);
+                    if own.iter().any(|&v| is_wanted(v))
+                        && let Some(face) = Face::of(mesh, index)
+                    {
+                        for k in (0..3).filter(|&k| is_wanted(own[k])) {
+                            let v = own[k];
+                            sums[v] += face.unit * face.weight(k);
+                            if states[v] == 0 {
+                                states[v] = index as u32 + 1;
+                                normals[v] = face.unit.as_vec3();
+                            }
+                            let first = states[v].wrapping_sub(1) as usize;
+                            if !(crease.near(normals[v], face.unit.as_vec3())
+                                && surface(mesh, first) == surface(mesh, index))
+                            {
+                                states[v] = ROUGH;
+                            }
+                        }
+                    }
+                }
+                for (normal, sum) in normals.iter_mut().zip(sums) {
+                    *normal = sum.normalize_or_zero().as_vec3();
+                }
+            });
+        Self { normals, states }
+    }
+}
+
+fn is_set(flag: &AtomicBool) -> bool {
+    flag.load(Ordering::Relaxed)
+}
+
+/// The surface that a triangle is known to lie on.
+fn surface(mesh: &Mesh, triangle: usize) -> Option<&u32> {
+    mesh.triangle_surfaces.get(triangle)
+}
+
+/// Vertices for each thread.
+fn share(mesh: &Mesh) -> usize {
+    let vertices = mesh.positions.len();
+    vertices.div_ceil(rayon::current_num_threads()).max(1)
+}
+
+/// A triangle as seen from its corners.
+struct Face {
+    corners: [DVec3; 3],
+    unit: DVec3,
+    /// Twice its area.
+    area: f64,
+}
+
+impl Face {
+    /// `None` if it names a vertex that is not there.
+    fn of(mesh: &Mesh, triangle: usize) -> Option<Self> {
+        let [a, b, c] = mesh.triangles[triangle];
+        let at = |v: u32| mesh.positions.get(v as usize).copied();
+        let corners = [at(a)?, at(b)?, at(c)?];
+        let [a, b, c] = corners;
+        let cross = (b - a).cross(c - a);
+        Some(Self {
+            corners,
+            unit: cross.normalize_or_zero(),
+            area: cross.length(),
+        })
+    }
+
+    /// The angle at a corner.
+    fn weight(&self, k: usize) -> f64 {
+        let here = self.corners[k];
+        let (next, last) = (self.corners[(k + 1) % 3], self.corners[(k + 2) % 3]);
+        angle(self.area, (next - here).dot(last - here))
+    }
+}
+
+/// The triangles around each rough vertex, in one array.
 struct Around {
-    /// Where each vertex's triangles begin; one more than vertices.
+    /// Where each vertex's triangles begin; one more than vertices, or none
+    /// where no vertex is rough.
     starts: Vec<u32>,
     /// Indices of triangles, ascending around each vertex.
     triangles: Vec<u32>,
 }
 
 impl Around {
-    /// Each thread gathers what is around a range of the vertices: all go
-    /// over all triangles, but none waits, and the order is that of one.
-    fn new(mesh: &Mesh) -> Self {
+    /// Each thread gathers what is around a range of the vertices, as
+    /// [`Smooth::new`] does.
+    fn new(mesh: &Mesh, smooth: &Smooth) -> Self {
+        let states = &smooth.states;
+        if !states.par_iter().any(|&state| state == ROUGH) {
+            return Self {
+                starts: Vec::new(),
+                triangles: Vec::new(),
+            };
+        }
         let vertices = mesh.positions.len();
-        let share = vertices.div_ceil(rayon::current_num_threads()).max(1);
+        let share = share(mesh);
+        let is_rough = |v: u32| states.get(v as usize) == Some(&ROUGH);
         let mut starts = vec![0u32; vertices + 1];
         starts[1..]
             .par_chunks_mut(share)
@@ -78,7 +210,9 @@ impl Around {
             .for_each(|(part, counts)| {
                 let first = part * share;
                 for &v in mesh.triangles.as_flattened() {
-                    if let Some(count) = counts.get_mut((v as usize).wrapping_sub(first)) {
+                    if let Some(count) = counts.get_mut((v as usize).wrapping_sub(first))
+                        && is_rough(v)
+                    {
                         *count += 1;
                     }
                 }
@@ -100,7 +234,9 @@ impl Around {
             let mut next: Vec<u32> = starts[first..end].iter().map(|s| s - base).collect();
             for (index, triangle) in mesh.triangles.iter().enumerate() {
                 for &v in triangle {
-                    if let Some(next) = next.get_mut((v as usize).wrapping_sub(first)) {
+                    if let Some(next) = next.get_mut((v as usize).wrapping_sub(first))
+                        && is_rough(v)
+                    {
                         part[*next as usize] = index as u32;
                         *next += 1;
                     }
@@ -131,6 +267,12 @@ impl Crease {
             half_cosine: (angle.clamp(0.0, std::f64::consts::PI) / 2.0).cos() + 1e-9,
         }
     }
+
+    /// Whether a face is so near to another that all that are, are of one
+    /// surface. False for faces without a normal.
+    fn near(&self, first: Vec3, face: Vec3) -> bool {
+        f64::from(first.dot(face)) >= self.half_cosine + 1e-6
+    }
 }
 
 /// Vertices met lately, by number: neighbouring triangles share them.
@@ -152,20 +294,12 @@ impl Star {
         self.faces.clear();
         let triangles = around.of(vertex);
         for &index in triangles {
-            let triangle = mesh.triangles[index as usize];
-            let at = |k: usize| mesh.positions.get(triangle[k] as usize).copied();
-            let (Some(a), Some(b), Some(c)) = (at(0), at(1), at(2)) else {
-                continue;
-            };
-            // (A triangle that names the vertex twice has no normal anyway.)
-            let (here, next, last) = match triangle.map(|v| v == vertex) {
-                [true, _, _] => (a, b, c),
-                [_, true, _] => (b, c, a),
-                _ => (c, a, b),
-            };
-            let cross = (b - a).cross(c - a);
-            let weight = angle(cross.length(), (next - here).dot(last - here));
-            self.faces.push((index, cross.normalize_or_zero(), weight));
+            if let Some(face) = Face::of(mesh, index as usize) {
+                let corners = mesh.triangles[index as usize];
+                // (A triangle that names the vertex twice has no normal anyway.)
+                let k = corners.iter().position(|&v| v == vertex).unwrap_or(0);
+                self.faces.push((index, face.unit, face.weight(k)));
+            }
         }
         let sum: DVec3 = self
             .faces
@@ -173,7 +307,7 @@ impl Star {
             .map(|&(_, face, weight)| face * weight)
             .sum();
         let axis = sum.normalize_or_zero();
-        let surface = |index: u32| mesh.triangle_surfaces.get(index as usize);
+        let surface = |index: u32| surface(mesh, index as usize);
         let smooth = self.faces.iter().all(|&(index, face, _)| {
             face.dot(axis) >= crease.half_cosine && surface(index) == surface(triangles[0])
         });
@@ -185,7 +319,7 @@ impl Star {
         if let Some(common) = self.common {
             return common;
         }
-        let surface = |index: u32| mesh.triangle_surfaces.get(index as usize);
+        let surface = |index: u32| surface(mesh, index as usize);
         let own = self.faces.iter().find(|face| face.0 == index as u32);
         let Some(&(_, face, _)) = own else {
             return Vec3::ZERO;

@@ -33,9 +33,10 @@ pub struct Scene {
     /// The colour of each surface; the last one is for triangles without.
     pub(crate) colors: Vec<Option<Color>>,
     pub(crate) clusters: Vec<Cluster>,
-    pub(crate) cluster_vertices: [Vec<f32>; 3],
+    /// x, y, z and 0 of each.
+    pub(crate) cluster_vertices: Vec<[f32; 4]>,
     /// Their normals, where the cluster is smooth.
-    pub(crate) cluster_normals: [Vec<f32>; 3],
+    pub(crate) cluster_normals: Vec<[f32; 4]>,
     /// The cluster of every so manieth triangle (see `cluster_view`).
     pub(crate) cluster_starts: Vec<u32>,
     /// For each triangle the numbers of its vertices within the cluster.
@@ -205,14 +206,23 @@ impl From<Mesh> for Scene {
 
 /// The smallest box around those points that are finite, if there is any.
 pub(crate) fn finite_bounds(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    combine_finite(points, |p| (p, p), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// What is found for each finite point, combined: by an operation that gives
+/// the same in any order, such as a maximum.
+pub(crate) fn combine_finite<T: Send>(
+    points: &[DVec3],
+    of_point: impl Fn(DVec3) -> T + Sync,
+    combine: impl Fn(T, T) -> T + Send + Sync,
+) -> Option<T> {
     /// Points per parallel task.
     const CHUNK: usize = 1 << 14;
-    let wider = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
     points
         .par_chunks(CHUNK)
         .filter_map(|chunk| {
             let finite = chunk.iter().filter(|p| p.is_finite());
-            finite.map(|&p| (p, p)).reduce(wider)
+            finite.map(|&p| of_point(p)).reduce(&combine)
         })
-        .reduce_with(wider)
+        .reduce_with(&combine)
 }

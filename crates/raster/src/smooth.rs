@@ -29,21 +29,17 @@ impl Scene {
                 self.cluster_starts.push(index as u32);
             }
         }
-        let vertices = self.cluster_vertices[0].len();
-        let mut axes = [(); 3].map(|()| vec![0f32; vertices]);
+        // (Zeros from the system, which the threads touch first.)
+        let mut all: Vec<[f32; 4]> = bytemuck::zeroed_vec(self.cluster_vertices.len());
         let chunks = self.clusters.chunks(CHUNK);
         let padded = |chunk: &[Cluster]| chunk.iter().map(Cluster::padded_vertices).sum();
         let lengths: Vec<usize> = chunks.map(padded).collect();
-        let [x, y, z] = axes
-            .each_mut()
-            .map(|axis| split(axis, lengths.iter().copied()));
+        let parts = split(&mut all, lengths.into_iter());
         let (local, normals) = (&self.local[..], &self.normals[..]);
         self.clusters
             .par_chunks_mut(CHUNK)
-            .zip(x)
-            .zip(y)
-            .zip(z)
-            .for_each(|(((clusters, x), y), z)| {
+            .zip(parts)
+            .for_each(|(clusters, part)| {
                 let mut at = 0;
                 for cluster in clusters {
                     let own = at..at + cluster.padded_vertices();
@@ -51,13 +47,12 @@ impl Scene {
                     if !seen(cluster) {
                         continue;
                     }
-                    let own = [&mut x[own.clone()], &mut y[own.clone()], &mut z[own]];
                     let first = cluster.first_triangle as usize;
                     let range = first..first + cluster.triangles as usize;
-                    cluster.smooth = gather(&local[range.clone()], &normals[range], own);
+                    cluster.smooth = gather(&local[range.clone()], &normals[range], &mut part[own]);
                 }
             });
-        self.cluster_normals = axes;
+        self.cluster_normals = all;
     }
 
     /// The cluster that a triangle is in.
@@ -66,32 +61,32 @@ impl Scene {
         let mut later = self.clusters.get(start..)?.iter();
         let cluster = later.find(|c| triangle < (c.first_triangle + c.triangles) as usize)?;
         let first = cluster.first_vertex as usize;
-        let [px, py, pz] = &self.cluster_vertices;
-        let [nx, ny, nz] = &self.cluster_normals;
         let end = (cluster.first_triangle + cluster.triangles) as usize;
         Some(ClusterView {
             triangles: cluster.first_triangle as usize..end,
             smooth: cluster.smooth,
-            positions: [part(px, first)?, part(py, first)?, part(pz, first)?],
-            normals: [part(nx, first)?, part(ny, first)?, part(nz, first)?],
+            positions: self.cluster_vertices.get(first..)?.first_chunk()?,
+            normals: self.cluster_normals.get(first..)?.first_chunk()?,
         })
     }
 }
 
 /// Puts the normals of a cluster's corners to its vertices; returns whether
 /// there is but one at each.
-fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], [x, y, z]: [&mut [f32]; 3]) -> bool {
+fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], of_vertices: &mut [[f32; 4]]) -> bool {
     // No normal yet.
-    x.fill(f32::NAN);
+    of_vertices.fill([f32::NAN; 4]);
     let mut smooth = true;
     for (local, corner_normals) in local.iter().zip(normals) {
         for (&vertex, normal) in local.iter().zip(corner_normals) {
-            let at = usize::from(vertex);
             // A cluster of triangles that are not drawn has no vertices.
-            let Some(old) = x.get(at) else { continue };
-            if old.is_nan() {
-                (x[at], y[at], z[at]) = (normal.x, normal.y, normal.z);
-            } else if [*old, y[at], z[at]] != normal.to_array() {
+            let Some(known) = of_vertices.get_mut(usize::from(vertex)) else {
+                continue;
+            };
+            let normal = normal.extend(0.0).to_array();
+            if known[3].is_nan() {
+                *known = normal;
+            } else if *known != normal {
                 smooth = false;
             }
         }
@@ -99,16 +94,12 @@ fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], [x, y, z]: [&mut [f32]; 3]) 
     smooth
 }
 
-fn part(axis: &[f32], first: usize) -> Option<&[f32; CLUSTER_VERTICES]> {
-    axis.get(first..)?.first_chunk()
-}
-
 /// What shading needs of a cluster.
 pub(crate) struct ClusterView<'a> {
     pub triangles: Range<usize>,
     pub smooth: bool,
-    /// x, y and z of its vertices, and of others after them.
-    pub positions: [&'a [f32; CLUSTER_VERTICES]; 3],
+    /// x, y, z and 0 of its vertices, and of others after them.
+    pub positions: &'a [[f32; 4]; CLUSTER_VERTICES],
     /// The same of their normals, where they have one each.
-    pub normals: [&'a [f32; CLUSTER_VERTICES]; 3],
+    pub normals: &'a [[f32; 4]; CLUSTER_VERTICES],
 }

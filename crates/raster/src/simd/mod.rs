@@ -70,6 +70,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn load_d(self, values: &[f64; LANES]) -> Self::D;
     /// Integers from memory.
     fn load_i(self, values: &[i32; LANES]) -> Self::I;
+    /// The first three columns of 16 rows: lane k is from row k.
+    fn columns(self, rows: &[[f32; 4]; LANES]) -> [Self::F; 3];
     /// Lane k is true where bit k is set.
     fn mask(self, bits: u32) -> Self::M;
 }

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-use super::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes};
+use super::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
 
 /// The level without instruction set extensions.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> Ints {
         Ints(*values)
+    }
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; 4]; LANES]) -> [Floats; 3] {
+        triple!(|K| Floats(from_fn(|k| rows[k][K])))
     }
     #[inline(always)]
     fn mask(self, bits: u32) -> Masks {

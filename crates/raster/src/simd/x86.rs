@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 use pulp::x86::{V3, V4};
 use pulp::{NullaryFnOnce, cast};
 
-use super::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes};
+use super::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 
 /// A kernel together with the level it runs at.
 pub struct At<S, K>(pub S, pub K);
@@ -30,6 +30,10 @@ pub struct D4(V4, [__m512d; 2]);
 pub struct I4(V4, __m512i);
 #[derive(Clone, Copy)]
 pub struct M4(V4, u16);
+
+/// Where columns 0 and 1 of eight rows of four are, and column 2 (twice).
+const FIRST_COLUMNS: [i32; LANES] = [0, 4, 8, 12, 16, 20, 24, 28, 1, 5, 9, 13, 17, 21, 25, 29];
+const THIRD_COLUMN: [i32; LANES] = [2, 6, 10, 14, 18, 22, 26, 30, 2, 6, 10, 14, 18, 22, 26, 30];
 
 impl Lanes for V4 {
     type F = F4;
@@ -60,6 +64,24 @@ impl Lanes for V4 {
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> I4 {
         I4(self, cast(*values))
+    }
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; 4]; LANES]) -> [F4; 3] {
+        let f = self.avx512f;
+        let rows: [__m512; 4] = cast(*rows);
+        // Columns 0 and 1 of eight rows, then column 2.
+        let (first, third) = (cast(FIRST_COLUMNS), cast(THIRD_COLUMN));
+        let pick =
+            |of, half: usize| f._mm512_permutex2var_ps(rows[2 * half], of, rows[2 * half + 1]);
+        let (low, high) = (pick(first, 0), pick(first, 1));
+        [
+            F4(self, f._mm512_shuffle_f32x4::<0x44>(low, high)),
+            F4(self, f._mm512_shuffle_f32x4::<0xee>(low, high)),
+            F4(
+                self,
+                f._mm512_shuffle_f32x4::<0x44>(pick(third, 0), pick(third, 1)),
+            ),
+        ]
     }
     #[inline(always)]
     fn mask(self, bits: u32) -> M4 {
@@ -345,6 +367,32 @@ impl Lanes for V3 {
     #[inline(always)]
     fn load_i(self, values: &[i32; LANES]) -> I3 {
         I3(self, cast(*values))
+    }
+    #[inline(always)]
+    fn columns(self, rows: &[[f32; 4]; LANES]) -> [F3; 3] {
+        let f = self.avx;
+        let rows: [__m256; 8] = cast(*rows);
+        // Of eight rows each: rows k and k + 4 side by side, then the columns
+        // of four rows in both halves.
+        let half = |k: usize| {
+            let [a, b] = [rows[k], rows[k + 1]];
+            let [c, d] = [rows[k + 2], rows[k + 3]];
+            let row0 = f._mm256_permute2f128_ps::<0x20>(a, c);
+            let row1 = f._mm256_permute2f128_ps::<0x31>(a, c);
+            let row2 = f._mm256_permute2f128_ps::<0x20>(b, d);
+            let row3 = f._mm256_permute2f128_ps::<0x31>(b, d);
+            let low = f._mm256_unpacklo_ps(row0, row1);
+            let high = f._mm256_unpacklo_ps(row2, row3);
+            let third = f._mm256_unpackhi_ps(row0, row1);
+            let last = f._mm256_unpackhi_ps(row2, row3);
+            [
+                f._mm256_shuffle_ps::<0x44>(low, high),
+                f._mm256_shuffle_ps::<0xee>(low, high),
+                f._mm256_shuffle_ps::<0x44>(third, last),
+            ]
+        };
+        let (first, second) = (half(0), half(4));
+        triple!(|K| F3(self, [first[K], second[K]]))
     }
     #[inline(always)]
     fn mask(self, bits: u32) -> M3 {
