@@ -71,6 +71,18 @@ impl Report {
         }
     }
 
+    /// Ends one of several turns of a stage, which began at `since`, and
+    /// returns the time now.
+    pub(crate) fn add_to_stage(&mut self, name: &'static str, since: Instant) -> Instant {
+        let now = Instant::now();
+        let seconds = (now - since).as_secs_f64();
+        match self.stages.iter_mut().find(|stage| stage.0 == name) {
+            Some(stage) => stage.1 += seconds,
+            None => self.stages.push((name, seconds)),
+        }
+        now
+    }
+
     /// Ends a stage that began at `since`, and returns the time now.
     pub(crate) fn end_stage(&mut self, name: &'static str, since: Instant) -> Instant {
         let now = Instant::now();

@@ -12,8 +12,12 @@
 //!    collapses that keep every face on its surface ([`cleanup`]).
 //!
 //! Bricks share samples, not results: each computes what it needs bit for bit
-//! alike, so they need no communication and their order does not matter.
+//! alike, so they need no communication and their order does not matter. They
+//! are done block by block, a batch of blocks at a time ([`assembly`]): what
+//! vertices and triangles take is then known and written once, while the
+//! batch is still at hand, and memory is used again by the next one.
 
+mod assembly;
 mod brick;
 mod cleanup;
 mod lattice;
@@ -34,6 +38,7 @@ mod topology_tests;
 mod validity;
 
 use std::cell::RefCell;
+use std::mem;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -42,16 +47,16 @@ use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use self::assembly::{Assembled, Assembly, Output};
 use self::cleanup::Cleaner;
 use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
 use self::place::{Placer, Scene};
-use self::stitch::{Leftovers, Output, Scratch, Stitched, Stitcher};
+use self::stitch::{Directory, Leftovers, Scratch, Stitcher};
 use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
-use crate::pages;
 use crate::program::{Bounds, Cell, Pruner, Reach};
 use crate::report::Report;
 
@@ -86,52 +91,84 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         tolerance: ON_SURFACE * task.size.max_element() + 8.0 * f64::EPSILON * task.origin.length(),
     };
     let (blocks, mut pruned) = blocks(&scene, &task.program.root_cell());
-    let start = report.end_stage("blocks", start);
+    report.end_stage("blocks", start);
 
-    let stage = task.control.stage(blocks.len() as u64, 0.0, 0.7);
-    let mut parts: Vec<Part> = blocks
-        .par_iter()
-        .map(|block| {
-            let mut part = Part::with_room_for(cells_in(block.from, block.to));
-            WALKER.with_borrow_mut(|walker| {
-                arch.dispatch(WalkBlock(walker, &scene, block, &mut part, task.control));
-            });
-            stage.add(1);
-            part
-        })
-        .collect();
-    task.control.check()?;
-    let start = report.end_stage("bricks", start);
-
-    let vertices: usize = parts.iter().map(|part| part.vertices.len()).sum();
-    // The highest bit marks table entries of several loops.
-    if vertices >= 1 << 31 {
-        return Err(Error::TooLarge {
-            what: "vertices in one mesh",
-            limit: 1 << 31,
-        });
-    }
-    let mut positions = concatenate(&parts, |part| &part.vertices);
-    let surfaces = table_of_surfaces(task, &mut parts);
+    let progress = task
+        .control
+        .stage((WALK + STITCH) * blocks.len() as u64, 0.0, 1.0);
+    let mut parts: Vec<Part> = Vec::with_capacity(blocks.len());
+    let mut walked_parts = Vec::new();
+    let mut surfaces = TableOfSurfaces::default();
+    let mut directory = Directory::default();
+    let mut assembly = Assembly::default();
     let least_area = LEAST_AREA * task.cell * task.cell;
-    let stitcher = Stitcher::new(&parts, &positions, &task.surfaces, least_area);
-    let stage = task.control.stage(parts.len() as u64, 0.7, 1.0);
-    let mut stitched = stitch::stitch_all(&parts, |part, out| {
-        let leftovers = SCRATCH
-            .with_borrow_mut(|scratch| arch.dispatch(StitchPart(&stitcher, part, scratch, out)));
-        stage.add(1);
-        leftovers
-    });
-    let start = report.end_stage("stitch", start);
-    let runs = near::runs(&parts, &stitched);
+    let at_once = blocks_at_once();
+    // Memory for vertices, from batch to batch.
+    let mut rooms: Vec<Vec<DVec3>> = vec![Vec::new(); at_once.min(blocks.len())];
+    for batch in blocks.chunks(at_once) {
+        let start = Instant::now();
+        let first = parts.len();
+        let walked = batch.par_iter().zip(&mut rooms).with_max_len(1);
+        walked
+            .map(|(block, room)| {
+                let cells = cells_in(block.from, block.to);
+                let mut part = Part::with_room_for(cells, mem::take(room));
+                WALKER.with_borrow_mut(|walker| {
+                    arch.dispatch(WalkBlock(walker, &scene, block, &mut part, task.control));
+                });
+                part.shrink();
+                progress.add(WALK);
+                part
+            })
+            .collect_into_vec(&mut walked_parts);
+        task.control.check()?;
+        parts.append(&mut walked_parts);
+        directory.extend(&parts[first..]);
+        // The highest bit marks table entries of several loops.
+        if directory.vertices >= 1 << 31 {
+            return Err(Error::TooLarge {
+                what: "vertices in one mesh",
+                limit: 1 << 31,
+            });
+        }
+        surfaces.enter(task, &mut parts[first..]);
+        let start = report.add_to_stage("bricks", start);
+        let stitcher = Stitcher {
+            parts: &parts,
+            directory: &directory,
+            surfaces: &task.surfaces,
+            least_area,
+        };
+        let done = parts.len() as f64 / blocks.len() as f64;
+        assembly.add(&parts, first, done, |part, out| {
+            let leftovers = SCRATCH.with_borrow_mut(|scratch| {
+                arch.dispatch(StitchPart(&stitcher, part, scratch, out))
+            });
+            progress.add(STITCH);
+            leftovers
+        });
+        for (room, part) in rooms.iter_mut().zip(&mut parts[first..]) {
+            *room = mem::take(&mut part.vertices);
+        }
+        report.add_to_stage("stitch", start);
+    }
+    let start = Instant::now();
+    let stitcher = Stitcher {
+        parts: &parts,
+        directory: &directory,
+        surfaces: &task.surfaces,
+        least_area,
+    };
+    let mut assembled = assembly.finish();
+    let runs = near::runs(&parts, &assembled);
     let further = 2 * parts.iter().map(|part| part.polygons.len()).sum::<usize>();
-    let further = further..stitched.triangles.len();
+    let further = further..assembled.triangles.len();
     let near = |vertices: &[u32]| {
         near::triangles_around(&stitcher, vertices.iter().copied(), further.clone())
     };
     let cleaned = Cleaner {
-        positions: &positions,
-        triangles: &mut stitched.triangles,
+        positions: &assembled.positions,
+        triangles: &mut assembled.triangles,
         runs: &runs,
         near,
         unresolved: near::unresolved(&parts),
@@ -141,12 +178,13 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         // own surfaces.
         tolerance: 0.25 * scene.tolerance,
     }
-    .clean(&stitched.bad);
-    let Stitched {
+    .clean(&assembled.bad);
+    let Assembled {
+        mut positions,
         mut triangles,
         surfaces: mut triangle_surfaces,
         ..
-    } = stitched;
+    } = assembled;
     for &triangle in &cleaned.left {
         let [p, q, r] = triangles[triangle as usize].map(|v| positions[v as usize]);
         let place = (p + q + r) / 3.0 + task.origin;
@@ -174,7 +212,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         positions,
         triangles,
         triangle_surfaces,
-        surfaces,
+        surfaces: surfaces.surfaces,
         ..Mesh::default()
     })
 }
@@ -216,6 +254,20 @@ impl pulp::WithSimd for StitchPart<'_, '_, '_> {
         self.0.part(self.1, self.2, self.3)
     }
 }
+
+/// How many blocks are walked, then stitched, before the next: on one thread so
+/// few that what the one leaves to the other is still at hand, on several so
+/// many that they rarely wait for each other.
+fn blocks_at_once() -> usize {
+    match rayon::current_num_threads() {
+        1 => 8,
+        several => 64 * several,
+    }
+}
+
+/// Shares of the work on a block.
+const WALK: u64 = 2;
+const STITCH: u64 = 1;
 
 /// A point nearer to a surface than this share of the scene lies on it.
 const ON_SURFACE: f64 = 2e-13;
@@ -337,27 +389,6 @@ impl Walker {
     }
 }
 
-/// All lists in one, copied in parallel.
-fn concatenate<T, U>(lists: &[T], list: impl Fn(&T) -> &Vec<U> + Sync) -> Vec<U>
-where
-    T: Sync,
-    U: bytemuck::Zeroable + Copy + Send + Sync,
-{
-    let total = lists.iter().map(|l| list(l).len()).sum();
-    let mut all: Vec<U> = pages::zeroed(total);
-    let mut pieces = Vec::with_capacity(lists.len());
-    let mut rest = all.as_mut_slice();
-    for source in lists {
-        let (piece, after) = rest.split_at_mut(list(source).len());
-        pieces.push((piece, source));
-        rest = after;
-    }
-    pieces
-        .into_par_iter()
-        .for_each(|(piece, source)| piece.copy_from_slice(list(source)));
-    all
-}
-
 /// Removes the items at the given ascending places; the last ones take them.
 fn remove_marked<T>(items: &mut Vec<T>, removed: &[u32]) {
     for &index in removed.iter().rev() {
@@ -401,17 +432,24 @@ fn remove_vertices(
 }
 
 /// The mesh's table of surfaces, in the order in which polygons first name
-/// them; every group learns its entry.
-fn table_of_surfaces(task: &Task<'_>, parts: &mut [Part]) -> Vec<MeshSurface> {
-    let mut index: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-    let mut surfaces = Vec::new();
-    for group in parts.iter_mut().flat_map(|part| &mut part.groups) {
-        group.entry = *index
-            .entry((group.surface, group.origin))
-            .or_insert_with(|| {
-                surfaces.push(task.mesh_surface(group.surface, group.origin));
-                surfaces.len() as u32 - 1
+/// them.
+#[derive(Default)]
+struct TableOfSurfaces {
+    /// By surface and primitive.
+    index: FxHashMap<(u32, u32), u32>,
+    surfaces: Vec<MeshSurface>,
+}
+
+impl TableOfSurfaces {
+    /// Enters what the groups of parts lie on; every group learns its entry.
+    fn enter(&mut self, task: &Task<'_>, parts: &mut [Part]) {
+        for group in parts.iter_mut().flat_map(|part| &mut part.groups) {
+            let key = (group.surface, group.origin);
+            group.entry = *self.index.entry(key).or_insert_with(|| {
+                let surface = task.mesh_surface(group.surface, group.origin);
+                self.surfaces.push(surface);
+                self.surfaces.len() as u32 - 1
             });
+        }
     }
-    surfaces
 }

@@ -6,19 +6,20 @@ use std::ops::Range;
 
 use glam::UVec3;
 
+use super::assembly::Assembled;
 use super::cleanup::Run;
 use super::lattice::CELLS;
 use super::part::Part;
-use super::stitch::{Stitched, Stitcher};
+use super::stitch::Stitcher;
 
 /// The runs of triangles on one surface; none if no triangle is bad.
-pub(super) fn runs(parts: &[Part], stitched: &Stitched) -> Vec<Run> {
-    if stitched.bad.is_empty() {
+pub(super) fn runs(parts: &[Part], assembled: &Assembled) -> Vec<Run> {
+    if assembled.bad.is_empty() {
         return Vec::new();
     }
     let regular = parts.iter().flat_map(|part| &part.groups);
     let regular = regular.map(|group| (group, 2 * group.count));
-    let further = stitched.further.iter();
+    let further = assembled.further.iter();
     let further = further.map(|&(part, group)| (&parts[part].groups[group as usize], 1));
     let mut start = 0;
     regular
@@ -59,11 +60,14 @@ pub(super) fn triangles_around(
     let mut bricks: Vec<(usize, usize)> = Vec::new();
     for vertex in vertices {
         // The last part, and brick, that does not start behind it.
-        let bases = stitcher.vertex_base();
+        let bases = &stitcher.directory.vertex_base;
         let p = bases.partition_point(|&base| base <= vertex) - 1;
-        let part = &stitcher.parts()[p];
+        let part = &stitcher.parts[p];
         let local = vertex - bases[p];
-        let b = part.bricks.partition_point(|brick| brick.vertices <= local) - 1;
+        let b = part
+            .bricks
+            .partition_point(|brick| brick.vertices.start <= local)
+            - 1;
         let brick = &part.bricks[b];
         if bricks.last() != Some(&(p, b)) {
             bricks.push((p, b));
@@ -71,7 +75,7 @@ pub(super) fn triangles_around(
         // A polygon's edge starts at the first sample of its vertices' cells or
         // at the next one, which may be another brick's.
         let cells = &part.cells[brick.cells.start as usize..brick.cells.end as usize];
-        let simple = cells.get((local - brick.vertices) as usize);
+        let simple = cells.get((local - brick.vertices.start) as usize);
         let may_leave = |axis: u32| {
             let along = |&sample: &u16| sample >> (4 * axis) & 15;
             simple.is_none_or(|sample| along(sample) == CELLS as u16 - 1)
@@ -80,7 +84,7 @@ pub(super) fn triangles_around(
         for octant in 1..8u32 {
             let offset = UVec3::new(octant & 1, octant >> 1 & 1, octant >> 2);
             if offset.cmple(leaves).all() {
-                bricks.extend(stitcher.brick_at(brick.position + offset));
+                bricks.extend(stitcher.directory.brick_at(brick.position + offset));
             }
         }
     }
@@ -89,7 +93,7 @@ pub(super) fn triangles_around(
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let mut bricks = bricks.into_iter().peekable();
     let mut first = 0;
-    for (p, part) in stitcher.parts().iter().enumerate() {
+    for (p, part) in stitcher.parts.iter().enumerate() {
         while let Some((_, b)) = bricks.next_if(|&(own, _)| own == p) {
             let polygons = &part.bricks[b].polygons;
             let (start, end) = (2 * polygons.start as usize, 2 * polygons.end as usize);

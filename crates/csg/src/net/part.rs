@@ -14,15 +14,17 @@ pub(super) struct Part {
     pub bricks: Vec<BrickRecord>,
     /// Simple cells, by lowest sample; the i-th of a brick has its i-th vertex.
     pub cells: Vec<u16>,
-    /// Of the simple cells those in the last layer along x, along y and along
-    /// z, which the next bricks need: lowest sample, place among the brick's.
-    pub borders: Vec<(u16, u16)>,
+    /// The vertices of the simple cells in the last layer along x, along y and
+    /// along z, which the next bricks need.
+    pub borders: Vec<BorderVertex>,
     /// Cells with several loops or an ambiguous face.
     pub complex: Vec<ComplexCell>,
     /// Vertices on ambiguous faces.
     pub arcs: Vec<FaceArcs>,
-    /// Vertex positions in the local frame.
+    /// Vertex positions in the local frame, until they are in the mesh.
     pub vertices: Vec<DVec3>,
+    /// Of every brick those that are not in a simple cell, for the next bricks.
+    pub further_vertices: Vec<DVec3>,
     /// Lattice edges that carry a polygon, packed, grouped by provenance.
     pub polygons: Vec<PolygonCode>,
     pub groups: Vec<PolygonGroup>,
@@ -34,16 +36,26 @@ pub(super) struct Part {
 
 impl Part {
     /// An empty part with room for what a smooth surface through a block of so
-    /// many cells leaves behind: about two of its cross-sections.
-    pub fn with_room_for(cells: u64) -> Self {
+    /// many cells leaves behind: about two of its cross-sections. Vertices are
+    /// put into `vertices`, memory that was in use before.
+    pub fn with_room_for(cells: u64, mut vertices: Vec<DVec3>) -> Self {
         let section = (cells as f64).powf(2.0 / 3.0);
         let room = (2.0 * section).min(1e6) as usize;
+        vertices.clear();
+        vertices.reserve(room);
         Self {
             cells: Vec::with_capacity(room),
-            vertices: Vec::with_capacity(room),
             polygons: Vec::with_capacity(room),
+            vertices,
             ..Self::default()
         }
+    }
+
+    /// Gives back the room that was not needed.
+    pub fn shrink(&mut self) {
+        self.cells.shrink_to_fit();
+        self.polygons.shrink_to_fit();
+        self.borders.shrink_to_fit();
     }
 
     /// A record of a brick whose lists start where the part's end now.
@@ -57,7 +69,8 @@ impl Part {
             arcs: empty_at_end(self.arcs.len()),
             groups: empty_at_end(self.groups.len()),
             polygons: empty_at_end(self.polygons.len()),
-            vertices: self.vertices.len() as u32,
+            vertices: empty_at_end(self.vertices.len()),
+            further_vertices: self.further_vertices.len() as u32,
         }
     }
 
@@ -69,7 +82,11 @@ impl Part {
         record.arcs.end = self.arcs.len() as u32;
         record.groups.end = self.groups.len() as u32;
         record.polygons.end = self.polygons.len() as u32;
+        record.vertices.end = self.vertices.len() as u32;
         let cells = &self.cells[record.cells.start as usize..];
+        let vertices = &self.vertices[record.vertices.start as usize..];
+        self.further_vertices
+            .extend_from_slice(&vertices[cells.len()..]);
         // Those in a last layer, without a branch for each.
         let mut last = [(0, 0); MOST_IN_LAST_LAYERS + 1];
         let mut count = 0;
@@ -80,9 +97,14 @@ impl Part {
         }
         for (axis, range) in record.borders.iter_mut().enumerate() {
             range.start = self.borders.len() as u32;
-            for &(sample, i) in &last[..count] {
+            for &(sample, index) in &last[..count] {
                 if sample >> (4 * axis) & 15 == CELLS as u16 - 1 {
-                    self.borders.push((sample, i));
+                    let point = vertices[usize::from(index)];
+                    self.borders.push(BorderVertex {
+                        point,
+                        sample,
+                        index,
+                    });
                 }
             }
             range.end = self.borders.len() as u32;
@@ -90,6 +112,16 @@ impl Part {
         self.surface_cells += record.cells.len() as u64 + record.complex.len() as u64;
         self.bricks.push(record);
     }
+}
+
+/// The vertex of a simple cell in a brick's last layers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BorderVertex {
+    pub point: DVec3,
+    /// The cell's lowest sample.
+    pub sample: u16,
+    /// The vertex, counted from the brick's first.
+    pub index: u16,
 }
 
 /// The cells of a brick that are in the last layer along some axis.
@@ -105,8 +137,17 @@ pub(super) struct BrickRecord {
     pub arcs: Range<u32>,
     pub groups: Range<u32>,
     pub polygons: Range<u32>,
-    /// First vertex, within the part.
-    pub vertices: u32,
+    pub vertices: Range<u32>,
+    /// The first of those that are not in a simple cell.
+    pub further_vertices: u32,
+}
+
+impl BrickRecord {
+    /// Where a vertex, counted from the brick's first, that is not in a simple
+    /// cell is among the part's further ones.
+    pub fn further_vertex(&self, vertex: u32) -> usize {
+        (self.further_vertices + vertex) as usize - self.cells.len()
+    }
 }
 
 /// A cell that is more than one loop without ambiguous faces.

@@ -14,6 +14,13 @@ const THIN: f64 = 0.125;
 /// A whole number of vectors of whatever width.
 const WHOLE: usize = 8;
 
+/// A vertex and where it lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub point: DVec3,
+    pub vertex: u32,
+}
+
 /// The corners of many quads, coordinate by coordinate, and what was found
 /// out about them.
 pub(super) struct Quads {
@@ -40,18 +47,14 @@ impl Default for Quads {
 
 impl Quads {
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, vertices: [u32; 4], positions: &[DVec3]) {
-        for ((corner, lanes), vertex) in self
-            .corners
-            .iter_mut()
-            .zip(&mut self.vertices)
-            .zip(vertices)
+    pub fn set(&mut self, lane: usize, corners: [&Corner; 4]) {
+        for ((lanes, vertices), corner) in
+            self.corners.iter_mut().zip(&mut self.vertices).zip(corners)
         {
-            let point = positions[vertex as usize];
-            lanes[lane] = vertex;
-            corner[0][lane] = point.x;
-            corner[1][lane] = point.y;
-            corner[2][lane] = point.z;
+            vertices[lane] = corner.vertex;
+            lanes[0][lane] = corner.point.x;
+            lanes[1][lane] = corner.point.y;
+            lanes[2][lane] = corner.point.z;
         }
     }
 
@@ -261,8 +264,12 @@ mod tests {
                         let off = 0.05 * (a * u + sign * b * v) + 0.05 * point();
                         positions.push(onto(middle + off));
                     }
-                    let first = 4 * lane as u32;
-                    quads.set(lane, [0, 1, 2, 3].map(|i| first + i), &positions);
+                    let corner = |i: usize| Corner {
+                        point: positions[4 * lane + i],
+                        vertex: (4 * lane + i) as u32,
+                    };
+                    let corners = [0, 1, 2, 3].map(corner);
+                    quads.set(lane, corners.each_ref());
                 }
                 let least_area = 1e-4;
                 quads.judge(surface, reversed, least_area, LANES);

@@ -4,15 +4,16 @@
 //! four cells around it, lying on the surface that causes the crossing. Across
 //! an ambiguous face the polygon takes in the vertex on its arc as well.
 
-use glam::{DVec3, UVec3};
-use rayon::prelude::*;
+use std::ops::Range;
+
+use glam::UVec3;
 use rustc_hash::FxHashMap;
 
+use super::assembly::Output;
 use super::lattice::CELLS;
 use super::loops;
 use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
-use super::quads::{LANES, Quads};
-use crate::pages;
+use super::quads::{Corner, LANES, Quads};
 use crate::program::Surface;
 
 /// A brick's place in the list of parts.
@@ -22,22 +23,46 @@ struct BrickRef {
     brick: u32,
 }
 
-/// All parts, with the means to look across brick borders.
-pub(super) struct Stitcher<'a> {
-    parts: &'a [Part],
+/// Where the bricks and the vertices of parts are.
+#[derive(Debug, Default)]
+pub(super) struct Directory {
     /// First vertex of each part in the whole mesh.
-    vertex_base: Vec<u32>,
+    pub vertex_base: Vec<u32>,
+    /// Vertices of all parts.
+    pub vertices: usize,
     bricks: FxHashMap<UVec3, BrickRef>,
-    positions: &'a [DVec3],
-    surfaces: &'a [Surface],
-    least_area: f64,
 }
 
-/// Where the triangles of one part go: two for every polygon, in order.
-pub(super) struct Output<'a> {
-    pub triangles: &'a mut [[u32; 3]],
-    /// The triangles' entries in the mesh's table of surfaces.
-    pub surfaces: &'a mut [u32],
+impl Directory {
+    /// Enters further parts, in order.
+    pub fn extend(&mut self, parts: &[Part]) {
+        for part in parts {
+            let p = self.vertex_base.len() as u32;
+            self.vertex_base.push(self.vertices as u32);
+            self.vertices += part.vertices.len();
+            for (brick, record) in (0..).zip(&part.bricks) {
+                let place = BrickRef { part: p, brick };
+                self.bricks.insert(record.position, place);
+            }
+        }
+    }
+
+    /// The part and, in it, the brick at the given position, if there is one.
+    pub fn brick_at(&self, position: UVec3) -> Option<(usize, usize)> {
+        let found = self.bricks.get(&position)?;
+        Some((found.part as usize, found.brick as usize))
+    }
+}
+
+/// The parts so far, with the means to look across brick borders.
+#[derive(Clone, Copy)]
+pub(super) struct Stitcher<'a> {
+    /// In order. Those that are stitched still have their vertices.
+    pub parts: &'a [Part],
+    pub directory: &'a Directory,
+    pub surfaces: &'a [Surface],
+    /// A triangle of less area counts as having none.
+    pub least_area: f64,
 }
 
 /// What a part has beside two triangles for every polygon.
@@ -49,68 +74,6 @@ pub(super) struct Leftovers {
     /// The further triangles of polygons with more than four corners, each
     /// with its group's place in the part. They may be bad, too.
     pub further: Vec<([u32; 3], u32)>,
-}
-
-/// The triangles of a whole mesh.
-#[derive(Debug)]
-pub(super) struct Stitched {
-    /// Two for every polygon, in order, then the further ones.
-    pub triangles: Vec<[u32; 3]>,
-    /// The triangles' entries in the mesh's table of surfaces.
-    pub surfaces: Vec<u32>,
-    /// Triangles that may have no area or be folded over.
-    pub bad: Vec<u32>,
-    /// Part and group of the further triangles.
-    pub further: Vec<(usize, u32)>,
-}
-
-/// The triangles of all parts, from `stitch`, which does one of them.
-pub(super) fn stitch_all(
-    parts: &[Part],
-    stitch: impl Fn(usize, &mut Output<'_>) -> Leftovers + Sync,
-) -> Stitched {
-    let polygons: usize = parts.iter().map(|part| part.polygons.len()).sum();
-    // Every ambiguous face is a corner more for four polygons.
-    let arcs: usize = parts.iter().map(|part| part.arcs.len()).sum();
-    let mut triangles: Vec<[u32; 3]> = pages::zeroed(2 * polygons + 4 * arcs);
-    let mut surfaces: Vec<u32> = pages::zeroed(2 * polygons + 4 * arcs);
-    let mut outputs = Vec::with_capacity(parts.len());
-    let (mut rest, mut rest_surfaces) = (triangles.as_mut_slice(), surfaces.as_mut_slice());
-    for part in parts {
-        let (triangles, surfaces);
-        (triangles, rest) = rest.split_at_mut(2 * part.polygons.len());
-        (surfaces, rest_surfaces) = rest_surfaces.split_at_mut(2 * part.polygons.len());
-        outputs.push(Output {
-            triangles,
-            surfaces,
-        });
-    }
-    let leftovers: Vec<Leftovers> = outputs
-        .into_par_iter()
-        .enumerate()
-        .map(|(part, mut out)| stitch(part, &mut out))
-        .collect();
-    let (mut bad, mut further) = (Vec::new(), Vec::new());
-    let (mut first, mut end) = (0, 2 * polygons);
-    for (p, (part, leftovers)) in parts.iter().zip(leftovers).enumerate() {
-        bad.extend(leftovers.bad.iter().map(|&triangle| first + triangle));
-        first += 2 * part.polygons.len() as u32;
-        for (triangle, group) in leftovers.further {
-            triangles[end] = triangle;
-            surfaces[end] = part.groups[group as usize].entry;
-            further.push((p, group));
-            end += 1;
-        }
-    }
-    bad.extend(2 * polygons as u32..end as u32);
-    triangles.truncate(end);
-    surfaces.truncate(end);
-    Stitched {
-        triangles,
-        surfaces,
-        bad,
-        further,
-    }
 }
 
 /// Scratch memory of one worker.
@@ -136,8 +99,13 @@ const TABLE: usize = 4096;
 
 /// Vertex lookup around one brick: cells from -1 to 14 along each axis.
 struct Table {
+    /// Per cell the place of its corner, or that of its complex cell, marked.
     cells: Vec<u32>,
+    corners: Vec<Corner>,
+    /// Complex cells, with the corner of their first vertex.
     complex: Vec<(ComplexCell, u32)>,
+    /// Ambiguous faces, the corner of their first vertex, and whether their
+    /// inside corners are joined.
     arcs: Vec<(u16, u32, bool)>,
 }
 
@@ -145,6 +113,7 @@ impl Default for Table {
     fn default() -> Self {
         Self {
             cells: vec![0; TABLE],
+            corners: Vec::new(),
             complex: Vec::new(),
             arcs: Vec::new(),
         }
@@ -172,55 +141,9 @@ fn shifted(sample: u16, before: [bool; 3]) -> Option<u16> {
     Some(index)
 }
 
-impl<'a> Stitcher<'a> {
-    /// A triangle of less area than `least_area` counts as having none.
-    pub fn new(
-        parts: &'a [Part],
-        positions: &'a [DVec3],
-        surfaces: &'a [Surface],
-        least_area: f64,
-    ) -> Self {
-        let mut vertex_base = Vec::with_capacity(parts.len());
-        let mut bricks = FxHashMap::default();
-        let mut base = 0;
-        for (p, part) in parts.iter().enumerate() {
-            vertex_base.push(base);
-            base += part.vertices.len() as u32;
-            for (b, brick) in part.bricks.iter().enumerate() {
-                let place = BrickRef {
-                    part: p as u32,
-                    brick: b as u32,
-                };
-                bricks.insert(brick.position, place);
-            }
-        }
-        Self {
-            parts,
-            vertex_base,
-            bricks,
-            positions,
-            surfaces,
-            least_area,
-        }
-    }
-
-    /// All parts, in order.
-    pub fn parts(&self) -> &'a [Part] {
-        self.parts
-    }
-
-    /// First vertex of each part in the whole mesh.
-    pub fn vertex_base(&self) -> &[u32] {
-        &self.vertex_base
-    }
-
-    /// The part and, in it, the brick at the given position, if there is one.
-    pub fn brick_at(&self, position: UVec3) -> Option<(usize, usize)> {
-        let found = self.bricks.get(&position)?;
-        Some((found.part as usize, found.brick as usize))
-    }
-
+impl Stitcher<'_> {
     fn fill_table(&self, position: UVec3, table: &mut Table) {
+        table.corners.clear();
         table.complex.clear();
         table.arcs.clear();
         for octant in 0..8u32 {
@@ -228,23 +151,29 @@ impl<'a> Stitcher<'a> {
             if offset.cmpgt(position).any() {
                 continue;
             }
-            let Some(found) = self.bricks.get(&(position - offset)) else {
+            let Some((p, b)) = self.directory.brick_at(position - offset) else {
                 continue;
             };
-            let part = &self.parts[found.part as usize];
-            let brick = &part.bricks[found.brick as usize];
-            let base = self.vertex_base[found.part as usize] + brick.vertices;
-            add_brick(part, brick, base, offset.to_array().map(|o| o == 1), table);
+            let part = &self.parts[p];
+            let brick = &part.bricks[b];
+            let base = self.directory.vertex_base[p] + brick.vertices.start;
+            if octant == 0 {
+                table.add_own(part, brick, base);
+            } else {
+                table.add_neighbour(part, brick, base, offset.to_array().map(|o| o == 1));
+            }
         }
         table.arcs.sort_unstable_by_key(|&(face, ..)| face);
     }
 
-    /// The triangles of all polygons that the bricks of `part` own.
+    /// Writes the vertices of a part and the triangles of all polygons that its
+    /// bricks own.
     #[inline(always)]
     pub fn part(&self, part: usize, scratch: &mut Scratch, out: &mut Output<'_>) -> Leftovers {
         let part = &self.parts[part];
         let Scratch { table, quads } = scratch;
         let mut leftovers = Leftovers::default();
+        out.positions.copy_from_slice(&part.vertices);
         let mut polygons = 0;
         for brick in &part.bricks {
             self.fill_table(brick.position, table);
@@ -282,19 +211,19 @@ impl<'a> Stitcher<'a> {
             let mut fans = 0u32;
             for (lane, &code) in codes.iter().enumerate() {
                 let here = code.sample();
-                let mut corners =
+                let mut around =
                     AROUND[code.axis_and_side()].map(|offset| table.cells[(here + offset) % TABLE]);
-                let [a, b, c, d] = corners;
+                let [a, b, c, d] = around;
                 if (a | b | c | d) & COMPLEX != 0 {
                     match loops_around(code, table) {
-                        Around::Quad(quad) => corners = quad,
+                        Around::Quad(quad) => around = quad,
                         Around::Fan => {
                             fans |= 1 << lane;
                             continue;
                         }
                     }
                 }
-                quads.set(lane, corners, self.positions);
+                quads.set(lane, around.map(|corner| &table.corners[corner as usize]));
             }
             let reversed = codes[0].is_reversed();
             let any_bad = quads.judge(run.surface, reversed, self.least_area, codes.len());
@@ -348,7 +277,7 @@ const AROUND: [[usize; 4]; 8] = {
     around
 };
 
-/// The vertices around a polygon some of whose cells are complex.
+/// The corners around a polygon some of whose cells are complex.
 enum Around {
     Quad([u32; 4]),
     /// Five or more, one of them on an ambiguous face.
@@ -371,7 +300,7 @@ fn loops_around(code: PolygonCode, table: &Table) -> Around {
     })
 }
 
-/// The vertices of the four cells around an edge, and after each the one on
+/// The corners in the four cells around an edge, and after each the one on
 /// the face to the next cell, if that face is ambiguous.
 fn corners_and_arcs(code: PolygonCode, table: &Table) -> ([u32; 4], [Option<u32>; 4]) {
     let axis = code.axis();
@@ -395,17 +324,17 @@ fn corners_and_arcs(code: PolygonCode, table: &Table) -> ([u32; 4], [Option<u32>
         corners[i] = if entry & COMPLEX == 0 {
             entry
         } else {
-            let (cell, vertex) = &table.complex[(entry & !COMPLEX) as usize];
-            vertex + cell.loops.of(edges[i]) as u32
+            let (cell, first) = &table.complex[(entry & !COMPLEX) as usize];
+            first + cell.loops.of(edges[i]) as u32
         };
         let (normal, lowest, place) = faces[i];
         let face = (normal << 12 | lowest) as u16;
         if let Ok(found) = table.arcs.binary_search_by_key(&face, |&(face, ..)| face) {
-            let (_, vertex, joined) = table.arcs[found];
+            let (_, first, joined) = table.arcs[found];
             let first_inside = code.starts_inside() == (place == 0 || place == 3);
             let partner = loops::ambiguous_partner(first_inside, joined, 0);
             let on_first = place == 0 || place == partner;
-            arcs[i] = Some(vertex + u32::from(!on_first));
+            arcs[i] = Some(first + u32::from(!on_first));
         }
     }
     (corners, arcs)
@@ -426,47 +355,81 @@ fn fan(code: PolygonCode, table: &Table) -> Vec<[u32; 3]> {
     let apex = arcs.iter().position(Option::is_some).map_or(0, |p| p + 1);
     corners.rotate_left(apex);
     let triangle = |pair: &[u32]| {
-        if code.starts_inside() {
+        let corners = if code.starts_inside() {
             [corners[0], pair[0], pair[1]]
         } else {
             [corners[0], pair[1], pair[0]]
-        }
+        };
+        corners.map(|corner| table.corners[corner as usize].vertex)
     };
     corners[1..].windows(2).map(triangle).collect()
 }
 
-fn add_brick(part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3], table: &mut Table) {
-    let cells = &part.cells[brick.cells.start as usize..brick.cells.end as usize];
-    if before == [false; 3] {
-        for (i, &sample) in cells.iter().enumerate() {
-            table.cells[usize::from(sample) + 0x111] = base + i as u32;
+impl Table {
+    /// Adds all vertices of a brick itself; its first vertex is `base`.
+    fn add_own(&mut self, part: &Part, brick: &BrickRecord, base: u32) {
+        let range = |range: &Range<u32>| range.start as usize..range.end as usize;
+        let vertices = (base..).zip(&part.vertices[range(&brick.vertices)]);
+        let corners = vertices.map(|(vertex, &point)| Corner { point, vertex });
+        self.corners.extend(corners);
+        for (corner, &sample) in (0..).zip(&part.cells[range(&brick.cells)]) {
+            self.cells[(usize::from(sample) + 0x111) % TABLE] = corner;
         }
-    } else if let Some(axis) = before.iter().position(|&before| before) {
-        // Whatever touches this brick lies in the last layer along each axis
-        // on which the neighbour comes before it; one of them is at hand.
-        let border = &brick.borders[axis];
-        for &(sample, i) in &part.borders[border.start as usize..border.end as usize] {
-            if let Some(place) = shifted(sample, before) {
-                table.cells[usize::from(place)] = base + u32::from(i);
+        for cell in &part.complex[range(&brick.complex)] {
+            self.add_complex(cell, usize::from(cell.sample) + 0x111, cell.vertex);
+        }
+        for arcs in &part.arcs[range(&brick.arcs)] {
+            let face = (arcs.face & 0xf000) | ((arcs.face & 0xfff) + 0x111);
+            self.arcs.push((face, arcs.vertex, arcs.joined));
+        }
+    }
+
+    /// Adds what touches the brick of one that comes before it along the given
+    /// axes; its first vertex is `base`.
+    fn add_neighbour(&mut self, part: &Part, brick: &BrickRecord, base: u32, before: [bool; 3]) {
+        let range = |range: &Range<u32>| range.start as usize..range.end as usize;
+        // It lies in the last layer along each of the axes; one of them is at
+        // hand.
+        let axis = before.iter().position(|&before| before).unwrap_or(0);
+        for border in &part.borders[range(&brick.borders[axis])] {
+            if let Some(place) = shifted(border.sample, before) {
+                self.cells[usize::from(place)] = self.corners.len() as u32;
+                self.corners.push(Corner {
+                    point: border.point,
+                    vertex: base + u32::from(border.index),
+                });
+            }
+        }
+        let further = |vertex: u32, count: u32| {
+            let first = brick.further_vertex(vertex);
+            let points = &part.further_vertices[first..first + count as usize];
+            let vertices = (base + vertex..).zip(points);
+            vertices.map(|(vertex, &point)| Corner { point, vertex })
+        };
+        for cell in &part.complex[range(&brick.complex)] {
+            if let Some(place) = shifted(cell.sample, before) {
+                let first = self.corners.len() as u32;
+                self.corners
+                    .extend(further(cell.vertex, cell.loops.count.into()));
+                self.add_complex(cell, usize::from(place), first);
+            }
+        }
+        for arcs in &part.arcs[range(&brick.arcs)] {
+            let FaceArcs {
+                face,
+                vertex,
+                joined,
+            } = *arcs;
+            if let Some(place) = shifted(face & 0xfff, before) {
+                let first = self.corners.len() as u32;
+                self.corners.extend(further(vertex, 2));
+                self.arcs.push((face & 0xf000 | place, first, joined));
             }
         }
     }
-    for cell in &part.complex[brick.complex.start as usize..brick.complex.end as usize] {
-        if let Some(place) = shifted(cell.sample, before) {
-            table.cells[usize::from(place)] = COMPLEX | table.complex.len() as u32;
-            table.complex.push((*cell, base + cell.vertex));
-        }
-    }
-    for arcs in &part.arcs[brick.arcs.start as usize..brick.arcs.end as usize] {
-        let FaceArcs {
-            face,
-            vertex,
-            joined,
-        } = *arcs;
-        if let Some(place) = shifted(face & 0xfff, before) {
-            table
-                .arcs
-                .push((face & 0xf000 | place, base + vertex, joined));
-        }
+
+    fn add_complex(&mut self, cell: &ComplexCell, place: usize, first: u32) {
+        self.cells[place % TABLE] = COMPLEX | self.complex.len() as u32;
+        self.complex.push((*cell, first));
     }
 }

@@ -3,10 +3,11 @@
 
 use glam::{DVec3, UVec3};
 
+use super::assembly::Assembly;
 use super::lattice::{CELLS, SAMPLES};
 use super::loops::{self, PATTERNS};
 use super::part::{ComplexCell, FaceArcs, Part, PolygonCode, PolygonGroup};
-use super::stitch::{self, Scratch, Stitcher};
+use super::stitch::{Directory, Scratch, Stitcher};
 use crate::mesh::Mesh;
 use crate::program::{Program, Surface};
 use crate::random::Random;
@@ -155,7 +156,7 @@ impl Signs {
             part.complex.push(ComplexCell {
                 sample: packed(local) as u16,
                 loops,
-                vertex: part.vertices.len() as u32 - record.vertices,
+                vertex: part.vertices.len() as u32 - record.vertices.start,
             });
             for _ in 0..loops.count {
                 let vertex = place(random, placement, cell, DVec3::ONE);
@@ -171,7 +172,7 @@ impl Signs {
                 if loops::is_ambiguous(corners, 2 * axis) {
                     part.arcs.push(FaceArcs {
                         face: (axis << 12 | packed(local)) as u16,
-                        vertex: part.vertices.len() as u32 - record.vertices,
+                        vertex: part.vertices.len() as u32 - record.vertices.start,
                         joined: self.joined[at(sample)][axis],
                     });
                     let mut extent = DVec3::ONE;
@@ -209,12 +210,20 @@ impl Signs {
 
     fn mesh(&self, random: &mut Random, placement: Placement, surfaces: &[Surface]) -> Mesh {
         let parts = self.parts(random, placement);
-        let positions: Vec<DVec3> = parts.iter().flat_map(|p| p.vertices.clone()).collect();
-        let stitcher = Stitcher::new(&parts, &positions, surfaces, 0.0);
-        let stitched = stitch::stitch_all(&parts, |part, out| {
+        let mut directory = Directory::default();
+        directory.extend(&parts);
+        let stitcher = Stitcher {
+            parts: &parts,
+            directory: &directory,
+            surfaces,
+            least_area: 0.0,
+        };
+        let mut assembly = Assembly::default();
+        assembly.add(&parts, 0, 1.0, |part, out| {
             stitcher.part(part, &mut Scratch::default(), out)
         });
-        Mesh::new(positions, stitched.triangles)
+        let assembled = assembly.finish();
+        Mesh::new(assembled.positions, assembled.triangles)
     }
 
     fn inside_samples(&self) -> usize {

@@ -221,7 +221,7 @@ impl Placer {
             part.complex.push(ComplexCell {
                 sample,
                 loops,
-                vertex: part.vertices.len() as u32 - record.vertices,
+                vertex: part.vertices.len() as u32 - record.vertices.start,
             });
             for index in 0..usize::from(loops.count) {
                 self.place_loop(scene, cell, at, loops.edges_of(index), part);
@@ -344,7 +344,7 @@ impl Placer {
             let joined = self.face_is_joined(scene, cell, axis, lowest);
             part.arcs.push(FaceArcs {
                 face: (axis << 12 | lowest) as u16,
-                vertex: part.vertices.len() as u32 - record.vertices,
+                vertex: part.vertices.len() as u32 - record.vertices.start,
                 joined,
             });
             let edges = self.face_edges(axis, lowest);
