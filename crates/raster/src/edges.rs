@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::frame::FrameMatrix;
 use crate::image::Image;
-use crate::line::{LineLayers, project_polyline};
+use crate::line::{Drawn, LineLayers, project_polyline};
 use crate::normals::CREASE_ANGLE;
 use crate::pipeline::Renderer;
 use crate::scene::Scene;
@@ -70,9 +70,14 @@ pub(crate) fn draw_edges(
 ) {
     let mut layers = LineLayers::new(image.width, image.height);
     let width = options.width;
+    let frame = Drawn {
+        renderer,
+        scene,
+        matrix,
+    };
     let mut draw = |points: &[Vec3], width: f64| {
         project_polyline(matrix, points.iter().copied(), |segment| {
-            layers.draw(renderer, &segment, width);
+            layers.draw(&frame, &segment, width);
         });
     };
     let corner = |v: u32| scene.positions.get(v as usize).copied();

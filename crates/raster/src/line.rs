@@ -14,6 +14,7 @@ use crate::clip::clip_segment;
 use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::pipeline::Renderer;
+use crate::scene::Scene;
 
 /// The coverage of some lines or points, in 0..=1 for each pixel.
 #[derive(Clone, Debug)]
@@ -166,14 +167,13 @@ impl LineLayers {
         }
     }
 
-    /// Adds a segment; what the renderer's last frame hides of it goes,
-    /// dashed, to the hidden layer.
-    pub fn draw(&mut self, renderer: &Renderer, segment: &Segment, width: f64) {
+    /// Adds a segment; what the frame hides of it goes, dashed, to the hidden
+    /// layer.
+    pub fn draw(&mut self, frame: &Drawn, segment: &Segment, width: f64) {
         let length = segment.a.truncate().distance(segment.b.truncate());
         let (mut seen, mut dashes) = (Vec::new(), Vec::new());
         self.visible.trace(segment, width, |x, y, coverage, t| {
-            let depth = segment.a.z + (segment.b.z - segment.a.z) * t;
-            if renderer.shows_at(x, y, depth) {
+            if frame.shows_at(x, y, segment.a.lerp(segment.b, t)) {
                 seen.push((x, y, coverage));
             } else if (segment.start + length * t).rem_euclid(DASH[0] + DASH[1]) < DASH[0] {
                 dashes.push((x, y, coverage));
@@ -188,18 +188,48 @@ impl LineLayers {
     }
 }
 
-impl Renderer {
-    /// Whether something at this reversed depth, on the surface of what is
-    /// drawn, is seen at a pixel. Surfaces slope within a pixel, so it is
-    /// compared with the farthest depth of the pixels around.
-    fn shows_at(&self, x: u32, y: u32, depth: f64) -> bool {
-        let nearer = |x: u32, y: u32| {
-            let kept = self.sample(x, y).map_or(0.0, |(_, z)| f64::from(z));
-            depth * (1.0 + 1e-4) >= kept
+/// A renderer's last frame, and what it shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Drawn<'a> {
+    pub renderer: &'a Renderer,
+    pub scene: &'a Scene,
+    pub matrix: &'a FrameMatrix,
+}
+
+impl Drawn<'_> {
+    /// Whether a point of the window on the surface of what is drawn is seen
+    /// at a pixel that the line around it touches: if the point is not behind
+    /// what is drawn at that pixel or at one next to it, or not behind its
+    /// plane. For surfaces slope: on both sides of an edge that two faces turn
+    /// towards the viewer, what is drawn is nearer than the edge itself.
+    fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
+        let depth = point.z * (1.0 + 1e-4);
+        let not_behind = |x: u32, y: u32| {
+            let Some((triangle, kept)) = self.renderer.sample(x, y) else {
+                return true;
+            };
+            let plane = || self.plane_depth(triangle, point.truncate());
+            depth >= f64::from(kept) || plane().is_some_and(|plane| depth >= plane)
         };
-        nearer(x, y)
+        not_behind(x, y)
             || (x.saturating_sub(1)..=x + 1)
-                .any(|x| (y.saturating_sub(1)..=y + 1).any(|y| nearer(x, y)))
+                .any(|x| (y.saturating_sub(1)..=y + 1).any(|y| not_behind(x, y)))
+    }
+
+    /// The reversed depth of a triangle's plane at a point of the window, kept
+    /// between those of its corners.
+    fn plane_depth(&self, triangle: u32, at: DVec2) -> Option<f64> {
+        let corners = self.scene.corners(triangle as usize)?;
+        let clip = corners.map(|corner| self.matrix.clip(corner));
+        if clip.iter().any(|corner| corner.w <= 0.0) {
+            return None;
+        }
+        let [a, b, c] = clip.map(|corner| self.matrix.window(corner));
+        let normal = (b - a).cross(c - a);
+        let away = at - a.truncate();
+        let depth = a.z - normal.truncate().dot(away) / normal.z;
+        let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+        depth.is_finite().then(|| depth.clamp(low, high))
     }
 }
 

@@ -100,6 +100,33 @@ fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     }
 }
 
+/// The bottom of a valley is farther away than all around it, and seen.
+#[test]
+fn edges_between_faces_that_turn_towards_the_viewer_are_drawn() {
+    let corner = |x: f64, y: f64| DVec3::new(x, y, y.abs() / 2.0);
+    let points = [(0., 0.), (1., 0.), (1., 1.), (0., 1.), (0., -1.), (1., -1.)];
+    let positions = points.map(|(x, y)| corner(x, y)).to_vec();
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 4, 5], [0, 5, 1]];
+    let mut mesh = Mesh::new(positions, triangles);
+    mesh.feature_edges = vec![vec![0, 1]];
+    for (view, lens) in [
+        (StandardView::Top, Lens::Orthographic { height: 1.0 }),
+        (StandardView::Iso, Lens::DEFAULT),
+    ] {
+        let view = view_of(&mesh, view, lens);
+        let mut options = RenderOptions::default();
+        options.edges = Some(features());
+        let (_, image) = draw(&Scene::new(&mesh), &view, &options);
+        let viewport = Viewport::of_image(SIZE, SIZE);
+        for step in 1..=19 {
+            let along = DVec3::X * (f64::from(step) / 20.0);
+            let at = viewport.project(&view, along).unwrap();
+            let seen = image.get(at.x as u32, at.y as u32).unwrap();
+            assert!(dark(seen), "{at}: {seen:?}");
+        }
+    }
+}
+
 /// A ball's silhouette is the circle that its tangent cone touches.
 #[test]
 fn silhouettes_are_where_the_surface_turns_away() {
