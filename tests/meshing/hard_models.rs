@@ -104,7 +104,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 23] = [
+const MODELS: [&str; 25] = [
     "ball-on-plate",
     "ball-through-edges",
     "block-of-cubes",
@@ -116,6 +116,8 @@ const MODELS: [&str; 23] = [
     "cubes-sharing-a-corner",
     "cubes-sharing-an-edge",
     "dimples",
+    "half-cone",
+    "half-hourglass",
     "hourglass",
     "octahedron",
     "plate",

@@ -8,6 +8,7 @@ mod limits;
 mod measures;
 mod moved_solids;
 mod polyhedral;
+mod promises;
 mod random;
 mod random_solids;
 mod reference_scenes;

@@ -32,6 +32,8 @@ pub(super) struct Grower<'a, 's> {
     pub most_levels: u32,
     pub tree: Tree,
     pub leaves: Vec<Leaf>,
+    /// Points of the boundary that cells of the smallest size do not show.
+    pub hidden: Vec<DVec3>,
     pub visited: u64,
     pub pruned: u64,
     settler: Settler,
@@ -50,6 +52,7 @@ impl<'a, 's> Grower<'a, 's> {
                 nodes: vec![Node::Constant],
             },
             leaves: Vec::new(),
+            hidden: Vec::new(),
             visited: 0,
             pruned: 0,
             settler: Settler::default(),
@@ -104,6 +107,10 @@ impl<'a, 's> Grower<'a, 's> {
             if verdict == Verdict::Split && child.level < self.most_levels {
                 self.split(node, child, &part)?;
                 continue;
+            }
+            if verdict == Verdict::Split {
+                let hidden = self.settler.hidden_face(self.scene, &part, child);
+                self.hidden.extend(hidden);
             }
             let bytes = BYTES_PER_LEAF + part.bytes();
             self.control.spend(0, bytes as u64)?;

@@ -65,6 +65,9 @@ const LAST_SLACK: f64 = 3.0;
 const UNSOUND: &str =
     "surfaces of a vertex without a common point near its cell, or a feature smaller than it";
 
+/// What is reported of parts of the boundary that no cell shows.
+const HIDDEN: &str = "part of the boundary that no edge of a cell shows: smaller than the smallest";
+
 /// What is known of every loop's vertex.
 struct Placed {
     position: DVec3,
@@ -183,6 +186,9 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
     let unsound = placed.iter().filter(|p| !p.is_sound).map(|p| p.position);
     for place in unsound.chain(strays) {
         report.add_fallback(UNSOUND, place + task.origin);
+    }
+    for place in &grower.hidden {
+        report.add_fallback(HIDDEN, *place + task.origin);
     }
     report.end_stage("triangles", start);
     Ok(mesh)

@@ -391,6 +391,43 @@ impl Settler {
             && !(ids.len() > 1 && self.loops.iter().any(known))
     }
 
+    /// A point of the boundary in the cell, on a surface that changes the solid
+    /// on none of the cell's edges: what is lost if the cell is not split.
+    pub fn hidden_face(&mut self, scene: &Scene<'_>, cell: &Cell, place: Place) -> Option<DVec3> {
+        let half = 0.5 * scene.unit * f64::from(place.size());
+        let middle = scene.point(place.corner) + half;
+        self.find_loops(scene, cell, place);
+        let is_shown = |id: u32| self.changes.iter().any(|change| change.surface == id);
+        let hidden: Constraints = cell
+            .surfaces
+            .iter()
+            .copied()
+            .filter(|&id| !is_shown(id))
+            .collect();
+        hidden.into_iter().find_map(|id| {
+            // In the face, or on an edge of it: most of the surface may be none.
+            let alone = std::iter::once([id, id]);
+            let others = cell.surfaces.iter().filter(|&&other| other != id);
+            alone
+                .chain(others.map(|&other| [id, other]))
+                .find_map(|ids| {
+                    let ids = if ids[0] == ids[1] {
+                        &ids[..1]
+                    } else {
+                        &ids[..]
+                    };
+                    let surfaces: SmallVec<[&Surface; 2]> =
+                        ids.iter().map(|&id| &scene.surfaces[id as usize]).collect();
+                    let solution = solve::common_point(&surfaces, middle, half);
+                    let point = solution.point;
+                    (solution.residual <= scene.tolerance
+                        && (point - middle).abs().max_element() <= half
+                        && self.probe.changes_across(scene, cell, ids, point))
+                    .then_some(point)
+                })
+        })
+    }
+
     /// The loops around the cell as if all its neighbours were of its size.
     /// False if an edge has more changes than can be told apart.
     fn find_loops(&mut self, scene: &Scene<'_>, cell: &Cell, place: Place) -> bool {
