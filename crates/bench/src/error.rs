@@ -29,7 +29,8 @@ pub struct Options {
     /// Append the figures to this file
     #[arg(long)]
     csv: Option<PathBuf>,
-    /// Draw the figures of the CSV file as this SVG, after whatever is run
+    /// Draw the figures of the CSV file as this SVG, and a PNG beside it, after
+    /// whatever is run
     #[arg(long, requires = "csv")]
     plot: Option<PathBuf>,
     /// A Python that has manifold3d and numpy: by default that of the tests

@@ -2,9 +2,13 @@
 //! mesher.
 
 use std::error::Error;
+use std::fs;
 use std::path::Path;
 
+use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::register_font;
+use raster::Image;
 
 use crate::error::Figure;
 
@@ -18,27 +22,73 @@ const MESHERS: [(&str, RGBColor); 5] = [
 /// Deviations below this are drawn here: the mesh is exact up to rounding.
 const EXACT: f64 = 1e-8;
 
-/// Draws an SVG.
+/// Pixels of the PNG for each of the SVG, along each side.
+const PNG_SCALE: u32 = 2;
+/// Samples for each pixel of the PNG, along each side.
+const SAMPLES: u32 = 2;
+
+/// Draws an SVG, and a PNG beside it.
 pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
+    let font = epaint_default_fonts::UBUNTU_LIGHT;
+    register_font("sans-serif", FontStyle::Normal, font).map_err(|_| "a font without outlines")?;
     let mut scenes: Vec<&str> = Vec::new();
     for figure in figures {
         if !scenes.contains(&figure.scene.as_str()) {
             scenes.push(&figure.scene);
         }
     }
-    let rows = scenes.len().div_ceil(2).max(1);
-    let root = SVGBackend::new(path, (1000, 380 * rows as u32)).into_drawing_area();
+    let size = (1000, 380 * scenes.len().div_ceil(2).max(1) as u32);
+    draw_on(
+        &SVGBackend::new(path, size).into_drawing_area(),
+        &scenes,
+        figures,
+        1,
+    )?;
+    let scale = PNG_SCALE * SAMPLES;
+    let (width, height) = (scale * size.0, scale * size.1);
+    let mut samples = vec![0; 3 * width as usize * height as usize];
+    draw_on(
+        &BitMapBackend::with_buffer(&mut samples, (width, height)).into_drawing_area(),
+        &scenes,
+        figures,
+        scale,
+    )?;
+    let (pixels, _) = samples.as_chunks();
+    let image = Image {
+        width,
+        height,
+        pixels: pixels.iter().map(|&[r, g, b]| [r, g, b, 255]).collect(),
+    };
+    fs::write(path.with_extension("png"), image.shrink(SAMPLES).to_png()?)?;
+    Ok(())
+}
+
+/// Draws all panels, lengths and letters so many times as large.
+fn draw_on<B: DrawingBackend>(
+    root: &DrawingArea<B, Shift>,
+    scenes: &[&str],
+    figures: &[Figure],
+    scale: u32,
+) -> Result<(), Box<dyn Error>>
+where
+    B::ErrorType: 'static,
+{
+    let letters = |size: u32| ("sans-serif", scale * size).into_font();
     root.fill(&WHITE)?;
-    for (panel, scene) in root.split_evenly((rows, 2)).iter().zip(&scenes) {
+    let rows = scenes.len().div_ceil(2).max(1);
+    for (panel, scene) in root.split_evenly((rows, 2)).iter().zip(scenes) {
         let mut chart = ChartBuilder::on(panel)
-            .caption(scene, ("sans-serif", 18))
-            .margin(8)
-            .x_label_area_size(36)
-            .y_label_area_size(56)
+            .caption(scene, letters(18))
+            .margin(8 * scale)
+            .x_label_area_size(36 * scale)
+            .y_label_area_size(56 * scale)
             .build_cartesian_2d((EXACT..0.2).log_scale(), (1e-5..20.0).log_scale())?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
+            .axis_style(BLACK.stroke_width(scale))
+            .bold_line_style(BLACK.mix(0.2).stroke_width(scale))
+            .label_style(letters(12))
             .x_desc("measured two-sided deviation")
             .y_desc("seconds, one thread")
             .x_label_formatter(&|x| format!("{x:.0e}"))
@@ -54,15 +104,22 @@ pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
             if points.is_empty() {
                 continue;
             }
+            let line = LineSeries::new(points, color.stroke_width(2 * scale));
+            let length = 16 * scale as i32;
             chart
-                .draw_series(LineSeries::new(points, color.stroke_width(2)).point_size(3))?
+                .draw_series(line.point_size(3 * scale))?
                 .label(mesher)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + length, y)], color.stroke_width(scale))
+                });
         }
         chart
             .configure_series_labels()
             .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.3))
+            .border_style(BLACK.mix(0.3).stroke_width(scale))
+            .label_font(letters(12))
+            .legend_area_size(30 * scale)
+            .margin(10 * scale)
             .position(SeriesLabelPosition::LowerLeft)
             .draw()?;
     }
