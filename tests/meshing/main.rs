@@ -2,6 +2,7 @@
 #![allow(missing_docs, reason = "a test")]
 
 mod adaptive;
+mod boundary;
 mod defects;
 mod hard_models;
 mod limits;

@@ -10,6 +10,7 @@ use stereotomy::csg;
 
 use super::defects;
 use super::random::Random;
+use super::tolerance::distance;
 
 /// A solid and what is known of it.
 struct Case {
@@ -159,14 +160,14 @@ fn shells_are_whole_to_a_quarter_of_their_thickness() {
         assert_eq!(wrong, [""; 0], "{thickness}");
         assert_eq!(meshed.report.fallbacks, [], "{thickness}");
         let mesh = &meshed.mesh;
-        // For the inner and the outer wall: the least distance of a triangle's
-        // plane, and the greatest of a corner, from the centre.
+        // For the inner and the outer wall: the least distance of a triangle,
+        // and the greatest of a corner, from the centre.
         let mut radii = [(f64::INFINITY, 0.0f64); 2];
         for triangle in 0..mesh.triangles.len() {
             let [a, b, c] = mesh.corners(triangle);
             let plane = a.dot((b - a).cross(c - a).normalize());
             let (least, greatest) = &mut radii[usize::from(plane > 0.0)];
-            *least = least.min(plane.abs());
+            *least = least.min(distance(DVec3::ZERO, [a, b, c]));
             *greatest = [a, b, c]
                 .map(DVec3::length)
                 .into_iter()

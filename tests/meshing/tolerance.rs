@@ -62,7 +62,7 @@ pub fn sampled_deviation(program: &Program, meshed: &Meshed) -> f64 {
 
 /// The distance of a point to a triangle (Ericson, *Real-Time Collision
 /// Detection*, 5.1.5).
-fn distance(x: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub fn distance(x: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let on_side = |p: DVec3, q: DVec3| {
         let t = (x - p).dot(q - p) / p.distance_squared(q);
         x.distance(p.lerp(q, t.clamp(0.0, 1.0)))

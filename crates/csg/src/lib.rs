@@ -5,13 +5,13 @@ pub mod color;
 mod control;
 mod draft;
 mod error;
+mod evaluation;
 mod finish;
 mod limits;
 pub mod mesh;
 mod mesher;
 mod net;
 mod pages;
-mod polyhedral;
 pub mod program;
 #[cfg(test)]
 mod random;

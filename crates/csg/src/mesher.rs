@@ -10,9 +10,9 @@ use self::run::Run;
 pub(crate) use self::task::Task;
 use crate::control::{Caller, CancelToken};
 use crate::error::Error;
+use crate::evaluation;
 use crate::limits::Limits;
 use crate::mesh::{LengthUnit, Mesh};
-use crate::polyhedral;
 use crate::program::{Bounds, Program};
 use crate::refine::Goal;
 use crate::report::Report;
@@ -265,7 +265,7 @@ impl Mesher {
         matches!(self.method, Method::Exact)
             && self.resolution.is_none()
             && self.bounds.is_none()
-            && polyhedral::is_polyhedral(program)
+            && evaluation::is_polyhedral(program)
     }
 
     /// The size below which cells are not split, if they are adaptive.

@@ -17,7 +17,9 @@ pub const PLACES_PER_FALLBACK: usize = 8;
 #[non_exhaustive]
 pub struct Report {
     /// The method's name: `"draft"`, `"exact"` on a uniform grid,
-    /// `"adaptive"`, or `"polyhedral"` for the exact boundary of planes.
+    /// `"adaptive"`, `"polyhedral"` for the exact boundary of planes, or
+    /// `"boundary"` for one from the curves in which surfaces meet, refined to
+    /// the tolerance.
     pub method: &'static str,
     /// The box that was meshed; `None` if the solid is proven empty.
     pub bounds: Option<Bounds>,
@@ -69,6 +71,11 @@ impl Report {
         if fallback.places.len() < PLACES_PER_FALLBACK {
             fallback.places.push(place);
         }
+    }
+
+    /// How many places something had to be settled for in.
+    pub(crate) fn complaints(&self) -> usize {
+        self.fallbacks.iter().map(|fallback| fallback.count).sum()
     }
 
     /// Ends one of several turns of a stage, which began at `since`, and

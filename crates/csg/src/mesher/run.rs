@@ -13,11 +13,11 @@ use crate::adapt;
 use crate::control::Control;
 use crate::draft;
 use crate::error::Error;
+use crate::evaluation;
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::{Mesh, MeshSurface};
 use crate::net;
-use crate::polyhedral;
 use crate::program::{Bounds, Program};
 use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
 use crate::report::Report;
@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
         let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(mut mesh) = polyhedral::mesh(&task, report)? else {
+        let Some(mut mesh) = evaluation::mesh(&task, report)? else {
             return Ok(None);
         };
         self.check_size(&mesh, &control)?;
@@ -263,19 +263,76 @@ impl<'a> Run<'a> {
     ) -> Result<Mesh, Error> {
         let control = self.control.again(Demand::Cells(cell));
         let task = Task::new(self.program, bounds, cell, &control);
-        let mut mesh = match self.mesher.method {
-            Method::Draft => draft::mesh(&task, report)?,
-            Method::Exact if self.smallest.is_some() => adapt::mesh(&task, report)?,
-            Method::Exact => net::mesh(&task, report)?,
+        let evaluated = self.evaluated(&task, factor, report)?;
+        // What fits a limit is not as good as what was asked for.
+        let is_final =
+            |report: &Report| report.fallbacks.is_empty() || !report.limits_reached.is_empty();
+        let (mut mesh, attempt) = match evaluated {
+            Some(evaluated) if is_final(&evaluated.1) => evaluated,
+            other => {
+                let mut attempt = report.clone();
+                let by_cells = self.by_cells_alone(&task, factor, &mut attempt);
+                match (other, by_cells) {
+                    // Of two that are not perfect the better one.
+                    (Some(first), Ok(_)) if first.1.complaints() <= attempt.complaints() => first,
+                    (Some(first), Err(error)) if is_too_much(&error).is_some() => first,
+                    (_, by_cells) => (by_cells?, attempt),
+                }
+            }
         };
-        if let Some(goal) = &self.goal {
-            self.refine(&mut mesh, &task, &goal.loosened(factor), report)?;
-        }
+        *report = attempt;
         self.check_size(&mesh, &control)?;
         if matches!(self.mesher.method, Method::Exact) {
             move_by(&mut mesh.positions, task.origin);
         }
         Ok(mesh)
+    }
+
+    fn by_cells_alone(
+        &self,
+        task: &Task<'_>,
+        factor: f64,
+        report: &mut Report,
+    ) -> Result<Mesh, Error> {
+        let mut mesh = match self.mesher.method {
+            Method::Draft => draft::mesh(task, report)?,
+            Method::Exact if self.smallest.is_some() => adapt::mesh(task, report)?,
+            Method::Exact => net::mesh(task, report)?,
+        };
+        if let Some(goal) = &self.goal {
+            self.refine(&mut mesh, task, &goal.loosened(factor), report)?;
+        }
+        Ok(mesh)
+    }
+
+    /// The mesh to a tolerance without cells, from the curves in which surfaces
+    /// meet, and its report; none where they are not known.
+    fn evaluated(
+        &self,
+        task: &Task<'_>,
+        factor: f64,
+        report: &Report,
+    ) -> Result<Option<(Mesh, Report)>, Error> {
+        let Some(goal) = &self.goal else {
+            return Ok(None);
+        };
+        let is_tried = evaluation::is_polyhedral(self.program);
+        if self.smallest.is_none() || self.mesher.bounds.is_some() || is_tried {
+            return Ok(None);
+        }
+        let mut report = report.clone();
+        report.method = "boundary";
+        let control = self.control.again(Demand::ExactBoundary);
+        let task = task.with(&control);
+        let mut mesh = match evaluation::mesh(&task, &mut report) {
+            Ok(Some(mesh)) => mesh,
+            Ok(None) => return Ok(None),
+            // Cells may be larger.
+            Err(error) if is_too_much(&error).is_some() => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
+        Ok(Some((mesh, report)))
     }
 
     /// Whether a finished mesh is within the limits, with what it still gets.

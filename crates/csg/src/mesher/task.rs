@@ -40,6 +40,21 @@ impl<'a> Task<'a> {
         }
     }
 
+    /// The same under another control.
+    pub(super) fn with<'b>(&self, control: &'b Control) -> Task<'b>
+    where
+        'a: 'b,
+    {
+        Task {
+            program: self.program,
+            surfaces: self.surfaces.clone(),
+            origin: self.origin,
+            size: self.size,
+            cell: self.cell,
+            control,
+        }
+    }
+
     /// The entry of triangles on a surface of a primitive.
     pub(crate) fn mesh_surface(&self, surface: u32, primitive: u32) -> MeshSurface {
         let origin = &self.program.origins()[primitive as usize];

@@ -25,13 +25,13 @@ pub(super) struct Stretch<'a> {
 }
 
 /// The curvature of the curve at a point, and how fast the two surfaces turn
-/// along it; `None` where they touch.
+/// along it; `None` where they touch, or nearly.
 fn bends(surfaces: [&Surface; 2], at: DVec3) -> Option<(f64, f64)> {
     let [g1, g2] = surfaces.map(|s| s.gradient(at));
     let across = g1.cross(g2);
     let determinant = across.length_squared();
     let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
-    if determinant <= 1e-10 * g11 * g22 {
+    if determinant <= 1e-4 * g11 * g22 {
         return None;
     }
     let tangent = across / determinant.sqrt();
@@ -67,7 +67,7 @@ impl<'a> Stretch<'a> {
         // A straight line on both surfaces.
         let is_straight = surfaces.iter().all(|s| {
             let sag = 0.125 * s.curvature_along(along).abs();
-            s.is_plane() || sag <= precision * s.gradient(from).length()
+            s.is_plane() || sag <= precision * s.gradient(from.midpoint(to)).length()
         });
         if is_straight {
             stretch.points[STEPS] = to;
@@ -78,23 +78,54 @@ impl<'a> Stretch<'a> {
             stretch.points[i] = stretch.on_curve(start, 0.5 * along.length())?;
         }
         stretch.points[STEPS] = to;
-        let mut densities = [None; STEPS + 1];
-        for (density, &point) in densities.iter_mut().zip(&stretch.points) {
-            *density = bends(surfaces, point).map(|(curvature, turn)| {
-                let for_distance = (curvature / (8.0 * goal.tolerance)).sqrt();
-                let for_angle = goal.angle.map_or(0.0, |angle| turn / angle);
-                for_distance.max(for_angle)
-            });
+        let mut densities = [0.0; STEPS + 1];
+        // At an apex there is no gradient.
+        // What turns more often between two vertices is no curve.
+        const MOST_TURN: f64 = 3.0 * std::f64::consts::PI;
+        let middle = from.midpoint(to);
+        let least = surfaces.map(|s| 1e-3 * s.gradient(middle).length());
+        for (i, density) in densities.iter_mut().enumerate() {
+            let at = stretch.points[i];
+            let is_apex = (0..2).any(|k| surfaces[k].gradient(at).length() < least[k]);
+            let (curvature, turn) = bends(surfaces, at)
+                .filter(|_| !is_apex)
+                .unwrap_or_else(|| stretch.bends_about(i));
+            let for_distance = (curvature / (8.0 * goal.tolerance)).sqrt();
+            let for_angle = goal.angle.map_or(0.0, |angle| turn / angle);
+            *density = for_distance.max(for_angle);
         }
-        let first = densities.iter().flatten().next().copied()?;
-        let mut before = densities[0].unwrap_or(first);
-        for (i, density) in densities.into_iter().enumerate().skip(1) {
-            let here = density.unwrap_or(before);
+        let mut length = 0.0;
+        for i in 1..=STEPS {
             let step = stretch.points[i].distance(stretch.points[i - 1]);
-            stretch.chords[i] = stretch.chords[i - 1] + 0.5 * (before + here) * step;
-            before = here;
+            let mean = 0.5 * (densities[i - 1] + densities[i]);
+            stretch.chords[i] = stretch.chords[i - 1] + mean * step;
+            length += step;
+        }
+        // ∫ √κ ds is at most √(length ∫ κ ds) (Cauchy and Schwarz).
+        let for_distance = (length * MOST_TURN / (8.0 * goal.tolerance)).sqrt();
+        let for_angle = goal.angle.map_or(0.0, |angle| MOST_TURN / angle);
+        if stretch.chords[STEPS] > for_distance + for_angle + 1.0 {
+            return None;
         }
         Some(stretch)
+    }
+
+    /// The curvature, and how fast the surfaces turn, about a point of it, by
+    /// differences.
+    fn bends_about(&self, index: usize) -> (f64, f64) {
+        let i = index.clamp(1, STEPS - 1);
+        let [p, q, r] = [i - 1, i, i + 1].map(|k| self.points[k]);
+        let (before, after) = (q - p, r - q);
+        let length = 0.5 * (before.length() + after.length());
+        if length == 0.0 {
+            return (0.0, 0.0);
+        }
+        let turned = |a: DVec3, b: DVec3| a.normalize_or_zero().distance(b.normalize_or_zero());
+        let turn = |s: &Surface| turned(s.gradient(p), s.gradient(r)) / (2.0 * length);
+        (
+            turned(before, after) / length,
+            turn(self.surfaces[0]).max(turn(self.surfaces[1])),
+        )
     }
 
     /// How many chords it takes, as a real number.

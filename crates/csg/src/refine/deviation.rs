@@ -233,12 +233,24 @@ impl Ratio {
 /// E = L · (distance from the middle), which lengthens the path by at most
 /// 1 / (1 - |J⁺| E). Near a point where the surfaces touch that proves nothing,
 /// but a part of the chord is at most as far from the curve as from the
-/// chord's end.
+/// chord's end. Where they touch at both ends, and so all along the curve, one
+/// surface goes on where the other ends: then it is the distance to the
+/// surfaces, near which the true boundary is to second order.
 #[must_use]
 pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     let at_ends = surfaces.map(|s| s.value(p).abs().max(s.value(q).abs()));
     if surfaces.iter().all(|s| s.is_plane()) {
         return at_ends[0].max(at_ends[1]);
+    }
+    let touch = |at: DVec3| {
+        /// Sine of an angle that is none.
+        const PARALLEL: f64 = 1e-6;
+        let [a, b] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
+        a.cross(b).length() <= PARALLEL
+    };
+    if touch(p) && touch(q) {
+        let bounds = surfaces.map(|s| of_triangle(s, [p, q, q]));
+        return bounds[0].max(bounds[1]);
     }
     let chord = Chord {
         surfaces,

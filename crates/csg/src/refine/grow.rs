@@ -206,7 +206,12 @@ impl<'m, 's> Grower<'m, 's> {
         let surface = self.mesh.surface(half);
         let p = self.mesh.at(self.mesh.origin(half));
         let q = self.mesh.at(self.mesh.origin(twin));
-        let gradient = surface.gradient(0.5 * (p + q)).length();
+        // The middle may lie on an axis, where there is no gradient.
+        let ends = surface
+            .gradient(p)
+            .length()
+            .max(surface.gradient(q).length());
+        let gradient = surface.gradient(0.5 * (p + q)).length().max(0.2 * ends);
         let sag = 0.125 * surface.curvature_along(q - p).abs();
         let for_distance = (sag / (self.goal.aim() * gradient)).sqrt();
         match self.goal.angle {

@@ -164,6 +164,7 @@ pub(crate) fn to_tolerance(
     let mut outcome = measure(&mesh, &fine, goal);
     outcome.unkept.splice(0..0, unkept);
     hand_back(&mesh, &fine, surfaced);
+    control.check_triangles(surfaced.triangles.len())?;
     Ok(outcome)
 }
 

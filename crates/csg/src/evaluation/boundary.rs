@@ -10,7 +10,8 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::Scene;
-use super::lines::{Piece, Side};
+use super::lines::Piece;
+use super::sectors::Side;
 use super::triangulate::is_surrounded;
 use super::weld::Welder;
 
@@ -69,10 +70,28 @@ impl Boundary {
             }
         }
         all.points = welder.points;
+        all.find_apexes(scene);
         all.link_contours(scene)?;
         all.simplify(scene)?;
         all.part_double_edges();
         Some(all)
+    }
+
+    /// Moves the vertices at apexes of cones there, to the last bit.
+    fn find_apexes(&mut self, scene: &Scene<'_>) {
+        let apexes: Vec<Option<DVec3>> = self
+            .faces
+            .iter()
+            .map(|side| scene.surfaces[side.plane as usize].apex())
+            .collect();
+        for half_edge in &self.half_edges {
+            if let Some(apex) = apexes[half_edge.face as usize] {
+                let point = &mut self.points[half_edge.from as usize];
+                if point.distance_squared(apex) <= scene.weld * scene.weld {
+                    *point = apex;
+                }
+            }
+        }
     }
 
     fn at(&self, half_edge: u32) -> &HalfEdge {

@@ -1,25 +1,41 @@
-//! Solids bounded by planes alone: their exact boundary, without sampling.
+//! The boundary of a solid from its surfaces, without sampling: exact where it
+//! is bounded by planes, and else with exact vertices and edges along the true
+//! curves.
 //!
-//! A polyhedral solid's edges lie on lines in which two planes meet, and its
+//! A solid's edges lie on the curves in which two of its surfaces meet, and its
 //! vertices where a third one crosses. So:
 //!
-//! 1. Space is cut into blocks until few planes matter in each ([`cells`]).
+//! 1. Space is cut into blocks until few surfaces matter in each ([`cells`]).
 //! 2. In a block every line in which two planes meet is cut up by the others;
 //!    on each stretch the formula tells which of the sectors around the line
-//!    are solid, and hence which faces meet there ([`lines`]). All planes
-//!    through one line are taken together.
-//! 3. The pieces are linked to the contours of faces ([`boundary`]), and these
+//!    are solid, and hence which faces meet there ([`sectors`], [`lines`]). All
+//!    planes through one line are taken together.
+//! 3. If there are curved surfaces, the same is done with the curves in which
+//!    any two meet ([`curve`], [`roots`], [`arcs`]), as chains of chords. Their
+//!    faces are cut into patches along seams, so that each can be seen from one
+//!    side ([`frame`]).
+//! 4. The pieces are linked to the contours of faces ([`boundary`]), and these
 //!    cut into triangles ([`triangulate`]).
 //!
 //! This is the boundary evaluation of classical solid modelling (Requicha and
 //! Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and
 //! Merging Algorithms*, 1985) with a formula over half-spaces in place of point
-//! membership tests. Walls and gaps must be thicker than [`WELD`] of the scene.
+//! membership tests. Walls and gaps must be thicker than [`WELD`] of the scene,
+//! between curved surfaces than [`NEAR`].
+//!
+//! Not all pairs of quadrics have curves of a closed form here, and where
+//! several surfaces nearly touch rounding may leave contours open: then there
+//! is no result, and cells must do.
 
+mod arcs;
 mod boundary;
 mod cells;
+mod curve;
+mod frame;
 mod lines;
 mod regions;
+mod roots;
+mod sectors;
 mod triangulate;
 mod weld;
 
@@ -29,9 +45,12 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use self::arcs::ArcTracer;
 use self::boundary::Boundary;
 use self::cells::{Block, cut};
-use self::lines::{Piece, Side, Tracer};
+use self::frame::Frame;
+use self::lines::{Piece, Tracer};
+use self::sectors::Side;
 use self::triangulate::{Named, triangulate};
 use crate::control::Control;
 use crate::error::Error;
@@ -45,6 +64,10 @@ const WELD: f64 = 3e-11;
 
 /// A line nearer to a plane than this share of the scene lies in it.
 const ON_PLANE: f64 = 3e-12;
+
+/// Curved surfaces nearer to each other than this share of the scene, but not
+/// crossing, touch.
+const NEAR: f64 = 1e-9;
 
 /// The box that is cut exceeds the solid's bounds by these shares of its
 /// longest side: irrational, and different on all sides, so that no cut meets
@@ -75,10 +98,14 @@ impl Plane {
 
 /// What all blocks have in common.
 struct Scene<'a> {
+    surfaces: &'a [Surface],
     planes: &'a [Plane],
+    /// For each curved surface its frame, if it has one.
+    frames: &'a [Option<Frame>],
     /// For each primitive the first that looks like it.
     looks: &'a [u32],
     on_plane: f64,
+    near: f64,
     weld: f64,
     control: &'a Control,
 }
@@ -103,6 +130,9 @@ impl Scene<'_> {
     /// A point of a face seen from outside, along the axis that its plane faces
     /// most: no coordinate is rounded.
     fn flatten(&self, side: &Side, point: DVec3) -> DVec2 {
+        if let Some(frame) = &self.frames[side.plane as usize] {
+            return frame.flatten(side.patch, side.along_normal, point);
+        }
         let normal = self.planes[side.plane as usize].normal;
         let axis = normal.abs().max_position();
         let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
@@ -119,21 +149,28 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
     program.surfaces().iter().all(Surface::is_plane)
 }
 
-/// The exact boundary of a solid bounded by planes, in the local frame, with as
-/// few triangles as its faces' corners and holes permit.
+/// The boundary of a solid, in the local frame: of planes alone the exact one,
+/// with as few triangles as its faces' corners and holes permit; else one whose
+/// vertices are on their surfaces, of the right topology, to be refined.
 ///
-/// None where planes meet at so small angles, or so nearly in one point, that
-/// rounding leaves contours open. Takes about a microsecond a triangle.
+/// None where surfaces meet at so small angles, or so nearly in one point, that
+/// rounding leaves contours open, or where their curves are not known. Takes
+/// about a microsecond a triangle, and where surfaces are curved one for every
+/// three of them in a block.
 pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
+    let frames: Vec<Option<Frame>> = task.surfaces.iter().map(Frame::of).collect();
     let looks = looks(task.program.origins());
     let rounding = 16.0 * f64::EPSILON * task.origin.length();
     let scene = Scene {
+        surfaces: &task.surfaces,
         planes: &planes,
+        frames: &frames,
         looks: &looks,
         on_plane: ON_PLANE * longest + rounding,
+        near: NEAR * longest + rounding,
         weld: WELD * longest + 10.0 * rounding,
         control: task.control,
     };
@@ -147,27 +184,76 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>,
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
     let start = report.end_stage("blocks", start);
-    let pieces = trace(&scene, &blocks);
+    let mesh = if is_polyhedral(task.program) {
+        let pieces = trace(&scene, &blocks, Tracer::default, |tracer, block, pieces| {
+            tracer.trace(&scene, block, pieces)
+        });
+        mesh_of(&scene, task, pieces, report, start)?
+    } else {
+        mesh_of_curved(&scene, task, &blocks, report)?
+    };
+    if let Some(mesh) = mesh.as_ref().filter(|_| is_polyhedral(task.program)) {
+        let (deviation, farthest) = deviation(&scene, mesh);
+        report.deviation = Some(deviation);
+        report.farthest = Some(farthest + task.origin);
+    }
+    Ok(mesh)
+}
+
+/// The boundary with curved faces: vertices are exact, and edges along curves
+/// chains of chords.
+fn mesh_of_curved(
+    scene: &Scene<'_>,
+    task: &Task<'_>,
+    blocks: &[Block],
+    report: &mut Report,
+) -> Result<Option<Mesh>, Error> {
+    /// Chords turn by no more than about this, in radians; less where faces
+    /// cannot be cut into triangles so.
+    const TURNS: [f64; 3] = [0.5, 0.2, 0.06];
+    for turn in TURNS {
+        let start = Instant::now();
+        let pieces = trace(
+            scene,
+            blocks,
+            ArcTracer::default,
+            |tracer, block, pieces| tracer.trace(scene, block, turn, pieces).is_some(),
+        );
+        if pieces.is_none() {
+            break;
+        }
+        let mesh = mesh_of(scene, task, pieces, report, start)?;
+        if mesh.is_some() {
+            return Ok(mesh);
+        }
+    }
+    task.control.check()?;
+    Ok(None)
+}
+
+/// Links pieces to contours, and cuts the faces into triangles.
+fn mesh_of(
+    scene: &Scene<'_>,
+    task: &Task<'_>,
+    pieces: Option<Vec<Piece>>,
+    report: &mut Report,
+    start: Instant,
+) -> Result<Option<Mesh>, Error> {
     task.control.check()?;
     let Some(pieces) = pieces else {
         return Ok(None);
     };
     let start = report.end_stage("edges", start);
-    let boundary = Boundary::link(&scene, &pieces);
+    let boundary = Boundary::link(scene, &pieces);
     task.control.check()?;
     let Some(boundary) = boundary else {
         return Ok(None);
     };
     task.control.tell(0.9);
     let start = report.end_stage("contours", start);
-    let mesh = assemble(&scene, task, &boundary);
+    let mesh = assemble(scene, task, &boundary);
     task.control.check()?;
     report.end_stage("triangles", start);
-    if let Some(mesh) = &mesh {
-        let (deviation, farthest) = deviation(&scene, mesh);
-        report.deviation = Some(deviation);
-        report.farthest = Some(farthest + task.origin);
-    }
     Ok(mesh)
 }
 
@@ -200,16 +286,21 @@ fn looks(origins: &[Origin]) -> Vec<u32> {
 const BYTES_PER_PIECE: usize = 400;
 
 /// The pieces of edges in all blocks, in their order.
-fn trace(scene: &Scene<'_>, blocks: &[Block]) -> Option<Vec<Piece>> {
+fn trace<T>(
+    scene: &Scene<'_>,
+    blocks: &[Block],
+    tracer: impl Fn() -> T + Sync,
+    trace: impl Fn(&mut T, &Block, &mut Vec<Piece>) -> bool + Sync,
+) -> Option<Vec<Piece>> {
     /// Blocks that are worth handing to another thread.
     const AT_ONCE: usize = 64;
     let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {
-        let mut tracer = Tracer::default();
+        let mut tracer = tracer();
         let mut pieces = Vec::new();
         let traced = blocks.iter().all(|block| {
             let before = pieces.len();
-            let traced = tracer.trace(scene, block, &mut pieces);
+            let traced = trace(&mut tracer, block, &mut pieces);
             stage.add(1);
             let bytes = BYTES_PER_PIECE * (pieces.len() - before);
             traced && scene.control.spend(0, bytes as u64).is_ok()
@@ -257,8 +348,10 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<M
     } else {
         (0..faces).into_par_iter().map(cut_face).collect()
     };
+    let mut triangles = triangles?;
+    part_common_diagonals(scene, &boundary.faces, &mut triangles, &mut mesh.positions);
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-    for (side, triangles) in boundary.faces.iter().zip(triangles?) {
+    for (side, triangles) in boundary.faces.iter().zip(triangles) {
         if triangles.is_empty() {
             continue;
         }
@@ -271,6 +364,68 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<M
         mesh.triangles.extend(triangles);
     }
     has_no_double_edge(&mesh.triangles).then_some(mesh)
+}
+
+/// Faces on both sides of a curve may have cut off the same ear along it: those
+/// that are curved are cut again, with a vertex in the middle of every triangle
+/// in place of the edges between them.
+fn part_common_diagonals(
+    scene: &Scene<'_>,
+    faces: &[Side],
+    triangles: &mut [Vec<[u32; 3]>],
+    positions: &mut Vec<DVec3>,
+) {
+    if faces
+        .iter()
+        .all(|side| scene.frames[side.plane as usize].is_none())
+    {
+        return;
+    }
+    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+    let mut edges: Vec<([u32; 2], u32)> = Vec::new();
+    for (face, triangles) in (0u32..).zip(triangles.iter()) {
+        edges.extend(
+            triangles
+                .iter()
+                .flat_map(|&t| sides(t))
+                .map(|edge| (edge, face)),
+        );
+    }
+    edges.sort_unstable();
+    let doubled = edges
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|same| same.len() > 1);
+    let mut again: Vec<u32> = doubled.flatten().map(|&(_, face)| face).collect();
+    again.sort_unstable();
+    again.dedup();
+    for face in again {
+        let side = &faces[face as usize];
+        let Some(frame) = &scene.frames[side.plane as usize] else {
+            continue;
+        };
+        let surface = &scene.surfaces[side.plane as usize];
+        let triangles = &mut triangles[face as usize];
+        let mut beyond: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+        let first = positions.len() as u32;
+        for (&corners, middle) in triangles.iter().zip(first..) {
+            let centroid = corners
+                .iter()
+                .map(|&c| positions[c as usize])
+                .sum::<DVec3>()
+                / 3.0;
+            positions.push(frame.lift(surface, side.patch, centroid));
+            beyond.extend(sides(corners).map(|edge| (edge, middle)));
+        }
+        let old = std::mem::take(triangles);
+        for (corners, middle) in old.into_iter().zip(first..) {
+            for [a, b] in sides(corners) {
+                triangles.push(match beyond.get(&[b, a]) {
+                    None => [a, b, middle],
+                    Some(&other) => [a, other, middle],
+                });
+            }
+        }
+    }
 }
 
 /// Whether no directed edge occurs twice: diagonals of two faces, or a diagonal

@@ -6,18 +6,8 @@ use smallvec::SmallVec;
 
 use super::cells::Block;
 use super::regions::{Candidate, Finder, merge};
+use super::sectors::{HalfPlane, Sectors, Side, Wedges};
 use super::{Plane, Scene};
-
-/// One of the two faces that meet along an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Side {
-    /// The plane it lies on, by number.
-    pub plane: u32,
-    /// The first primitive of those that look like its own, by number.
-    pub look: u32,
-    /// Whether its outward normal is that of the plane.
-    pub along_normal: bool,
-}
 
 /// A piece of an edge: the boundary of the first face runs from `from` to `to`
 /// there, with the face on its left as seen from outside, and that of the
@@ -29,31 +19,14 @@ pub(super) struct Piece {
     pub sides: [Side; 2],
 }
 
-/// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
-/// which, turning counter-clockwise about the line, the plane's inside lies.
-type HalfPlane = u32;
-
-/// The two faces at every solid wedge around a line: mostly one wedge.
-type Wedges = SmallVec<[[Side; 2]; 2]>;
-
 /// Finds the edges in blocks. Holds scratch memory.
 #[derive(Default)]
 pub(super) struct Tracer {
     finder: Finder,
     candidates: Vec<Candidate>,
-    /// For each position in the cell: whether all its literals look alike, and
-    /// the look of the first.
-    looks: Vec<(bool, u32)>,
-    /// Where the other planes cross the line, and their positions.
-    crossings: Vec<(f64, u32)>,
+    sectors: Sectors,
     /// Positions of the planes through the line, but for the first two.
     others: SmallVec<[u32; 4]>,
-    around: SmallVec<[HalfPlane; 8]>,
-    /// Per position the signs (1: inside) before the first crossing.
-    inside: Vec<bool>,
-    /// Per position the signs on all stretches and in all sectors, a bit each.
-    words: Vec<u64>,
-    gates: Vec<u64>,
 }
 
 /// A line with the interval of it that lies in a block.
@@ -141,7 +114,7 @@ impl Tracer {
     /// Appends all pieces of edges in a block. False if more planes than can be
     /// told apart have one line in common, or the caller does not want to go on.
     pub fn trace(&mut self, scene: &Scene<'_>, block: &Block, pieces: &mut Vec<Piece>) -> bool {
-        self.find_looks(scene, block);
+        self.sectors.enter(scene, block);
         let count = block.cell.surfaces.len();
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
@@ -195,20 +168,6 @@ impl Tracer {
         }
     }
 
-    fn find_looks(&mut self, scene: &Scene<'_>, block: &Block) {
-        const NONE: u32 = u32::MAX;
-        self.looks.clear();
-        self.looks.resize(block.cell.surfaces.len(), (true, NONE));
-        for literal in block.cell.formula.literals() {
-            let look = scene.looks[literal.origin as usize];
-            let (alike, first) = &mut self.looks[literal.surface as usize];
-            if *first == NONE {
-                *first = look;
-            }
-            *alike &= *first == look;
-        }
-    }
-
     /// Traces a line where it may carry edges, and everywhere if they turn out
     /// to go on beyond.
     fn trace_line(
@@ -226,7 +185,7 @@ impl Tracer {
             return true;
         }
         self.sort_around(scene, block, &line, pair);
-        if self.around.len() > 64 {
+        if self.sectors.around.len() > 64 {
             return false;
         }
         let margin = MARGIN * scene.weld;
@@ -250,27 +209,27 @@ impl Tracer {
         [start, end]: [f64; 2],
         pieces: &mut Vec<Piece>,
     ) -> bool {
-        let sectors = self.around.len();
-        let first = self.crossings.partition_point(|&(t, _)| t < start);
-        let last = self.crossings.partition_point(|&(t, _)| t <= end);
+        let sectors = self.sectors.around.len();
+        let first = self.sectors.crossings.partition_point(|&(t, _)| t < start);
+        let last = self.sectors.crossings.partition_point(|&(t, _)| t <= end);
         // Stretches between crossings, as many at once as fit into a word.
         let at_once = 64 / sectors;
         let mut open = Wedges::new();
         let mut from = line.at(line.start);
         for batch in (first..=last).step_by(at_once) {
             let count = at_once.min(last + 1 - batch);
-            let result = self.evaluate(block, batch, count);
+            let result = self.sectors.evaluate(block, batch, count);
             for k in 0..count {
                 let solid = result >> (k * sectors);
                 let stretch = batch + k;
-                let wedges = self.wedges(block, scene, solid, stretch);
+                let wedges = self.sectors.wedges(block, scene, solid, stretch, |_| 0);
                 if stretch == first {
                     if start > line.start && !wedges.is_empty() {
                         return false;
                     }
                     open = wedges;
                 } else if wedges != open || self.is_shared(scene, stretch - 1) {
-                    let (_, crossing) = self.crossings[stretch - 1];
+                    let (_, crossing) = self.sectors.crossings[stretch - 1];
                     let triple = [pair[0], pair[1], crossing];
                     let ids = triple.map(|p| block.cell.surfaces[p as usize]);
                     let here = scene.common_point(ids);
@@ -289,12 +248,12 @@ impl Tracer {
     /// Finds where the other planes cross the line, in order, and those that
     /// contain it. False if the line is another pair's to trace.
     fn cross(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) -> bool {
-        self.crossings.clear();
+        self.sectors.crossings.clear();
         self.others.clear();
-        self.inside.clear();
+        self.sectors.inside.clear();
         for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
             if pair.contains(&position) {
-                self.inside.push(true);
+                self.sectors.inside.push(true);
                 continue;
             }
             let plane = &scene.planes[id as usize];
@@ -306,18 +265,19 @@ impl Tracer {
                     return false;
                 }
                 self.others.push(position);
-                self.inside.push(true);
+                self.sectors.inside.push(true);
                 continue;
             }
             let at = -value / slope;
             if line.start < at && at < line.end {
-                self.crossings.push((at, position));
-                self.inside.push(slope > 0.0);
+                self.sectors.crossings.push((at, position));
+                self.sectors.inside.push(slope > 0.0);
             } else {
-                self.inside.push(first + last <= 0.0);
+                self.sectors.inside.push(first + last <= 0.0);
             }
         }
-        self.crossings
+        self.sectors
+            .crossings
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         true
     }
@@ -326,8 +286,9 @@ impl Tracer {
     /// the line there though none ends.
     fn is_shared(&self, scene: &Scene<'_>, crossing: usize) -> bool {
         let near = |other: usize| {
-            let gap = |&(t, _): &(f64, u32)| (t - self.crossings[crossing].0).abs();
-            self.crossings
+            let gap = |&(t, _): &(f64, u32)| (t - self.sectors.crossings[crossing].0).abs();
+            self.sectors
+                .crossings
                 .get(other)
                 .is_some_and(|c| gap(c) <= scene.weld)
         };
@@ -339,10 +300,11 @@ impl Tracer {
     /// whose outer half comes first.
     fn sort_around(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) {
         let [p, q] = pair;
-        self.around.clear();
+        self.sectors.around.clear();
         if self.others.is_empty() {
             // The direction is the cross product of their normals.
-            self.around
+            self.sectors
+                .around
                 .extend_from_slice(&[2 * p, 2 * q, 2 * p + 1, 2 * q + 1]);
             return;
         }
@@ -367,120 +329,12 @@ impl Tracer {
             half_planes.push((opposite, 2 * at + 1));
         }
         half_planes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        self.around.extend(half_planes.into_iter().map(|(_, h)| h));
-    }
-
-    /// The solid's values on `count` stretches from `first` on, the sectors of
-    /// each in succession, a bit each. Sector k comes before half-plane k.
-    fn evaluate(&mut self, block: &Block, first: usize, count: usize) -> u64 {
-        let sectors = self.around.len();
-        let low_bits = |n: usize| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
-        self.words.clear();
-        self.words
-            .extend(self.inside.iter().map(|&i| if i { u64::MAX } else { 0 }));
-        for (rank, &(_, position)) in self.crossings.iter().enumerate() {
-            // Crossed before stretch rank + 1.
-            let kept = (rank + 1).saturating_sub(first).min(count) * sectors;
-            self.words[position as usize] ^= !low_bits(kept);
-        }
-        let one_of_each = (0..count).fold(0, |word, k| word | 1u64 << (k * sectors));
-        for (k, &half_plane) in self.around.iter().enumerate() {
-            // Inside from beyond the inner half up to the outer half.
-            if half_plane & 1 == 1 {
-                continue;
-            }
-            let inner = self.around.iter().position(|&h| h == half_plane + 1);
-            let inner = inner.unwrap_or(0);
-            let is_inside = |sector: usize| {
-                if inner < k {
-                    inner < sector && sector <= k
-                } else {
-                    sector <= k || sector > inner
-                }
-            };
-            let word = (0..sectors)
-                .filter(|&sector| is_inside(sector))
-                .fold(0, |word, sector| word | one_of_each << sector);
-            self.words[(half_plane / 2) as usize] = word;
-        }
-        let words = &self.words;
-        block
-            .cell
-            .formula
-            .evaluate_words(&mut self.gates, |_, position| words[position as usize])
-    }
-
-    /// The faces of the solid wedges on one stretch.
-    fn wedges(&mut self, block: &Block, scene: &Scene<'_>, solid: u64, stretch: usize) -> Wedges {
-        let sectors = self.around.len();
-        let mut wedges = Wedges::new();
-        let is_solid = |sector: usize| solid >> (sector % sectors) & 1 == 1;
-        for start in 0..sectors {
-            // Half-plane k lies between sectors k and k + 1.
-            if is_solid(start) || !is_solid(start + 1) {
-                continue;
-            }
-            let length = (1..sectors).find(|&n| !is_solid(start + 1 + n));
-            let end = (start + length.unwrap_or(0)) % sectors;
-            let [first, last] = [end, start].map(|k| {
-                let half_plane = self.around[k];
-                Side {
-                    plane: block.cell.surfaces[(half_plane / 2) as usize],
-                    look: self.look(scene, block, k, stretch),
-                    along_normal: (half_plane & 1 == 0) == (k == end),
-                }
-            });
-            wedges.push([first, last]);
-        }
-        // A face that goes on straight has no edge there, unless others touch.
-        if wedges.len() == 1 && wedges[0][0] == wedges[0][1] {
-            wedges.clear();
-        }
-        wedges
-    }
-
-    /// The look of half-plane `k` on a stretch: with the literals on its plane
-    /// toggled one after another, the last first, that of the one at which the
-    /// solid changes. Literals that do not matter there have no say, so that
-    /// blocks agree whatever they were pruned of.
-    fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, stretch: usize) -> u32 {
-        let position = self.around[k] / 2;
-        let (alike, first) = self.looks[position as usize];
-        if alike {
-            return first;
-        }
-        // The signs in the sector on the plane's inner side.
-        let sectors = self.around.len();
-        let inner = if self.around[k] & 1 == 0 {
-            k
-        } else {
-            (k + 1) % sectors
-        };
-        self.evaluate(block, stretch, 1);
-        let literals = block.cell.formula.literals();
-        let own = || {
-            (0u32..)
-                .zip(literals)
-                .filter(|(_, l)| l.surface == position)
-        };
-        let words = &self.words;
-        // Assignment j toggles the j-th literal and all after it.
-        let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
-            let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
-            match own().position(|(o, _)| o == i) {
-                Some(j) if j < 63 => inside ^ ((2 << j) - 1),
-                _ => inside,
-            }
-        });
-        let none = result >> 63 & 1;
-        let changes = |&(j, _): &(usize, _)| result >> j & 1 != none;
-        let decisive = own().take(63).enumerate().filter(changes).last();
-        decisive.map_or(first, |(_, (_, literal))| {
-            scene.looks[literal.origin as usize]
-        })
+        self.sectors
+            .around
+            .extend(half_planes.into_iter().map(|(_, h)| h));
     }
 }
 
-fn emit(wedges: &Wedges, from: DVec3, to: DVec3, pieces: &mut Vec<Piece>) {
+pub(super) fn emit(wedges: &Wedges, from: DVec3, to: DVec3, pieces: &mut Vec<Piece>) {
     pieces.extend(wedges.iter().map(|&sides| Piece { from, to, sides }));
 }

@@ -1,0 +1,382 @@
+//! The edges of a solid with curved surfaces, as chains of chords: the curves in
+//! which two surfaces meet, and the seams along which faces are cut into
+//! patches.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::cells::Block;
+use super::curve::{Curve, Framed, Meets, Unknown, curves};
+use super::frame::Frame;
+use super::lines::{Piece, emit};
+use super::roots::Roots;
+use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
+use crate::net::solve;
+use crate::program::Surface;
+
+/// What ends a stretch of a curve.
+#[derive(Clone, Copy, Debug)]
+enum Ends {
+    /// A surface of the cell, by position.
+    Surface(u32),
+    /// A side of the block, or a seam or divider, where faces end but the solid
+    /// does not.
+    Plane(Surface),
+    /// The curve comes near a surface of the cell, and may touch it; or it ends
+    /// itself.
+    Touch,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Event {
+    at: f64,
+    ends: Ends,
+}
+
+/// A curve on its way through a block.
+struct Arc<'a> {
+    scene: &'a Scene<'a>,
+    block: &'a Block,
+    /// Positions of the two surfaces in the cell; the second [`NOTHING`] for a
+    /// seam of the first.
+    pair: [u32; 2],
+    surfaces: [&'a Surface; 2],
+    curve: &'a Curve,
+}
+
+/// A place on a curve.
+type Place = (f64, DVec3);
+
+/// Finds the edges in blocks. Holds scratch memory.
+#[derive(Default)]
+pub(super) struct ArcTracer {
+    sectors: Sectors,
+    events: Vec<Event>,
+    roots: Roots,
+    /// Positions of all surfaces of the cell through the curve.
+    through: SmallVec<[u32; 4]>,
+}
+
+/// Directions around a curve that differ by less cannot be told apart, in
+/// radians.
+const SAME_DIRECTION: f64 = 1e-7;
+
+impl ArcTracer {
+    /// Appends all pieces of edges in a block, chords that turn by no more than
+    /// about `turn`. None where curves are not known in closed form, or so near
+    /// to other surfaces that it cannot be told what meets along them.
+    pub fn trace(
+        &mut self,
+        scene: &Scene<'_>,
+        block: &Block,
+        turn: f64,
+        pieces: &mut Vec<Piece>,
+    ) -> Option<()> {
+        self.sectors.enter(scene, block);
+        let ids = &block.cell.surfaces;
+        let framed = |position: u32| {
+            let id = ids[position as usize] as usize;
+            Framed {
+                surface: &scene.surfaces[id],
+                frame: scene.frames[id].as_ref(),
+            }
+        };
+        for first in 0..ids.len() as u32 {
+            let one = framed(first);
+            if !one.surface.is_plane() && one.frame.is_none() {
+                return None;
+            }
+            let others = (first + 1..ids.len() as u32).map(|second| (second, framed(second)));
+            let seams = one.frame.iter().flat_map(|frame| &frame.seams);
+            let seams = seams.map(|surface| {
+                let frame = None;
+                (NOTHING, Framed { surface, frame })
+            });
+            for (second, other) in others.chain(seams) {
+                let common = match curves(one, other, scene.near) {
+                    Ok(common) => common,
+                    // In a single point there is no edge.
+                    Err(Unknown::Touch) => continue,
+                    Err(Unknown::NoForm) => return None,
+                };
+                for curve in &common {
+                    let arc = Arc {
+                        scene,
+                        block,
+                        pair: [first, second],
+                        surfaces: [one.surface, other.surface],
+                        curve,
+                    };
+                    self.trace_arc(&arc, turn, pieces)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, pieces: &mut Vec<Piece>) -> Option<()> {
+        let Arc { block, curve, .. } = *arc;
+        let center = 0.5 * (block.low + block.high);
+        let reach = 0.5 * (block.high - block.low).length();
+        let Some([start, end]) = curve.range(center, reach) else {
+            return Some(());
+        };
+        if !self.find_events(arc, [start, end])? {
+            return Some(());
+        }
+        let begin = (start, arc.point(start, Ends::Touch));
+        let mut open = Wedges::new();
+        let mut from = begin;
+        for stretch in 0..=self.events.len() {
+            let before = stretch.checked_sub(1).map(|k| self.events[k]);
+            let low = before.map_or(start, |event| event.at);
+            let high = self.events.get(stretch).map_or(end, |event| event.at);
+            let wedges = if low < high {
+                self.wedges(arc, 0.5 * (low + high), stretch)?
+            } else {
+                open.clone()
+            };
+            let Some(event) = before else {
+                open = wedges;
+                continue;
+            };
+            let touches = matches!(event.ends, Ends::Touch);
+            if wedges != open || touches || self.is_shared(arc, stretch - 1) {
+                let here = (event.at, arc.point(event.at, event.ends));
+                arc.emit(&open, [from, here], turn, pieces);
+                (open, from) = (wedges, here);
+            }
+        }
+        let last = if curve.is_closed() {
+            begin.1
+        } else {
+            arc.point(end, Ends::Touch)
+        };
+        arc.emit(&open, [from, (end, last)], turn, pieces);
+        Some(())
+    }
+
+    /// Finds what ends stretches of a curve, in order. False if the curve is
+    /// another pair's to trace; none if it runs along a surface so closely that
+    /// it cannot be told where it crosses.
+    fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Option<bool> {
+        let Arc {
+            scene,
+            block,
+            pair,
+            curve,
+            ..
+        } = *arc;
+        let tolerances = [scene.on_plane, scene.near];
+        self.events.clear();
+        self.through.clear();
+        self.sectors.inside.clear();
+        let at_start = curve.at(range[0]);
+        for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
+            let surface = &scene.surfaces[id as usize];
+            self.roots.clear();
+            let is_through = pair.contains(&position)
+                || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
+            if is_through {
+                if position < pair[1] && position != pair[0] {
+                    return Some(false);
+                }
+                self.through.push(position);
+            }
+            if self.roots.is_lost {
+                return None;
+            }
+            self.take(Ends::Surface(position), Ends::Touch);
+            self.sectors.inside.push(surface.value(at_start) <= 0.0);
+        }
+        for axis in 0..3 {
+            for at in [block.low[axis], block.high[axis]] {
+                let side = Surface {
+                    anchor: at * DVec3::AXES[axis],
+                    quadratic: [0.0; 6],
+                    linear: DVec3::AXES[axis],
+                    constant: 0.0,
+                };
+                self.cut(arc, &side, range);
+            }
+        }
+        for k in 0..self.through.len() {
+            let id = block.cell.surfaces[self.through[k] as usize];
+            for plane in scene.frames[id as usize].iter().flat_map(Frame::planes) {
+                self.cut(arc, plane, range);
+            }
+        }
+        if let Curve::Ellipse {
+            node: Some(plane), ..
+        } = curve
+        {
+            self.cut(arc, plane, range);
+        }
+        self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
+        self.sectors.crossings.clear();
+        let crossings = self.events.iter().map(|event| match event.ends {
+            Ends::Surface(position) => (event.at, position),
+            _ => (event.at, NOTHING),
+        });
+        self.sectors.crossings.extend(crossings);
+        Some(true)
+    }
+
+    /// Adds where a curve crosses a plane that is no surface of the solid.
+    fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
+        let tolerances = [arc.scene.on_plane, arc.scene.near];
+        self.roots.clear();
+        if arc.curve.meet(plane, range, tolerances, &mut self.roots) == Meets::Points {
+            self.roots.touching.clear();
+            self.take(Ends::Plane(*plane), Ends::Touch);
+        }
+    }
+
+    /// Makes events of the roots.
+    fn take(&mut self, crossing: Ends, touching: Ends) {
+        let event = |ends| move |&at: &f64| Event { at, ends };
+        let crossings = self.roots.simple.iter().map(event(crossing));
+        self.events.extend(crossings);
+        let touches = self.roots.touching.iter().map(event(touching));
+        self.events.extend(touches);
+    }
+
+    /// The faces that meet in the block on the stretch of a curve around its
+    /// middle. None if that cannot be told.
+    fn wedges(&mut self, arc: &Arc<'_>, middle: f64, stretch: usize) -> Option<Wedges> {
+        let Arc { scene, block, .. } = *arc;
+        let at = arc.curve.at(middle);
+        if !(at.cmpge(block.low).all() && at.cmplt(block.high).all()) {
+            return Some(Wedges::new());
+        }
+        let direction = arc.curve.direction(middle).normalize_or_zero();
+        let id = |position: u32| block.cell.surfaces[position as usize] as usize;
+        // The direction in which half of a tangent plane extends.
+        let towards = |half_plane: HalfPlane| {
+            let gradient = scene.surfaces[id(half_plane / 2)].gradient(at);
+            let outer = gradient.cross(direction).normalize_or_zero();
+            if half_plane & 1 == 0 { outer } else { -outer }
+        };
+        // How far a surface bends from there, counter-clockwise.
+        let bend = |half_plane: HalfPlane| {
+            let surface = &scene.surfaces[id(half_plane / 2)];
+            let (gradient, towards) = (surface.gradient(at), towards(half_plane));
+            let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
+            off * gradient.dot(direction.cross(towards))
+        };
+        let is_clear = self.sort_around(towards, bend, direction, scene.near);
+        if self.sectors.around.len() > 64 {
+            return None;
+        }
+        let solid = self.sectors.evaluate(block, stretch, 1);
+        let patch = |half_plane: HalfPlane| {
+            let frame = scene.frames[id(half_plane / 2)].as_ref();
+            frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.near))
+        };
+        let wedges = self.sectors.wedges(block, scene, solid, stretch, patch);
+        (is_clear || wedges.is_empty()).then_some(wedges)
+    }
+
+    /// Sorts the half-planes of the surfaces through a curve, those in the same
+    /// direction by how they bend from it; false if two of them cannot be told
+    /// apart.
+    fn sort_around(
+        &mut self,
+        towards: impl Fn(HalfPlane) -> DVec3,
+        bend: impl Fn(HalfPlane) -> f64,
+        direction: DVec3,
+        same_bend: f64,
+    ) -> bool {
+        let x = towards(2 * self.through[0]);
+        let y = direction.cross(x);
+        let mut half_planes: SmallVec<[(f64, HalfPlane); 8]> = SmallVec::new();
+        for half_plane in self.through.iter().flat_map(|&p| [2 * p, 2 * p + 1]) {
+            let towards = towards(half_plane);
+            // From just before the first, so that nothing is cut there.
+            let angle = towards.dot(y).atan2(towards.dot(x));
+            let turns = if angle < -SAME_DIRECTION { TAU } else { 0.0 };
+            half_planes.push((angle + turns, half_plane));
+        }
+        let in_order =
+            |a: &(f64, HalfPlane), b: &(f64, HalfPlane)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        half_planes.sort_unstable_by(in_order);
+        let mut is_clear = true;
+        for same in half_planes.chunk_by_mut(|a, b| b.0 - a.0 <= SAME_DIRECTION) {
+            if same.len() > 1 {
+                for (key, half_plane) in same.iter_mut() {
+                    *key = bend(*half_plane);
+                }
+                same.sort_unstable_by(in_order);
+                is_clear &= same.windows(2).all(|w| w[1].0 - w[0].0 > same_bend);
+            }
+        }
+        let around = half_planes.into_iter().map(|(_, half_plane)| half_plane);
+        self.sectors.around.clear();
+        self.sectors.around.extend(around);
+        is_clear
+    }
+
+    /// Whether something else ends at the same place: other edges may touch the
+    /// curve there though none ends.
+    fn is_shared(&self, arc: &Arc<'_>, event: usize) -> bool {
+        let here = arc.curve.at(self.events[event].at);
+        let is_near = |other: usize| {
+            let other = self.events.get(other);
+            other.is_some_and(|e| arc.curve.at(e.at).distance(here) <= arc.scene.weld)
+        };
+        is_near(event + 1) || is_near(event.wrapping_sub(1))
+    }
+}
+
+impl Arc<'_> {
+    /// A point of the curve, on all surfaces that meet there.
+    fn point(&self, at: f64, ends: Ends) -> DVec3 {
+        let scene = self.scene;
+        let start = self.curve.at(at);
+        // Apexes are exact, where there is no gradient to improve them by.
+        let is_apex = |apex: &DVec3| apex.distance(start) <= scene.near;
+        let mut apexes = self.surfaces.iter().filter_map(|s| s.apex());
+        if let Some(apex) = apexes.find(is_apex) {
+            return apex;
+        }
+        let reach = 1e6 * scene.weld;
+        let [a, b] = self.surfaces;
+        let found = match ends {
+            Ends::Surface(position) => {
+                let id = self.block.cell.surfaces[position as usize];
+                let third = &scene.surfaces[id as usize];
+                solve::common_point(&[a, b, third], start, reach)
+            }
+            Ends::Plane(third) => solve::common_point(&[a, b, &third], start, reach),
+            Ends::Touch => solve::common_point(&[a, b], start, reach),
+        };
+        let is_near = found.point.distance(start) <= reach;
+        if is_near && found.residual <= scene.weld {
+            found.point
+        } else {
+            start
+        }
+    }
+
+    /// Adds the chords of a stretch.
+    fn emit(&self, wedges: &Wedges, [from, to]: [Place; 2], turn: f64, pieces: &mut Vec<Piece>) {
+        if wedges.is_empty() {
+            return;
+        }
+        let chords = self.curve.chords(from.0, to.0, turn);
+        let mut before = from.1;
+        for k in 1..=chords {
+            let here = if k == chords {
+                to.1
+            } else {
+                let share = f64::from(k) / f64::from(chords);
+                self.point(from.0 + share * (to.0 - from.0), Ends::Touch)
+            };
+            emit(wedges, before, here, pieces);
+            before = here;
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! The frame in which a quadric has a simple shape, and its patches: parts cut
+//! out by planes through its centre or axis, each of which is seen from one
+//! direction without overlap.
+//!
+//! In coordinates (u, v, w) of the frame an ellipsoid is a sphere, a cone or a
+//! cylinder circular. The planes, *seams*, are turned by irrational angles so
+//! that no face of a model lies in them.
+
+use glam::{DMat3, DVec2, DVec3};
+use smallvec::SmallVec;
+
+use crate::program::{Surface, eigen_symmetric};
+
+/// How a quadric is cut into patches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shape {
+    /// Closed: eight octants, seen along their diagonals.
+    Closed,
+    /// Around the axis w: four quadrants, seen along their diagonals.
+    Around,
+    /// A graph over the plane across w: seen along w.
+    Graph,
+}
+
+/// What kind of surface leads all of its rulings through one direction or
+/// point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ruled {
+    No,
+    Cylinder,
+    Cone,
+}
+
+/// A quadric in its own coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    shape: Shape,
+    pub ruled: Ruled,
+    center: DVec3,
+    /// From directions in space to directions in the frame; its determinant is
+    /// positive.
+    to_frame: DMat3,
+    /// And back.
+    from_frame: DMat3,
+    /// The directions across the seams, in the frame.
+    across: [DVec3; 3],
+    /// Planes along which faces are cut.
+    pub seams: SmallVec<[Surface; 3]>,
+    /// A plane that meets the surface in no curve, but parts it in two.
+    pub divider: Option<Surface>,
+    /// The sign of the gradient along the direction of view, below the divider
+    /// and above.
+    facing: [f64; 2],
+}
+
+/// A coefficient smaller than this share of the largest is none.
+const NEGLIGIBLE: f64 = 1e-10;
+
+impl Frame {
+    /// None for planes, and for quadrics that are pairs of planes or empty.
+    pub fn of(surface: &Surface) -> Option<Self> {
+        if surface.is_plane() {
+            return None;
+        }
+        let (mut values, axes) = eigen_symmetric(surface.quadratic);
+        let mut axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        for value in &mut values {
+            if value.abs() <= NEGLIGIBLE * largest {
+                *value = 0.0;
+            }
+        }
+        // The one that differs comes last.
+        let sign = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
+        let odd = (0..3)
+            .find(|&k| {
+                let others = [sign(values[(k + 1) % 3]), sign(values[(k + 2) % 3])];
+                others[0] == others[1] && sign(values[k]) != others[0]
+            })
+            .unwrap_or(2);
+        values.swap(odd, 2);
+        axes.swap(odd, 2);
+        let is_mixed = values[0] * values[1] < 0.0;
+        let mut center = surface.anchor;
+        for (value, axis) in values.iter().zip(axes) {
+            if *value != 0.0 {
+                center -= surface.linear.dot(axis) / (2.0 * value) * axis;
+            }
+        }
+        let rest = surface.value(center);
+        let terms =
+            surface.constant.abs() + surface.linear.length() * (center - surface.anchor).length();
+        let is_through_center = rest.abs() <= NEGLIGIBLE * terms;
+        let slope = surface.linear.dot(axes[2]);
+        let has_slope = values[2] == 0.0 && slope.abs() > NEGLIGIBLE * surface.linear.length();
+        let mut ruled = Ruled::No;
+        let mut is_divided = false;
+        let mut facing = [sign(values[0]); 2];
+        let count = values.iter().filter(|v| **v != 0.0).count();
+        let shape = match count {
+            3 if sign(values[2]) == sign(values[0]) => Shape::Closed,
+            3 if is_through_center || surface.apex().is_some() => {
+                ruled = Ruled::Cone;
+                is_divided = true;
+                Shape::Around
+            }
+            3 if sign(rest) != sign(values[0]) => Shape::Around,
+            3 => {
+                is_divided = true;
+                facing = [sign(values[0]), -sign(values[0])];
+                Shape::Graph
+            }
+            2 if is_mixed => return None,
+            2 if has_slope => {
+                facing = [slope.signum(); 2];
+                Shape::Graph
+            }
+            2 if !is_through_center && sign(rest) != sign(values[0]) => {
+                ruled = Ruled::Cylinder;
+                Shape::Around
+            }
+            _ => return None,
+        };
+        let scales = values.map(|v| {
+            if v == 0.0 {
+                largest.sqrt()
+            } else {
+                v.abs().sqrt()
+            }
+        });
+        if axes[0].cross(axes[1]).dot(axes[2]) < 0.0 {
+            axes[0] = -axes[0];
+        }
+        let rows = DMat3::from_cols(
+            scales[0] * axes[0],
+            scales[1] * axes[1],
+            scales[2] * axes[2],
+        );
+        let to_frame = rows.transpose();
+        let from_frame = to_frame.inverse();
+        let across = match shape {
+            Shape::Closed => {
+                let turn = DMat3::from_euler(
+                    glam::EulerRot::XYZ,
+                    0.414_213_562,
+                    0.618_033_989,
+                    0.302_775_638,
+                );
+                [turn.x_axis, turn.y_axis, turn.z_axis]
+            }
+            Shape::Around | Shape::Graph => {
+                let turn = DMat3::from_rotation_z(0.618_033_989);
+                [turn.x_axis, turn.y_axis, DVec3::Z]
+            }
+        };
+        let plane = |normal: DVec3| Surface {
+            anchor: center,
+            quadratic: [0.0; 6],
+            linear: (rows * normal).normalize_or_zero(),
+            constant: 0.0,
+        };
+        let seams = if shape == Shape::Closed { 3 } else { 2 };
+        Some(Self {
+            shape,
+            ruled,
+            center,
+            to_frame,
+            from_frame,
+            across,
+            seams: across[..seams].iter().map(|&n| plane(n)).collect(),
+            divider: is_divided.then(|| plane(DVec3::Z)),
+            facing,
+        })
+    }
+
+    /// All planes that part the surface: seams, then the divider.
+    pub fn planes(&self) -> impl Iterator<Item = &Surface> {
+        self.seams.iter().chain(&self.divider)
+    }
+
+    /// The patch of a point: for each of the planes a bit that is set beyond it.
+    /// Where the point lies in a plane, the direction in which the patch extends
+    /// from it decides.
+    pub fn patch(&self, point: DVec3, towards: DVec3, tolerance: f64) -> u8 {
+        let bit = |plane: &Surface| {
+            let value = plane.value(point);
+            if value.abs() <= tolerance {
+                plane.linear.dot(towards) > 0.0
+            } else {
+                value > 0.0
+            }
+        };
+        (0..)
+            .zip(self.planes())
+            .fold(0, |bits, (k, plane)| bits | u8::from(bit(plane)) << k)
+    }
+
+    /// The direction, in the frame, along which a patch is seen, and whether the
+    /// gradient points that way.
+    fn view(&self, patch: u8) -> (DVec3, bool) {
+        let sign = |k: usize| if patch >> k & 1 == 1 { 1.0 } else { -1.0 };
+        let is_above = usize::from(self.divider.is_some() && patch >> self.seams.len() & 1 == 1);
+        let across = |count: usize| (0..count).map(|k| sign(k) * self.across[k]).sum::<DVec3>();
+        let view = match self.shape {
+            Shape::Closed => across(3).normalize_or_zero(),
+            Shape::Around => across(2).normalize_or_zero(),
+            Shape::Graph => DVec3::Z,
+        };
+        (view, self.facing[is_above] > 0.0)
+    }
+
+    /// A point of a patch as seen along the patch's direction of view, from
+    /// outside of the surface's half-space, or from inside.
+    pub fn flatten(&self, patch: u8, from_outside: bool, point: DVec3) -> DVec2 {
+        let place = self.to_frame * (point - self.center);
+        let (view, faces) = self.view(patch);
+        // The pair and the view are right-handed, and so is the frame.
+        let (u, v) = view.any_orthonormal_pair();
+        let (x, y) = (place.dot(u), place.dot(v));
+        if faces == from_outside {
+            DVec2::new(x, y)
+        } else {
+            DVec2::new(y, x)
+        }
+    }
+
+    /// The point of the surface that is seen where another point is, on the side
+    /// of it that a patch is on.
+    pub fn lift(&self, surface: &Surface, patch: u8, point: DVec3) -> DVec3 {
+        let (view, faces) = self.view(patch);
+        let view = self.from_frame * view;
+        let square = 0.5 * surface.curvature_along(view);
+        let linear = surface.gradient(point).dot(view);
+        let constant = surface.value(point);
+        // Where f grows along the view, if it should.
+        let root = (linear * linear - 4.0 * square * constant).max(0.0).sqrt();
+        let slope = if faces { root } else { -root };
+        let step = if (slope > 0.0) == (linear > 0.0) {
+            -2.0 * constant / (linear + slope)
+        } else {
+            (slope - linear) / (2.0 * square)
+        };
+        if step.is_finite() {
+            point + step * view
+        } else {
+            point
+        }
+    }
+
+    /// The centre or apex, two radii of the section across the axis (of a cone:
+    /// that a step along the axis away), and the axis.
+    pub fn rulings(&self) -> [DVec3; 4] {
+        [
+            self.center,
+            self.from_frame.x_axis,
+            self.from_frame.y_axis,
+            self.from_frame.z_axis,
+        ]
+    }
+}

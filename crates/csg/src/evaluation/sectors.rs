@@ -1,0 +1,186 @@
+//! Which faces meet along a curve: the formula on the sectors around it.
+
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::cells::Block;
+
+/// One of the two faces that meet along an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Side {
+    /// The plane it lies on, by number.
+    pub plane: u32,
+    /// The first primitive of those that look like its own, by number.
+    pub look: u32,
+    /// Whether its outward normal is that of the plane.
+    pub along_normal: bool,
+    /// Which of the parts that its surface is cut into: 0 on a plane.
+    pub patch: u8,
+}
+
+/// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
+/// which, turning counter-clockwise about the line, the plane's inside lies.
+pub(super) type HalfPlane = u32;
+
+/// The two faces at every solid wedge around a curve: mostly one wedge.
+pub(super) type Wedges = SmallVec<[[Side; 2]; 2]>;
+
+/// What lies around one curve, and along it. Holds scratch memory.
+#[derive(Default)]
+pub(super) struct Sectors {
+    /// For each position in the cell: whether all its literals look alike, and
+    /// the look of the first.
+    looks: Vec<(bool, u32)>,
+    /// The half-planes around the curve, counter-clockwise about its direction.
+    pub around: SmallVec<[HalfPlane; 8]>,
+    /// Where other surfaces cross the curve, and their positions, in order;
+    /// [`NOTHING`] where the formula does not change.
+    pub crossings: Vec<(f64, u32)>,
+    /// Per position the signs (1: inside) before the first crossing.
+    pub inside: Vec<bool>,
+    /// Per position the signs on all stretches and in all sectors, a bit each.
+    words: Vec<u64>,
+    gates: Vec<u64>,
+}
+
+/// The position of what is no surface of the formula.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+impl Sectors {
+    /// Forgets another block.
+    pub fn enter(&mut self, scene: &Scene<'_>, block: &Block) {
+        const NONE: u32 = u32::MAX;
+        self.looks.clear();
+        self.looks.resize(block.cell.surfaces.len(), (true, NONE));
+        for literal in block.cell.formula.literals() {
+            let look = scene.looks[literal.origin as usize];
+            let (alike, first) = &mut self.looks[literal.surface as usize];
+            if *first == NONE {
+                *first = look;
+            }
+            *alike &= *first == look;
+        }
+    }
+
+    /// The solid's values on `count` stretches from `first` on, the sectors of
+    /// each in succession, a bit each. Sector k comes before half-plane k.
+    pub fn evaluate(&mut self, block: &Block, first: usize, count: usize) -> u64 {
+        let sectors = self.around.len();
+        let low_bits = |n: usize| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
+        self.words.clear();
+        self.words
+            .extend(self.inside.iter().map(|&i| if i { u64::MAX } else { 0 }));
+        for (rank, &(_, position)) in self.crossings.iter().enumerate() {
+            if position == NOTHING {
+                continue;
+            }
+            // Crossed before stretch rank + 1.
+            let kept = (rank + 1).saturating_sub(first).min(count) * sectors;
+            self.words[position as usize] ^= !low_bits(kept);
+        }
+        let one_of_each = (0..count).fold(0, |word, k| word | 1u64 << (k * sectors));
+        for (k, &half_plane) in self.around.iter().enumerate() {
+            // Inside from beyond the inner half up to the outer half.
+            if half_plane & 1 == 1 {
+                continue;
+            }
+            let inner = self.around.iter().position(|&h| h == half_plane + 1);
+            let inner = inner.unwrap_or(0);
+            let is_inside = |sector: usize| {
+                if inner < k {
+                    inner < sector && sector <= k
+                } else {
+                    sector <= k || sector > inner
+                }
+            };
+            let word = (0..sectors)
+                .filter(|&sector| is_inside(sector))
+                .fold(0, |word, sector| word | one_of_each << sector);
+            self.words[(half_plane / 2) as usize] = word;
+        }
+        let words = &self.words;
+        block
+            .cell
+            .formula
+            .evaluate_words(&mut self.gates, |_, position| words[position as usize])
+    }
+
+    /// The faces of the solid wedges on one stretch, given the patch on which
+    /// each half-plane lies there.
+    pub fn wedges(
+        &mut self,
+        block: &Block,
+        scene: &Scene<'_>,
+        solid: u64,
+        stretch: usize,
+        patch: impl Fn(HalfPlane) -> u8,
+    ) -> Wedges {
+        let sectors = self.around.len();
+        let mut wedges = Wedges::new();
+        let is_solid = |sector: usize| solid >> (sector % sectors) & 1 == 1;
+        for start in 0..sectors {
+            // Half-plane k lies between sectors k and k + 1.
+            if is_solid(start) || !is_solid(start + 1) {
+                continue;
+            }
+            let length = (1..sectors).find(|&n| !is_solid(start + 1 + n));
+            let end = (start + length.unwrap_or(0)) % sectors;
+            let [first, last] = [end, start].map(|k| {
+                let half_plane = self.around[k];
+                Side {
+                    plane: block.cell.surfaces[(half_plane / 2) as usize],
+                    look: self.look(scene, block, k, stretch),
+                    along_normal: (half_plane & 1 == 0) == (k == end),
+                    patch: patch(half_plane),
+                }
+            });
+            wedges.push([first, last]);
+        }
+        // A face that goes on straight has no edge there, unless others touch.
+        if wedges.len() == 1 && wedges[0][0] == wedges[0][1] {
+            wedges.clear();
+        }
+        wedges
+    }
+
+    /// The look of half-plane `k` on a stretch: with the literals on its plane
+    /// toggled one after another, the last first, that of the one at which the
+    /// solid changes. Literals that do not matter there have no say, so that
+    /// blocks agree whatever they were pruned of.
+    fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, stretch: usize) -> u32 {
+        let position = self.around[k] / 2;
+        let (alike, first) = self.looks[position as usize];
+        if alike {
+            return first;
+        }
+        // The signs in the sector on the plane's inner side.
+        let sectors = self.around.len();
+        let inner = if self.around[k] & 1 == 0 {
+            k
+        } else {
+            (k + 1) % sectors
+        };
+        self.evaluate(block, stretch, 1);
+        let literals = block.cell.formula.literals();
+        let own = || {
+            (0u32..)
+                .zip(literals)
+                .filter(|(_, l)| l.surface == position)
+        };
+        let words = &self.words;
+        // Assignment j toggles the j-th literal and all after it.
+        let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
+            let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
+            match own().position(|(o, _)| o == i) {
+                Some(j) if j < 63 => inside ^ ((2 << j) - 1),
+                _ => inside,
+            }
+        });
+        let none = result >> 63 & 1;
+        let changes = |&(j, _): &(usize, _)| result >> j & 1 != none;
+        let decisive = own().take(63).enumerate().filter(changes).last();
+        decisive.map_or(first, |(_, (_, literal))| {
+            scene.looks[literal.origin as usize]
+        })
+    }
+}

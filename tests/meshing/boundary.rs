@@ -1,0 +1,109 @@
+//! Solids with curved surfaces, meshed from the curves in which surfaces meet.
+
+use std::f64::consts::PI;
+
+use csg::{Meshed, Mesher, Program, Solid};
+use stereotomy::{csg, scenes};
+
+use super::adaptive::{genus, turned};
+use super::tolerance::sampled_deviation;
+
+const TOLERANCE: f64 = 1e-3;
+
+fn mesh(solid: &Solid) -> (Program, Meshed) {
+    let program = Program::lower(solid).expect("a valid solid");
+    let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+    (program, meshed.expect("a mesh"))
+}
+
+/// Name, solid, volume, area at most, genus.
+fn solids() -> Vec<(&'static str, Solid, f64, f64, i64)> {
+    let ball = || Solid::sphere(1.0);
+    let cap = |height: f64| PI * height * height * (1.0 - height / 3.0);
+    vec![
+        ("sphere", ball(), scenes::SPHERE_VOLUME, 13.0, 0),
+        (
+            "drilled",
+            scenes::drilled(),
+            scenes::DRILLED_VOLUME,
+            15.0,
+            5,
+        ),
+        // Curves cross where its surfaces touch.
+        (
+            "tricylinder",
+            scenes::tricylinder(),
+            scenes::TRICYLINDER_VOLUME,
+            15.0,
+            0,
+        ),
+        ("flange", scenes::flange(), scenes::FLANGE_VOLUME, 12.0, 9),
+        (
+            "lens",
+            ball() & ball().translate([0.0, 0.0, 1.2]),
+            2.0 * cap(0.4),
+            6.0,
+            0,
+        ),
+        // The tip is where seams meet; two faces end in it.
+        ("cone", Solid::cone(1.0, 0.0..2.0), PI * 2.0 / 3.0, 11.0, 0),
+        (
+            "half cone",
+            Solid::cone(1.0, 0.0..2.0) & Solid::cuboid([4.0, 4.0, 8.0]).translate([2.0, 0.0, 0.0]),
+            PI / 3.0,
+            8.0,
+            0,
+        ),
+        (
+            "paraboloid",
+            Solid::paraboloid([1.0, 1.0]) & Solid::cuboid([4.0, 4.0, 2.0]),
+            PI / 2.0,
+            12.0,
+            0,
+        ),
+        // A ball that touches the wall of its hole all around, and one that
+        // rests on a plate.
+        (
+            "ball joint",
+            Solid::cylinder(0.5, -1.0..0.0) | Solid::sphere(0.5),
+            PI * 0.25 + 2.0 / 3.0 * PI * 0.125,
+            7.0,
+            0,
+        ),
+    ]
+}
+
+#[test]
+fn known_solids_need_no_cells() {
+    for (name, solid, volume, area, holes) in solids() {
+        for solid in [turned(&solid), solid] {
+            let (program, meshed) = mesh(&solid);
+            let report = &meshed.report;
+            assert_eq!(report.method, "boundary", "{name}");
+            assert_eq!(report.fallbacks, [], "{name}");
+            assert!(report.check.is_manifold(), "{name}: {}", report.check);
+            assert_eq!(genus(&meshed), holes, "{name}");
+            let off = (meshed.mesh.volume() - volume).abs();
+            assert!(off < TOLERANCE * area, "{name}: {off}");
+            let bound = report.deviation.expect("a bound");
+            assert!(bound <= TOLERANCE, "{name}: {bound}");
+            assert!(
+                sampled_deviation(&program, &meshed) <= bound + 1e-10,
+                "{name}"
+            );
+            assert_eq!(meshed.mesh.self_intersections().len(), 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn one_and_eight_threads_give_the_same_mesh() {
+    let balls = scenes::cheese(100);
+    let of = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("threads").install(|| mesh(&balls).1)
+    };
+    let (one, eight) = (of(1), of(8));
+    assert_eq!(one.report.method, "boundary");
+    assert!(one.mesh == eight.mesh);
+}
