@@ -9,9 +9,10 @@ use smallvec::SmallVec;
 
 use super::Scene;
 use super::cells::Block;
-use super::curve::{Curve, Framed, Meets, Unknown, curves};
+use super::curve::{Curve, Meets};
 use super::frame::Frame;
 use super::lines::{Piece, emit};
+use super::pairs::{Framed, Unknown, curves};
 use super::roots::Roots;
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
 use crate::net::solve;

@@ -11,7 +11,7 @@
 //!    are solid, and hence which faces meet there ([`sectors`], [`lines`]). All
 //!    planes through one line are taken together.
 //! 3. If there are curved surfaces, the same is done with the curves in which
-//!    any two meet ([`curve`], [`roots`], [`arcs`]), as chains of chords. Their
+//!    any two meet ([`pairs`], [`curve`], [`roots`], [`arcs`]), as chains of chords. Their
 //!    faces are cut into patches along seams, so that each can be seen from one
 //!    side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`]), and these
@@ -33,6 +33,7 @@ mod cells;
 mod curve;
 mod frame;
 mod lines;
+mod pairs;
 mod regions;
 mod roots;
 mod sectors;
