@@ -57,7 +57,7 @@ impl Renderer {
     }
 
     /// What [`decode`] reads, and reversed depth, of a pixel's first sample.
-    fn number(&self, x: u32, y: u32) -> Option<(i32, f32)> {
+    pub(crate) fn number(&self, x: u32, y: u32) -> Option<(i32, f32)> {
         if x >= self.width || y >= self.height {
             return None;
         }

@@ -32,6 +32,8 @@ pub(crate) struct Cluster {
     pub sine: f32,
     /// Whether the corners at each vertex share their normal.
     pub smooth: bool,
+    /// Bits of the section planes that it lies beyond.
+    pub beyond: u8,
 }
 
 impl Cluster {
@@ -54,7 +56,9 @@ pub(crate) struct Clusters {
 impl Clusters {
     /// Cuts triangles, in drawing order, into clusters. Those that name a
     /// vertex out of range or not finite become points, which are not drawn.
-    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+    /// `groups` are numbers of consecutive triangles, all of them together;
+    /// no cluster has triangles of two groups.
+    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]], groups: &[usize]) -> Self {
         let finite = positions.par_chunks(BLOCK);
         let all_finite = finite.all(|chunk| chunk.iter().all(|p| p.is_finite()));
         // (Whether a vertex is there is asked often; where it is, seldom.)
@@ -66,19 +70,27 @@ impl Clusters {
             }
         };
         let mut local = vec![[0; 4]; triangles.len()];
-        let mut blocks: Vec<Block> = local
-            .par_chunks_mut(BLOCK)
-            .zip(triangles.par_chunks(BLOCK))
+        let mut first = 0;
+        let mut pieces = Vec::new();
+        for &group in groups {
+            pieces.extend(triangles[first..first + group].chunks(BLOCK));
+            first += group;
+        }
+        let lengths = pieces.iter().map(|piece| piece.len());
+        let mut blocks: Vec<Block> = split(&mut local, lengths)
+            .into_par_iter()
+            .zip(&pieces)
             .map(|(local, triangles)| Block::cut(usable, triangles, local))
             .collect();
-        let (mut clusters, mut vertices) = (0, 0);
-        for (index, block) in blocks.iter_mut().enumerate() {
+        let (mut clusters, mut vertices, mut first) = (0, 0, 0);
+        for (block, piece) in blocks.iter_mut().zip(&pieces) {
             for cluster in &mut block.clusters {
-                cluster.first_triangle += (index * BLOCK) as u32;
+                cluster.first_triangle += first;
                 cluster.first_vertex = vertices as u32;
                 vertices += cluster.padded_vertices();
             }
             clusters += block.clusters.len();
+            first += piece.len() as u32;
         }
         // (Zeros from the system, which the threads touch first.)
         let mut all_vertices: Vec<[f32; 4]> = bytemuck::zeroed_vec(vertices + CLUSTER_VERTICES);
@@ -167,6 +179,7 @@ impl Block {
             axis: Vec3::ZERO,
             sine: 2.0,
             smooth: false,
+            beyond: 0,
         });
     }
 

@@ -91,14 +91,14 @@ pub(crate) fn draw_edges(
         silhouettes(scene, matrix, |a, b| draw(&[a, b], width));
     }
     if options.wireframe {
-        for index in 0..scene.triangles.len() {
+        for index in 0..scene.kept_triangles {
             if let Some([a, b, c]) = scene.corners(index) {
                 draw(&[a, b, c, a], width);
             }
         }
     }
     if options.points {
-        for &p in &scene.positions {
+        for &p in &scene.positions[..scene.kept_vertices] {
             draw(&[p, p], width * 3.0);
         }
     }
@@ -116,7 +116,8 @@ pub(crate) fn draw_edges(
 /// *Illustrating smooth surfaces*, SIGGRAPH 2000). Sharp silhouettes are
 /// feature edges.
 fn silhouettes(scene: &Scene, matrix: &FrameMatrix, mut segment: impl FnMut(Vec3, Vec3)) {
-    for (index, normals) in scene.normals.iter().enumerate() {
+    let kept = scene.normals.iter().take(scene.kept_triangles);
+    for (index, normals) in kept.enumerate() {
         let Some(corners) = scene.corners(index) else {
             continue;
         };
@@ -156,7 +157,8 @@ pub(crate) fn find_feature_edges(scene: &Scene) -> Vec<Vec<u32>> {
         })
         .collect();
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
-    for (index, triangle) in scene.triangles.iter().enumerate() {
+    let kept = scene.triangles.iter().take(scene.kept_triangles);
+    for (index, triangle) in kept.enumerate() {
         if scene.corners(index).is_none() {
             continue;
         }

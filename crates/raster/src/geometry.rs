@@ -16,7 +16,7 @@ use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
-use crate::set_up::{Corners, SetUp, depth_plane, set_up_one, set_up_triangles};
+use crate::set_up::{Corners, SetUp, corner_plane, depth_plane, set_up_one, set_up_triangles};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
 
@@ -92,6 +92,26 @@ pub(crate) struct GeometryContext<'a> {
     pub columns: usize,
     /// First and last sub-pixel position of a sample in its pixel.
     pub sample_range: [i32; 2],
+}
+
+impl GeometryContext<'_> {
+    /// Whether depth is a plane through the corners where they are snapped to,
+    /// instead of where they are. Caps depend on which of two faces that share
+    /// a silhouette is nearer, up to its very edge; what is snapped is still
+    /// closed, and says so.
+    #[inline(always)]
+    pub fn snaps_depth(&self) -> bool {
+        !self.scene.sections.is_empty()
+    }
+
+    /// A corner, in sub-pixels, as its triangle's depth takes it.
+    pub fn depth_corner(&self, p: DVec3) -> DVec3 {
+        if self.snaps_depth() {
+            DVec3::new(p.x.round_ties_even(), p.y.round_ties_even(), p.z)
+        } else {
+            p
+        }
+    }
 }
 
 /// Sets up the triangles of clusters, given with their nearest depths, into
@@ -332,13 +352,18 @@ fn clip_and_set_up(
             (p.z * inverse).clamp(0.0, 1.0),
         )
     };
-    let plane = depth_plane(corners);
+    let whole = depth_plane(corners);
     for k in 2..polygon.len() {
         let fan = [
             divided(&polygon[0]),
             divided(&polygon[k - 1]),
             divided(&polygon[k]),
         ];
+        let plane = if context.snaps_depth() {
+            corner_plane(fan.map(|p| context.depth_corner(p)))
+        } else {
+            whole
+        };
         set_up_one(fan, plane, triangle, context, bins);
     }
 }

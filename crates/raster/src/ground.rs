@@ -42,7 +42,7 @@ impl Shadow {
             up: DVec3::Y,
             lens: Lens::Orthographic { height: extent },
             near: size * 0.5,
-            far: high.z - low.z + size * 1.5,
+            far: high.z - scene.lowest + size * 1.5,
         };
         let mut renderer = Renderer::default();
         let options = RenderOptions {

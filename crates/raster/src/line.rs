@@ -15,6 +15,7 @@ use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::pipeline::Renderer;
 use crate::scene::Scene;
+use crate::tile::decode;
 
 /// The coverage of some lines or points, in 0..=1 for each pixel.
 #[derive(Clone, Debug)]
@@ -205,10 +206,15 @@ impl Drawn<'_> {
     fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
         let depth = point.z * (1.0 + 1e-4);
         let not_behind = |x: u32, y: u32| {
-            let Some((triangle, kept)) = self.renderer.sample(x, y) else {
+            let Some((number, kept)) = self.renderer.number(x, y) else {
                 return true;
             };
-            let plane = || self.plane_depth(triangle, point.truncate());
+            // The cap of a section hides what is behind it, and is seen but
+            // from outside: no edge lies in a valley with it.
+            let plane = || match decode(number) {
+                (triangle, None) => self.plane_depth(triangle, point.truncate()),
+                (_, Some(_)) => None,
+            };
             depth >= f64::from(kept) || plane().is_some_and(|plane| depth >= plane)
         };
         not_behind(x, y)
@@ -218,8 +224,8 @@ impl Drawn<'_> {
 
     /// The reversed depth of a triangle's plane at a point of the window, kept
     /// between those of its corners.
-    fn plane_depth(&self, triangle: u32, at: DVec2) -> Option<f64> {
-        let corners = self.scene.corners(triangle as usize)?;
+    fn plane_depth(&self, triangle: usize, at: DVec2) -> Option<f64> {
+        let corners = self.scene.corners(triangle)?;
         let clip = corners.map(|corner| self.matrix.clip(corner));
         if clip.iter().any(|corner| corner.w <= 0.0) {
             return None;

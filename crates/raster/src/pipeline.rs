@@ -148,7 +148,7 @@ impl Renderer {
             ..Stats::default()
         };
         let facing = Facing::of(scene, options);
-        self.order_clusters(scene, &matrix, facing, &mut stats);
+        self.order_clusters(&context, facing, &mut stats);
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
@@ -294,16 +294,14 @@ impl Renderer {
 
     /// Leaves in `self.order` the clusters that may be seen, with their
     /// nearest depths, front to back.
-    fn order_clusters(
-        &mut self,
-        scene: &Scene,
-        matrix: &FrameMatrix,
-        facing: Facing,
-        stats: &mut Stats,
-    ) {
+    fn order_clusters(&mut self, context: &ShadeContext, facing: Facing, stats: &mut Stats) {
         self.order.clear();
-        for (index, cluster) in scene.clusters.iter().enumerate() {
-            match cluster_visibility(cluster, matrix, facing) {
+        for (index, cluster) in context.scene.clusters.iter().enumerate() {
+            if !context.caps.wants(cluster.beyond) {
+                stats.clusters_outside += 1;
+                continue;
+            }
+            match cluster_visibility(cluster, context.matrix, facing) {
                 Visibility::Outside => stats.clusters_outside += 1,
                 Visibility::FacingAway => stats.clusters_facing_away += 1,
                 Visibility::Possible(depth) => self.order.push((depth, index as u32)),

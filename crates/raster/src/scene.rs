@@ -25,6 +25,8 @@ pub struct Scene {
     pub(crate) centre: DVec3,
     pub(crate) low: DVec3,
     pub(crate) high: DVec3,
+    /// The height of the lowest point, be it cut away or not.
+    pub(crate) lowest: f64,
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) normals: Vec<[Vec3; 3]>,
@@ -43,6 +45,10 @@ pub struct Scene {
     pub(crate) local: Vec<[u8; 4]>,
     /// Planes that cut the mesh before it was made ready.
     pub(crate) sections: Vec<Section>,
+    /// How many vertices and triangles they leave; those cut away, as far as
+    /// they matter for caps, come after them.
+    pub(crate) kept_vertices: usize,
+    pub(crate) kept_triangles: usize,
     /// The mesh's feature edges, or those found when first asked for.
     feature_edges: OnceLock<Vec<Vec<u32>>>,
 }
@@ -56,7 +62,7 @@ impl Scene {
     /// `Scene::from(mesh)` takes them over.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Self {
-        let scene = Self::without_normals(mesh, mesh.triangles.clone());
+        let scene = Self::ungrouped(mesh, mesh.triangles.clone());
         scene.with_normals(corner_normals(mesh, CREASE_ANGLE))
     }
 
@@ -80,7 +86,7 @@ impl Scene {
             return Self::from(mesh);
         }
         let triangles = std::mem::take(&mut mesh.triangles);
-        let mut scene = Self::without_normals(&mesh, triangles);
+        let mut scene = Self::ungrouped(&mesh, triangles);
         mesh.triangles = std::mem::take(&mut scene.triangles);
         // The very test that the renderer makes.
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
@@ -108,7 +114,14 @@ impl Scene {
     }
 
     /// Makes a mesh ready, but for its normals.
-    fn without_normals(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Self {
+    fn ungrouped(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Self {
+        let all = triangles.len();
+        Self::without_normals(mesh, triangles, &[all])
+    }
+
+    /// The same with triangles in groups, of so many each, that share no
+    /// cluster.
+    pub(crate) fn without_normals(mesh: &Mesh, triangles: Vec<[u32; 3]>, groups: &[usize]) -> Self {
         let (low, high) = finite_bounds(&mesh.positions).unwrap_or_default();
         let centre = low / 2.0 + high / 2.0;
         let positions: Vec<Vec3> = mesh
@@ -135,11 +148,14 @@ impl Scene {
             clusters,
             vertices,
             local,
-        } = Clusters::new(&positions, &triangles);
+        } = Clusters::new(&positions, &triangles, groups);
         let scene = Self {
             centre,
             low,
             high,
+            lowest: low.z,
+            kept_vertices: positions.len(),
+            kept_triangles: triangles.len(),
             positions,
             triangles,
             triangle_surfaces: surfaces,
@@ -156,13 +172,13 @@ impl Scene {
     }
 
     /// Adds the normals of all triangles' corners.
-    fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
+    pub(crate) fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
         self.normals = normals;
         self.gather_normals(|_| true);
         self
     }
 
-    /// The smallest box around all finite vertices.
+    /// The smallest box around all finite vertices, but for those cut away.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, DVec3) {
         (self.low, self.high)
@@ -184,7 +200,7 @@ impl Scene {
             .get_or_init(|| crate::edges::find_feature_edges(self))
     }
 
-    /// Number of triangles.
+    /// Number of triangles, with those cut away that matter for caps.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
@@ -200,7 +216,7 @@ impl From<Mesh> for Scene {
             corner_normals(&mesh, CREASE_ANGLE)
         };
         let triangles = std::mem::take(&mut mesh.triangles);
-        Self::without_normals(&mesh, triangles).with_normals(normals)
+        Self::ungrouped(&mesh, triangles).with_normals(normals)
     }
 }
 

@@ -1,21 +1,29 @@
 //! Section planes: what lies on one side is cut away, and the cut through
 //! solid matter is capped and hatched.
 //!
-//! Cutting leaves an open mesh. Where a pixel then shows the back of a face,
-//! its ray has entered solid matter through the cut: the pixel becomes part of
-//! the cap, at the depth of the section plane. This needs no triangulation of
-//! the cut and is right for every closed mesh and every sample.
+//! What all planes keep is convex: a ray enters it through planes that have
+//! the viewer on the side cut away, the last of which is its *entry*, and
+//! leaves it through others. What lies before the entry is cut off. If the
+//! first face after it turns its back, the ray has entered solid matter
+//! through the cut: the sample becomes part of the cap, at the depth of the
+//! entry. That first face may lie where the ray has already left what is kept
+//! through another plane, so faces beyond such planes are drawn as well: they
+//! decide about caps, and are not shown themselves. This needs no
+//! triangulation of the cut and is right for every closed mesh and every
+//! sample, if the far plane is behind the whole mesh; but for samples that a
+//! silhouette of the mesh, cut away or not, passes as near as corners are
+//! snapped.
 
 use std::collections::HashMap;
 
 use csg::Mesh;
-use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec3, Vec4};
 
 use crate::RasterError;
 use crate::deferred::ShadeContext;
 use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
-use crate::scene::Scene;
+use crate::scene::{Scene, finite_bounds};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
 
 /// Most section planes at once.
@@ -42,7 +50,12 @@ pub(crate) struct Section {
 
 impl Scene {
     /// Makes a mesh ready with parts of it cut away. Triangles are numbered
-    /// after cutting.
+    /// after cutting: first those kept, then those that are not but still
+    /// decide where caps are. For caps to be whole, a view's far plane must be
+    /// behind the whole mesh.
+    ///
+    /// Costs O(vertices + triangles) for each part that the planes cut the
+    /// mesh into.
     ///
     /// # Errors
     /// [`RasterError::BadSection`] for more than [`MAX_SECTIONS`] planes, or
@@ -54,14 +67,25 @@ impl Scene {
         if planes.len() > MAX_SECTIONS || !planes.iter().all(sound) {
             return Err(RasterError::BadSection);
         }
-        let mut cut = mesh.clone();
-        if !planes.is_empty() {
-            cut.corner_normals = corner_normals(mesh, CREASE_ANGLE);
+        let mut whole = mesh.clone();
+        whole.corner_normals = corner_normals(mesh, CREASE_ANGLE);
+        // Parts of the mesh with bits for the planes they lie beyond; the
+        // first is the one kept. None is wanted that lies beyond all planes:
+        // every ray meets it before its entry.
+        let beyond_all = (1u8 << planes.len()) - 1;
+        let mut parts = vec![(0, whole)];
+        for (k, plane) in planes.iter().enumerate() {
+            let mut cut = Vec::with_capacity(parts.len() * 2);
+            for (beyond, part) in parts {
+                cut.push((beyond, cut_mesh(&part, plane, Side::Behind)));
+                let beyond = beyond | 1 << k;
+                if beyond != beyond_all {
+                    cut.push((beyond, cut_mesh(&part, plane, Side::Beyond)));
+                }
+            }
+            parts = cut;
         }
-        for plane in planes {
-            cut = cut_mesh(&cut, plane.normal.normalize(), plane.point);
-        }
-        let mut scene = Self::new(&cut);
+        let mut scene = Self::of_parts(parts);
         for (k, plane) in planes.iter().enumerate() {
             let normal = plane.normal.normalize();
             let (u, v) = normal.any_orthonormal_pair();
@@ -74,11 +98,70 @@ impl Scene {
         }
         Ok(scene)
     }
+
+    /// A scene of a mesh's parts, the first of them what is kept; with bits of
+    /// the planes that each lies beyond.
+    fn of_parts(parts: Vec<(u8, Mesh)>) -> Self {
+        let groups: Vec<usize> = parts.iter().map(|(_, part)| part.triangles.len()).collect();
+        let mut ends = Vec::with_capacity(parts.len());
+        let (mut all, mut kept) = (Mesh::default(), None);
+        for (beyond, part) in parts {
+            if kept.is_none() {
+                let bounds = finite_bounds(&part.positions).unwrap_or_default();
+                kept = Some((part.positions.len(), part.triangles.len(), bounds));
+                all = part;
+            } else {
+                append(&mut all, &part);
+            }
+            ends.push((all.triangles.len(), beyond));
+        }
+        let triangles = std::mem::take(&mut all.triangles);
+        let normals = std::mem::take(&mut all.corner_normals);
+        let mut scene = Self::without_normals(&all, triangles, &groups).with_normals(normals);
+        for cluster in &mut scene.clusters {
+            let first = cluster.first_triangle as usize;
+            let part = ends.iter().find(|(end, _)| first < *end);
+            cluster.beyond = part.map_or(0, |(_, beyond)| *beyond);
+        }
+        if let Some((vertices, triangles, (low, high))) = kept {
+            (scene.kept_vertices, scene.kept_triangles) = (vertices, triangles);
+            (scene.low, scene.high) = (low, high);
+        }
+        scene
+    }
 }
 
-/// The part of a mesh behind a plane. Vertices on cut edges are shared.
-fn cut_mesh(mesh: &Mesh, normal: DVec3, point: DVec3) -> Mesh {
-    let distance = |p: DVec3| normal.dot(p - point);
+/// Adds the triangles of a part, and the vertices they name, to a mesh.
+fn append(mesh: &mut Mesh, part: &Mesh) {
+    let mut numbers = vec![None; part.positions.len()];
+    for triangle in &part.triangles {
+        let triangle = triangle.map(|v| {
+            *numbers[v as usize].get_or_insert_with(|| {
+                mesh.positions.push(part.positions[v as usize]);
+                mesh.positions.len() as u32 - 1
+            })
+        });
+        mesh.triangles.push(triangle);
+    }
+    mesh.corner_normals.extend(&part.corner_normals);
+    mesh.triangle_surfaces.extend(&part.triangle_surfaces);
+}
+
+/// A side of a section plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// What the plane keeps.
+    Behind,
+    /// What it cuts away.
+    Beyond,
+}
+
+/// The part of a mesh on one side of a plane, with its feature edges where it
+/// is kept. Vertices on cut edges are shared, and the same for both sides. A
+/// face in the plane goes with the matter behind it.
+fn cut_mesh(mesh: &Mesh, plane: &SectionPlane, side: Side) -> Mesh {
+    let normal = plane.normal.normalize();
+    let distance = |p: DVec3| normal.dot(p - plane.point);
     let mut cut = Mesh {
         positions: mesh.positions.clone(),
         surfaces: mesh.surfaces.clone(),
@@ -93,14 +176,21 @@ fn cut_mesh(mesh: &Mesh, normal: DVec3, point: DVec3) -> Mesh {
             continue;
         };
         let d = corners.map(distance);
+        let [a, b, c] = corners;
+        let behind = if d == [0.0; 3] {
+            [(b - a).cross(c - a).dot(normal) > 0.0; 3]
+        } else {
+            d.map(|d| d <= 0.0)
+        };
+        let inside = behind.map(|behind| behind == (side == Side::Behind));
         let normals = mesh.corner_normals[index];
         let mut polygon: Vec<(u32, Vec3)> = Vec::with_capacity(4);
         let mut on_plane = Vec::with_capacity(2);
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-            if d[i] <= 0.0 {
+            if inside[i] {
                 polygon.push((triangle[i], normals[i]));
             }
-            if (d[i] <= 0.0) != (d[j] <= 0.0) {
+            if inside[i] != inside[j] {
                 let (from, to) = (triangle[i].min(triangle[j]), triangle[i].max(triangle[j]));
                 let t = d[i] / (d[i] - d[j]);
                 let at = corners[i].lerp(corners[j], t);
@@ -124,7 +214,7 @@ fn cut_mesh(mesh: &Mesh, normal: DVec3, point: DVec3) -> Mesh {
             outline.push(on_plane);
         }
     }
-    if !mesh.feature_edges.is_empty() {
+    if side == Side::Behind && !mesh.feature_edges.is_empty() {
         for line in &mesh.feature_edges {
             for pair in line.windows(2) {
                 let ends = [pair[0], pair[1]];
@@ -172,7 +262,11 @@ fn ends_of(mesh: &Mesh, [a, b]: [u32; 2]) -> Option<[DVec3; 2]> {
 /// The section planes of one frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Caps {
+    /// Those that have the viewer on the side cut away: rays enter through
+    /// them, and leave through others.
     planes: Vec<Option<CapPlane>>,
+    /// Bits of those.
+    entries: u8,
 }
 
 /// A section plane as seen: at the sample (x, y), in sub-pixels from the
@@ -197,7 +291,7 @@ impl Caps {
     pub fn new(sections: &[Section], matrix: &FrameMatrix) -> Self {
         let [x, y, z, w] = matrix.rows.map(Vec4::as_dvec4);
         let viewer = matrix.viewer;
-        let planes = sections
+        let planes: Vec<_> = sections
             .iter()
             .map(|section| {
                 // Only a cut that faces the viewer shows its cap.
@@ -215,7 +309,15 @@ impl Caps {
                 })
             })
             .collect();
-        Self { planes }
+        let bits = planes.iter().enumerate();
+        let entries = bits.fold(0, |bits, (k, plane)| bits | u8::from(plane.is_some()) << k);
+        Self { planes, entries }
+    }
+
+    /// Whether triangles beyond these planes are drawn: if some ray may meet
+    /// them after its entry.
+    pub fn wants(&self, beyond: u8) -> bool {
+        beyond == 0 || (self.entries != 0 && beyond & self.entries == 0)
     }
 
     /// The point of a cap at a sample, relative to the scene's centre.
@@ -230,30 +332,47 @@ impl Caps {
             })
     }
 
-    /// The section plane through which the ray of a sample enters what is
-    /// left, with its reversed depth; it must lie in front of `behind`.
-    fn entry(&self, sections: &[Section], x: f64, y: f64, behind: f32) -> Option<(usize, f32)> {
-        let mut found: Option<(usize, f32)> = None;
+    /// Where the ray of a sample enters what is kept, if it does so
+    /// beyond the near plane.
+    fn entry(&self, sections: &[Section], x: f64, y: f64) -> Option<Entry> {
+        let mut last: Option<(f64, usize, DVec4)> = None;
         for (k, plane) in self.planes.iter().enumerate() {
             let Some(plane) = plane else { continue };
             let p = plane.at(x, y);
-            let depth = plane.depth.dot(p) as f32;
-            if p.w > 0.0 && depth >= behind && found.is_none_or(|(_, kept)| depth < kept) {
-                found = Some((k, depth));
+            let depth = plane.depth.dot(p);
+            // Behind the viewer the ray has left for good.
+            if p.w <= 0.0 {
+                return None;
+            }
+            if last.is_none_or(|(before, ..)| depth < before) {
+                last = Some((depth, k, p));
             }
         }
-        // What the other planes cut away there is not solid any more.
-        let (k, depth) = found?;
-        let point = self.point(k, x, y);
-        let inside = sections
-            .iter()
-            .enumerate()
-            .all(|(j, s)| j == k || s.normal.dot(point) <= s.offset * 1.0001 + 1e-6);
-        inside.then_some((k, depth))
+        let (depth, plane, p) = last.filter(|(depth, ..)| *depth <= 1.0)?;
+        let behind = |s: &Section| s.normal.extend(-s.offset).as_dvec4().dot(p) <= 0.0;
+        let exits = sections.iter().zip(&self.planes);
+        let kept = exits
+            .filter(|(_, entry)| entry.is_none())
+            .all(|(s, _)| behind(s));
+        Some(Entry {
+            plane,
+            depth: depth as f32,
+            kept,
+        })
     }
 }
 
-/// Turns the samples of a tile that show the back of a face into cap.
+/// Where a ray enters what section planes keep.
+struct Entry {
+    plane: usize,
+    /// Reversed.
+    depth: f32,
+    /// Whether it does, or has left through another plane before.
+    kept: bool,
+}
+
+/// Turns the samples of a tile that show the back of a face into cap, and
+/// clears those that show what is cut away.
 pub(crate) fn cap_tile(
     buffer: &mut TileBuffer,
     origin: [i32; 2],
@@ -275,7 +394,9 @@ pub(crate) fn cap_tile(
                 if id != last.0 {
                     last = (id, faces_away(scene, matrix, id as usize));
                 }
-                if !last.1 {
+                let back = last.1;
+                let cut_away = id as usize >= scene.kept_triangles;
+                if !back && !cut_away {
                     continue;
                 }
                 let column = block % BLOCKS * BLOCK + lane % BLOCK;
@@ -286,21 +407,42 @@ pub(crate) fn cap_tile(
                 };
                 let depth = &mut depths[block][lane];
                 let (x, y) = (at(column, 0), at(row, 1));
-                if let Some((k, cap)) = caps.entry(&scene.sections, x, y, *depth) {
-                    *depth = cap;
-                    numbers[block][lane] = capped(id, k);
+                let entry = if back {
+                    caps.entry(&scene.sections, x, y)
+                } else {
+                    None
+                };
+                // The back of a face that is kept proves that what is before
+                // it is kept as well, up to rounding.
+                if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
+                    *depth = entry.depth;
+                    numbers[block][lane] = capped(id, entry.plane);
+                } else if cut_away {
+                    *depth = 0.0;
+                    numbers[block][lane] = NO_TRIANGLE;
                 }
             }
         }
     }
 }
 
-/// Whether a triangle shows its back: by the side of its plane the viewer is
-/// on.
+/// Whether a triangle shows its back: as it was filled, its corners snapped;
+/// where it was clipped, by the side of its plane the viewer is on.
 fn faces_away(scene: &Scene, matrix: &FrameMatrix, triangle: usize) -> bool {
     let Some(corners) = scene.corners(triangle) else {
         return false;
     };
+    let snapped = corners.map(|p| {
+        let inverse = 1.0 / matrix.precise_row(3, p);
+        let at = |row| (matrix.precise_row(row, p) * inverse).round_ties_even();
+        (inverse > 0.0).then(|| DVec2::new(at(0), at(1)))
+    });
+    if let [Some(a), Some(b), Some(c)] = snapped {
+        let area = (c - a).perp_dot(b - a);
+        if area != 0.0 {
+            return area * f64::from(matrix.orientation) < 0.0;
+        }
+    }
     let [a, b, c] = corners.map(Vec3::as_dvec3);
     let viewer = matrix.viewer.as_dvec4();
     let normal = (b - a).cross(c - a);

@@ -141,10 +141,18 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             dx.store(&mut found.down[k]);
         }
         // Depth is a plane through the corners where they are, not where they
-        // were snapped to; unless a sliver has no area there. In double
-        // precision: steep faces turn little errors of positions into large
-        // ones of depth.
+        // were snapped to (but see `GeometryContext::snaps_depth`); unless a
+        // sliver has no area there. In double precision: steep faces turn
+        // little errors of positions into large ones of depth.
         let z = triple!(|K| s.load_f(&corners.z[K]));
+        let (x, y) = if context.snaps_depth() {
+            (
+                triple!(|K| snapped_x[K].to_double()),
+                triple!(|K| snapped_y[K].to_double()),
+            )
+        } else {
+            (x, y)
+        };
         let dz1 = z[1].to_double() - z[0].to_double();
         let dz2 = z[2].to_double() - z[0].to_double();
         let (dx1, dy1) = (x[1] - x[0], y[1] - y[0]);
@@ -209,7 +217,8 @@ pub(crate) fn set_up_triangles<S: Lanes>(
         big &= big - 1;
         let corners = [0, 1, 2]
             .map(|c| DVec3::new(corners.x[c][k], corners.y[c][k], f64::from(corners.z[c][k])));
-        set_up_one(corners, corner_plane(corners), first + k, context, bins);
+        let plane = corner_plane(corners.map(|p| context.depth_corner(p)));
+        set_up_one(corners, plane, first + k, context, bins);
     }
 }
 
@@ -329,7 +338,7 @@ pub(crate) fn depth_plane([p, q, r]: [DVec4; 3]) -> Option<DepthPlane> {
 /// The plane through corners after the division. From differences to one of
 /// them, which keeps slivers far from the middle of the picture exact; `None`
 /// if one has less than half of its area before its corners are snapped.
-fn corner_plane([p, q, r]: [DVec3; 3]) -> Option<DepthPlane> {
+pub(crate) fn corner_plane([p, q, r]: [DVec3; 3]) -> Option<DepthPlane> {
     let (d1, d2) = (q - p, r - p);
     let area = d1.x * d2.y - d2.x * d1.y;
     let [p0, q0, r0] = [p, q, r].map(|v| v.truncate().round());

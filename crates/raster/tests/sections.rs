@@ -1,0 +1,230 @@
+//! Several section planes together, held against the solid itself: at every
+//! pixel the first point of the ray in what is left, or none.
+
+mod common;
+
+use csg::Mesh;
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+use raster::{
+    AntiAliasing, Camera, Image, Lens, Level, RenderOptions, Renderer, Scene, SectionPlane, View,
+    Viewport,
+};
+
+const SIZE: u32 = 48;
+
+/// A cube of side 2 around the origin with a hollow of this half-side, if any,
+/// cut by planes.
+#[derive(Debug)]
+struct Solid {
+    hollow: Option<f64>,
+    planes: Vec<SectionPlane>,
+}
+
+impl Solid {
+    fn mesh(&self) -> Mesh {
+        let cube = common::cuboid(DVec3::NEG_ONE, DVec3::ONE);
+        let Some(half) = self.hollow else { return cube };
+        let mut hollow = common::cuboid(DVec3::splat(-half), DVec3::splat(half));
+        for triangle in &mut hollow.triangles {
+            triangle.swap(1, 2);
+        }
+        common::merge(cube, &hollow)
+    }
+
+    /// The first parameter in 0..1 at which `from` + t (`to` - `from`) is in
+    /// the solid.
+    fn first(&self, from: DVec3, to: DVec3) -> Option<f64> {
+        let mut range = [0.0, 1.0];
+        for plane in &self.planes {
+            clip(&mut range, plane.normal, plane.point, from, to);
+        }
+        clip_to_cube(&mut range, 1.0, from, to);
+        if let Some(half) = self.hollow {
+            let mut hollow = [0.0, 1.0];
+            clip_to_cube(&mut hollow, half, from, to);
+            if hollow[0] <= range[0] && range[0] < hollow[1] {
+                range[0] = hollow[1];
+            }
+        }
+        (range[0] < range[1]).then_some(range[0])
+    }
+}
+
+/// Whether a ray meets the outside and the hollow of the cube before it is cut.
+fn meets(solid: &Solid, from: DVec3, to: DVec3) -> [bool; 2] {
+    [1.0, solid.hollow.unwrap_or_default()].map(|half| {
+        let mut range = [0.0, 1.0];
+        clip_to_cube(&mut range, half, from, to);
+        range[0] < range[1]
+    })
+}
+
+/// Cuts a range of a ray's parameter to the half-space behind a plane.
+fn clip(range: &mut [f64; 2], normal: DVec3, point: DVec3, from: DVec3, to: DVec3) {
+    let (start, change) = (normal.dot(from - point), normal.dot(to - from));
+    let crossing = -start / change;
+    if change < 0.0 {
+        range[0] = range[0].max(crossing);
+    } else if change > 0.0 {
+        range[1] = range[1].min(crossing);
+    } else if start > 0.0 {
+        range[1] = range[0];
+    }
+}
+
+fn clip_to_cube(range: &mut [f64; 2], half: f64, from: DVec3, to: DVec3) {
+    for normal in [DVec3::X, DVec3::Y, DVec3::Z] {
+        for normal in [normal, -normal] {
+            clip(range, normal, normal * half, from, to);
+        }
+    }
+}
+
+fn draw(level: Level, scene: &Scene, view: &View, options: &RenderOptions) -> (Renderer, Image) {
+    let mut renderer = Renderer::with_level(level);
+    let mut image = Image::default();
+    renderer
+        .draw(scene, view, SIZE, SIZE, options, &mut image)
+        .unwrap();
+    (renderer, image)
+}
+
+/// A depth that changes by more within a hundredth of a pixel is that of
+/// different faces.
+const EDGE: f64 = 0.02;
+
+/// Holds every pixel against the solid, but for those that an edge, be it cut
+/// away or not, passes within a hundredth of a pixel or, with several samples,
+/// within a pixel. Returns how many pixels showed a cap.
+fn check(solid: &Solid, view: &View) -> usize {
+    let scene = Scene::with_sections(&solid.mesh(), &solid.planes).unwrap();
+    let viewport = Viewport::of_image(SIZE, SIZE);
+    let rays = |x: u32, y: u32, reach: f64| {
+        let offsets = [
+            (0.0, 0.0),
+            (-1.0, -1.0),
+            (-1.0, 1.0),
+            (1.0, -1.0),
+            (1.0, 1.0),
+        ];
+        offsets.map(|(dx, dy)| {
+            let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let offset = DVec2::new(dx, dy) * reach;
+            viewport.ray(view, centre + offset).unwrap()
+        })
+    };
+    let truth_of = |rays: [(DVec3, DVec3); 5]| {
+        rays.map(|(near, far)| Some(near.lerp(far, solid.first(near, far)?)))
+    };
+    let options = RenderOptions::default();
+    let (renderer, image) = draw(Level::default(), &scene, view, &options);
+    let mut multisampled = RenderOptions::default();
+    multisampled.anti_aliasing = AntiAliasing::Msaa4;
+    let (_, smooth) = draw(Level::default(), &scene, view, &multisampled);
+    let mut caps = 0;
+    for (x, y) in (0..SIZE * SIZE).map(|k| (k % SIZE, k / SIZE)) {
+        let close = rays(x, y, 0.01);
+        let met = close.map(|(near, far)| meets(solid, near, far));
+        if met.iter().any(|m| *m != met[0]) {
+            continue;
+        }
+        let truth = truth_of(close);
+        let shown = renderer.pick(&scene, view, x, y);
+        if truth.iter().all(Option::is_none) {
+            assert_eq!(shown, None, "({x}, {y}) shows what is not there");
+            assert_eq!(image.get(x, y).unwrap()[3], 0);
+        } else if let Some(truth) = truth.iter().copied().collect::<Option<Vec<DVec3>>>() {
+            let point = shown
+                .unwrap_or_else(|| panic!("a hole at ({x}, {y})"))
+                .point;
+            let spread = truth.iter().map(|p| p.distance(truth[0]));
+            let spread = spread.fold(0.0, f64::max);
+            let error = point.distance(truth[0]);
+            assert!(
+                spread > EDGE || error <= 1e-4 + spread,
+                "({x}, {y}): {point} for {}",
+                truth[0]
+            );
+            let on = |p: &SectionPlane| (p.normal.dot(truth[0] - p.point)).abs() < 1e-9;
+            caps += usize::from(solid.planes.iter().any(on));
+        }
+        let truth = truth_of(rays(x, y, 1.0));
+        let alpha = smooth.get(x, y).unwrap()[3];
+        // No edge passes between: what is left of the cube is convex.
+        if solid.hollow.is_none() && truth.iter().all(Option::is_some) {
+            assert_eq!(alpha, 255, "a hole in a sample of ({x}, {y})");
+        }
+    }
+    for options in [options, multisampled] {
+        let (_, portable) = draw(Level::PORTABLE, &scene, view, &options);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .unwrap();
+        let (_, alone) = pool.install(|| draw(Level::default(), &scene, view, &options));
+        assert!(portable == alone);
+    }
+    caps
+}
+
+fn view(mesh: &Mesh, direction: DVec3, lens: Lens) -> View {
+    let camera = Camera::framing(mesh, direction, DVec3::Z, lens, 1.0).unwrap();
+    camera.view(SIZE, SIZE).unwrap()
+}
+
+const LENSES: [Lens; 2] = [Lens::DEFAULT, Lens::Orthographic { height: 1.0 }];
+
+/// A ray that enters by one cut and leaves by the other meets no face at all.
+#[test]
+fn a_quarter_taken_out_leaves_no_hole_in_the_caps() {
+    let plane = |normal: DVec3| SectionPlane {
+        normal,
+        point: DVec3::ZERO,
+    };
+    for normals in [
+        &[DVec3::NEG_Y, DVec3::NEG_X][..],
+        &[DVec3::NEG_Y, DVec3::X],
+        &[DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z],
+        &[
+            DVec3::NEG_Y,
+            DVec3::X,
+            DVec3::NEG_Z,
+            DVec3::new(1.0, 0.3, 1.0),
+        ],
+    ] {
+        for hollow in [None, Some(0.5)] {
+            let planes = normals.iter().map(|n| plane(*n)).collect();
+            let solid = Solid { hollow, planes };
+            for lens in LENSES {
+                let view = view(&solid.mesh(), DVec3::new(-1.0, 1.0, -1.0), lens);
+                assert!(check(&solid, &view) > 50);
+            }
+        }
+    }
+}
+
+fn vector() -> impl Strategy<Value = DVec3> {
+    [-1.0..1.0, -1.0..1.0, -1.0..1.0f64]
+        .prop_map(DVec3::from_array)
+        .prop_filter("too short", |v| v.length() > 0.1)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn several_planes_show_what_is_left(
+        planes in prop::collection::vec((vector(), vector()), 1..=4),
+        hollow in prop::option::of(0.2..0.8f64),
+        direction in vector(),
+        lens in prop::sample::select(&LENSES[..]),
+    ) {
+        let planes = planes.into_iter().map(|(normal, point)| SectionPlane {
+            normal,
+            point: point * 0.7,
+        });
+        let solid = Solid { hollow, planes: planes.collect() };
+        check(&solid, &view(&solid.mesh(), direction, lens));
+    }
+}
