@@ -212,6 +212,12 @@ fn mesh_of_curved(
     /// Chords turn by no more than about this, in radians; less where faces
     /// cannot be cut into triangles so.
     const TURNS: [f64; 3] = [0.5, 0.2, 0.06];
+    /// Of so many curves some nearly touch another one: cells do better, and take
+    /// no longer.
+    const MOST_BLOCKS: usize = 256;
+    if blocks.len() > MOST_BLOCKS {
+        return Ok(None);
+    }
     for turn in TURNS {
         let start = Instant::now();
         let pieces = trace(

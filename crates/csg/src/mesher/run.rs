@@ -264,13 +264,11 @@ impl<'a> Run<'a> {
         let control = self.control.again(Demand::Cells(cell));
         let task = Task::new(self.program, bounds, cell, &control);
         let evaluated = self.evaluated(&task, factor, report)?;
-        // Cells are no better at a few places in a large mesh, nor if what was
-        // asked for does not fit a limit.
-        let is_final = |(mesh, report): &(Mesh, Report)| {
-            1000 * report.complaints() <= mesh.triangles.len() || !report.limits_reached.is_empty()
-        };
+        // Cells are no better where what was asked for does not fit a limit.
+        let is_final =
+            |report: &Report| report.complaints() == 0 || !report.limits_reached.is_empty();
         let (mut mesh, attempt) = match evaluated {
-            Some(evaluated) if is_final(&evaluated) => evaluated,
+            Some(evaluated) if is_final(&evaluated.1) => evaluated,
             other => {
                 let mut attempt = report.clone();
                 let by_cells = self.by_cells_alone(&task, factor, &mut attempt);
