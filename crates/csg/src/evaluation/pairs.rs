@@ -419,6 +419,8 @@ fn on_rulings(
         match roots.simple.as_slice() {
             [] if discriminant.constant < 0.0 => {}
             [] => parts.extend([false, true].map(|last| Part::Around { last })),
+            // Rounding took one of a pair.
+            angles if angles.len() % 2 == 1 => return Err(Unknown::NoForm),
             angles => {
                 let is_between = discriminant.value(0.5 * (angles[0] + angles[1])) > 0.0;
                 for k in (usize::from(!is_between)..angles.len()).step_by(2) {
