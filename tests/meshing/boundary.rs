@@ -61,8 +61,7 @@ fn solids() -> Vec<(&'static str, Solid, f64, f64, i64)> {
             12.0,
             0,
         ),
-        // A ball that touches the wall of its hole all around, and one that
-        // rests on a plate.
+        // The ball touches the rod all around.
         (
             "ball joint",
             Solid::cylinder(0.5, -1.0..0.0) | Solid::sphere(0.5),

@@ -85,9 +85,9 @@ impl Limits {
     }
 
     /// What fits the limits, in place of an error: cells or the tolerance, and
-    /// with the latter the angle, are made larger until it does. An error is left for what cannot be had at
-    /// any size, and for a limit of time that is over before the coarsest mesh
-    /// is made.
+    /// with the latter the angle, are made larger until it does. An error is
+    /// left for what cannot be had at any size, and for a limit of time that is
+    /// over before the coarsest mesh is made.
     pub fn partial(mut self) -> Self {
         self.partial = true;
         self

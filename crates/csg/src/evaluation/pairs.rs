@@ -249,12 +249,13 @@ fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Curves, Unknow
             return Ok(curves);
         }
         if touches {
-            // Through the apex of a cone, or touching a saddle.
+            // Two lines that cross: through the apex of a cone, or in a saddle
+            // that the plane touches.
             if quadric
                 .apex()
                 .is_none_or(|apex| apex.distance(center) > near)
             {
-                return Err(Unknown::Touch);
+                return Err(Unknown::NoForm);
             }
             for sign in [1.0, -1.0] {
                 let direction = second.abs().sqrt() * u + sign * first.abs().sqrt() * v;
@@ -579,6 +580,39 @@ mod tests {
             }
         }
         off(0.5 * (low + high))
+    }
+
+    /// It cuts the saddle in two lines, for which there is no form yet: they must
+    /// not be taken for a single point.
+    #[test]
+    fn a_plane_that_touches_a_saddle_is_not_passed_over() {
+        let surface = |quadratic, linear, constant| Surface {
+            anchor: DVec3::ZERO,
+            quadratic,
+            linear,
+            constant,
+        };
+        let saddle = surface([1.0, 1.0, -1.0, 0.0, 0.0, 0.0], DVec3::ZERO, -1.0);
+        let frame = Frame::of(&saddle);
+        let saddle = Framed {
+            surface: &saddle,
+            frame: frame.as_ref(),
+        };
+        for (x, wanted) in [(1.0, None), (0.5, Some(2)), (1.5, Some(2))] {
+            let plane = Surface {
+                anchor: x * DVec3::X,
+                ..surface([0.0; 6], DVec3::X, 0.0)
+            };
+            let plane = Framed {
+                surface: &plane,
+                frame: None,
+            };
+            let found = curves(plane, saddle, 1e-9);
+            assert_eq!(found.as_ref().map(Curves::len).ok(), wanted, "{x}");
+            if wanted.is_none() {
+                assert!(matches!(found, Err(Unknown::NoForm)), "{x}");
+            }
+        }
     }
 
     #[test]

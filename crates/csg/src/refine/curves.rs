@@ -57,6 +57,8 @@ impl<'a> Stretch<'a> {
         goal: &Goal,
         precision: f64,
     ) -> Option<Self> {
+        /// What turns more often between two vertices is no curve, in radians.
+        const MOST_TURN: f64 = 3.0 * std::f64::consts::PI;
         let mut stretch = Self {
             surfaces,
             points: [from; STEPS + 1],
@@ -80,8 +82,6 @@ impl<'a> Stretch<'a> {
         stretch.points[STEPS] = to;
         let mut densities = [0.0; STEPS + 1];
         // At an apex there is no gradient.
-        // What turns more often between two vertices is no curve.
-        const MOST_TURN: f64 = 3.0 * std::f64::consts::PI;
         let middle = from.midpoint(to);
         let least = surfaces.map(|s| 1e-3 * s.gradient(middle).length());
         for (i, density) in densities.iter_mut().enumerate() {
