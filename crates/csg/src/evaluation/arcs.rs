@@ -367,7 +367,8 @@ impl Arc<'_> {
         if wedges.is_empty() {
             return;
         }
-        let chords = self.curve.chords(from.0, to.0, turn);
+        let size = 0.5 * (self.block.high - self.block.low).max_element();
+        let chords = self.curve.chords(from.0, to.0, turn, size);
         let mut before = from.1;
         for k in 1..=chords {
             let here = if k == chords {

@@ -9,7 +9,7 @@ use crate::program::Surface;
 
 /// A curve, as a function of a parameter t.
 #[derive(Clone, Debug)]
-pub(super) enum Curve {
+pub(crate) enum Curve {
     /// point + t direction, of unit length.
     Line { point: DVec3, direction: DVec3 },
     /// center + cos t a + sin t b.
@@ -31,7 +31,7 @@ pub(super) enum Curve {
 /// The points of the rulings point + s direction that lie on a surface: both
 /// vary with the angle about the axis.
 #[derive(Clone, Debug)]
-pub(super) struct Rulings {
+pub(crate) struct Rulings {
     pub is_cone: bool,
     pub center: DVec3,
     pub a: DVec3,
@@ -45,7 +45,7 @@ pub(super) struct Rulings {
 
 /// What part of the rulings a curve takes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(crate) enum Part {
     /// All of them, each where it meets the other surface first or last.
     Around { last: bool },
     /// All of them, each where it touches the other surface.
@@ -250,27 +250,36 @@ impl Curve {
     }
 
     /// Into how many chords the curve should be cut between two places so that
-    /// it turns by no more than about `turn` along each.
-    pub fn chords(&self, from: f64, to: f64, turn: f64) -> u32 {
-        let total = match self {
+    /// each turns by no more than about `turn` where its radius of curvature is
+    /// `size`, and strays as far where it is another one, but turns by no more
+    /// than twice that. So chords keep their order where curves touch.
+    pub fn chords(&self, from: f64, to: f64, turn: f64, size: f64) -> u32 {
+        let (total, length) = match self {
             Self::Line { .. } => return 1,
-            Self::Ellipse { .. } => to - from,
+            Self::Ellipse { a, b, .. } => {
+                (to - from, (to - from) * (a.length() * b.length()).sqrt())
+            }
             _ => {
                 const STEPS: u32 = 16;
-                let at = |k: u32| from + f64::from(k) / f64::from(STEPS) * (to - from);
-                let direction = |k: u32| self.direction(at(k)).normalize_or_zero();
-                (0..STEPS)
-                    .map(|k| direction(k).distance(direction(k + 1)))
-                    .sum()
+                let place = |k: u32| from + f64::from(k) / f64::from(STEPS) * (to - from);
+                let (mut total, mut length) = (0.0, 0.0);
+                for k in 0..STEPS {
+                    let [t, u] = [k, k + 1].map(place);
+                    let directions = [t, u].map(|t| self.direction(t).normalize_or_zero());
+                    total += directions[0].distance(directions[1]);
+                    length += self.at(t).distance(self.at(u));
+                }
+                (total, length)
             }
         };
+        let turn = turn * (size * total / length).sqrt().min(2.0);
         (total / turn).ceil().clamp(1.0, 1e4) as u32
     }
 
     /// Adds where a surface crosses the curve between two places. Distances
     /// below `on` are rounding, and closer than `near` without crossing is
     /// touching.
-    pub fn meet(
+    pub(super) fn meet(
         &self,
         surface: &Surface,
         [start, end]: [f64; 2],

@@ -46,6 +46,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+pub(crate) use self::curve::Curve;
+pub(crate) use self::pairs::conics;
+
 use self::arcs::ArcTracer;
 use self::boundary::Boundary;
 use self::cells::{Block, cut};

@@ -26,7 +26,7 @@ pub(super) enum Unknown {
 }
 
 /// All curves of two surfaces.
-pub(super) type Curves = SmallVec<[Curve; 2]>;
+pub(crate) type Curves = SmallVec<[Curve; 2]>;
 
 /// Coefficients below this share of the largest are rounding.
 const NEGLIGIBLE: f64 = 1e-11;
@@ -187,6 +187,11 @@ fn radical_plane(a: &Surface, b: &Surface) -> Option<Option<Surface>> {
         linear: gradient / length,
         constant: 0.0,
     }))
+}
+
+/// The curves in which a plane cuts a quadric, where they are known.
+pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> Curves {
+    conic(plane, quadric, near).unwrap_or_default()
 }
 
 /// The conic in which a plane cuts a quadric.

@@ -3,7 +3,8 @@
 
 use glam::DVec3;
 
-use super::curves::Stretch;
+use super::conics::OnConic;
+use super::curves::Stretches;
 use super::half_edges::{HalfEdges, Kind, next};
 use super::shape::faces_out_in_the_middle;
 use super::{Goal, deviation};
@@ -16,6 +17,8 @@ pub(super) struct Division {
     /// Which of the points each of the chain's edges ends in, counted from 1;
     /// the last one in none of them, one past all.
     pub ends: Vec<u32>,
+    /// The plane in which the chain's two surfaces meet if neither is one.
+    pub plane: Option<Surface>,
 }
 
 /// Every curve between two different surfaces of which one is curved, from
@@ -64,6 +67,24 @@ fn onward(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
         .find(|&spoke| spoke != back && mesh.is_feature(spoke))
 }
 
+/// A curve measured in chords, with the vertices of a chain along it.
+pub(super) trait Course {
+    /// How many chords it takes, as a real number.
+    fn chords(&self) -> f64;
+
+    /// The share of all chords up to each vertex, the first and the last one
+    /// included.
+    fn shares(&self) -> Vec<f64>;
+
+    /// The points that cut it into so many chords that stray alike; `None` if it
+    /// could not be followed.
+    fn points(&self, chords: u32) -> Option<Vec<DVec3>>;
+
+    /// Two surfaces that meet in it, for which a chord's distance is bounded
+    /// best.
+    fn surfaces(&self) -> [&Surface; 2];
+}
+
 /// Finds the points for a chain: as few as the tolerance asks for, but no
 /// fewer chords than the chain has edges. `None` where the curve could not be
 /// followed.
@@ -73,24 +94,28 @@ pub(super) fn divide(
     goal: &Goal,
     precision: f64,
 ) -> Option<Division> {
-    const MOST_TRIES: usize = 3;
     let surfaces = [mesh.surface(chain[0]), mesh.surface(mesh.twin(chain[0]))];
-    let stretches = chain
-        .iter()
-        .map(|&half| {
-            let (from, to) = (mesh.at(mesh.origin(half)), mesh.at(mesh.target(half)));
-            Stretch::new(surfaces, from, to, goal, precision)
-        })
-        .collect::<Option<Vec<_>>>()?;
-    let edges = chain.len() as u32;
-    let total: f64 = stretches.iter().map(Stretch::chords).sum();
-    let mut chords = ((total - 1e-3).ceil() as u32).max(edges);
+    let starts = chain.iter().map(|&half| mesh.at(mesh.origin(half)));
+    let end = mesh.at(mesh.target(chain[chain.len() - 1]));
+    let vertices: Vec<DVec3> = starts.chain([end]).collect();
+    if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {
+        let plane = course.plane();
+        return divide_course(&course, &vertices, goal)
+            .map(|division| Division { plane, ..division });
+    }
+    let course = Stretches::new(surfaces, &vertices, goal, precision)?;
+    divide_course(&course, &vertices, goal)
+}
+
+fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Option<Division> {
+    const MOST_TRIES: usize = 3;
+    let edges = vertices.len() as u32 - 1;
+    let mut chords = ((course.chords() - 1e-3).ceil() as u32).max(edges);
     let mut points = Vec::new();
     for tries in 1..=MOST_TRIES {
-        points = points_along(&stretches, total, chords)?;
-        let first = mesh.at(mesh.origin(chain[0]));
-        let last = mesh.at(mesh.target(chain[chain.len() - 1]));
-        let excess = farthest(surfaces, first, &points, last) / goal.tolerance;
+        points = course.points(chords)?;
+        let ends = [vertices[0], vertices[edges as usize]];
+        let excess = farthest(course.surfaces(), ends, &points) / goal.tolerance;
         // Curvature is the whole story only where it hardly changes.
         if excess <= 1.0 || excess > 2.0 || tries == MOST_TRIES {
             break;
@@ -98,37 +123,23 @@ pub(super) fn divide(
         chords = (f64::from(chords) * excess.sqrt()) as u32 + 1;
     }
     // Every vertex goes to the nearest point.
-    let mut ends = Vec::with_capacity(chain.len());
-    let (mut sum, mut before) = (0.0, 0);
-    for (k, stretch) in (1..edges).zip(&stretches) {
-        sum += stretch.chords();
-        let nearest = (sum / total * f64::from(chords)).round() as u32;
+    let mut ends = Vec::with_capacity(edges as usize);
+    let mut before = 0;
+    for (k, share) in (1..edges).zip(course.shares().into_iter().skip(1)) {
+        let nearest = (share * f64::from(chords)).round() as u32;
         before = nearest.clamp(before + 1, chords - (edges - k));
         ends.push(before);
     }
     ends.push(chords);
-    Some(Division { points, ends })
+    Some(Division {
+        points,
+        ends,
+        plane: None,
+    })
 }
 
-/// The points that cut a row of stretches into equal chords.
-fn points_along(stretches: &[Stretch<'_>], total: f64, chords: u32) -> Option<Vec<DVec3>> {
-    let mut points = Vec::with_capacity(chords as usize);
-    let mut rest = stretches.iter();
-    let (mut stretch, mut sum) = (rest.next()?, 0.0);
-    for i in 1..chords {
-        let wanted = f64::from(i) / f64::from(chords) * total;
-        while wanted > sum + stretch.chords()
-            && let Some(after) = rest.next()
-        {
-            sum += stretch.chords();
-            stretch = after;
-        }
-        points.push(stretch.point_at((wanted - sum) / stretch.chords())?);
-    }
-    Some(points)
-}
-
-fn farthest(surfaces: [&Surface; 2], first: DVec3, points: &[DVec3], last: DVec3) -> f64 {
+/// The largest distance of a chord.
+fn farthest(surfaces: [&Surface; 2], [first, last]: [DVec3; 2], points: &[DVec3]) -> f64 {
     let mut before = first;
     let mut farthest = 0.0f64;
     for &point in points.iter().chain([&last]) {

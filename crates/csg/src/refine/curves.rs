@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use super::Goal;
+use super::chains::Course;
 use crate::net::solve;
 use crate::program::Surface;
 
@@ -15,7 +16,7 @@ use crate::program::Surface;
 const STEPS: usize = 16;
 
 /// A measured stretch of a curve between two points on it.
-pub(super) struct Stretch<'a> {
+struct Stretch<'a> {
     surfaces: [&'a Surface; 2],
     /// Points along it, and the integral up to each.
     points: [DVec3; STEPS + 1],
@@ -48,9 +49,66 @@ fn bends(surfaces: [&Surface; 2], at: DVec3) -> Option<(f64, f64)> {
     Some((curvature, turn(surfaces[0], g1).max(turn(surfaces[1], g2))))
 }
 
-impl<'a> Stretch<'a> {
+/// The stretches between the vertices of a chain.
+pub(super) struct Stretches<'a>(Vec<Stretch<'a>>);
+
+impl<'a> Stretches<'a> {
     /// `None` where the curve could not be followed.
     pub fn new(
+        surfaces: [&'a Surface; 2],
+        vertices: &[DVec3],
+        goal: &Goal,
+        precision: f64,
+    ) -> Option<Self> {
+        let stretch = |w: &[DVec3]| Stretch::new(surfaces, w[0], w[1], goal, precision);
+        vertices
+            .windows(2)
+            .map(stretch)
+            .collect::<Option<_>>()
+            .map(Self)
+    }
+}
+
+impl Course for Stretches<'_> {
+    fn chords(&self) -> f64 {
+        self.0.iter().map(Stretch::chords).sum()
+    }
+
+    fn shares(&self) -> Vec<f64> {
+        let total = self.chords();
+        let ends = self.0.iter().scan(0.0, |sum, stretch| {
+            *sum += stretch.chords();
+            Some(*sum / total)
+        });
+        std::iter::once(0.0).chain(ends).collect()
+    }
+
+    fn points(&self, chords: u32) -> Option<Vec<DVec3>> {
+        let total = self.chords();
+        let mut points = Vec::with_capacity(chords as usize);
+        let mut rest = self.0.iter();
+        let (mut stretch, mut sum) = (rest.next()?, 0.0);
+        for i in 1..chords {
+            let wanted = f64::from(i) / f64::from(chords) * total;
+            while wanted > sum + stretch.chords()
+                && let Some(after) = rest.next()
+            {
+                sum += stretch.chords();
+                stretch = after;
+            }
+            points.push(stretch.point_at((wanted - sum) / stretch.chords())?);
+        }
+        Some(points)
+    }
+
+    fn surfaces(&self) -> [&Surface; 2] {
+        self.0[0].surfaces
+    }
+}
+
+impl<'a> Stretch<'a> {
+    /// `None` where the curve could not be followed.
+    fn new(
         surfaces: [&'a Surface; 2],
         from: DVec3,
         to: DVec3,
@@ -77,7 +135,7 @@ impl<'a> Stretch<'a> {
         }
         for i in 1..STEPS {
             let start = from + i as f64 / STEPS as f64 * along;
-            stretch.points[i] = stretch.on_curve(start, 0.5 * along.length())?;
+            stretch.points[i] = on_curve(surfaces, start, 0.5 * along.length(), precision)?;
         }
         stretch.points[STEPS] = to;
         let mut densities = [0.0; STEPS + 1];
@@ -129,50 +187,57 @@ impl<'a> Stretch<'a> {
     }
 
     /// How many chords it takes, as a real number.
-    pub fn chords(&self) -> f64 {
+    fn chords(&self) -> f64 {
         self.chords[STEPS]
     }
 
     /// The point up to which it takes `share` of all chords.
-    pub fn point_at(&self, share: f64) -> Option<DVec3> {
+    fn point_at(&self, share: f64) -> Option<DVec3> {
         let wanted = share * self.chords();
         let i = self.chords.partition_point(|&c| c < wanted).clamp(1, STEPS);
         let (low, high) = (self.chords[i - 1], self.chords[i]);
         let (p, q) = (self.points[i - 1], self.points[i]);
         let start = p.lerp(q, ((wanted - low) / (high - low)).clamp(0.0, 1.0));
-        self.on_curve(start, p.distance(q))
+        on_curve(self.surfaces, start, p.distance(q), self.precision)
     }
+}
 
-    fn on_curve(&self, start: DVec3, reach: f64) -> Option<DVec3> {
-        if let Some(point) = self.nearby(start, reach) {
-            return Some(point);
-        }
-        let solution = solve::common_point(&self.surfaces, start, reach);
-        let is_near = solution.point.distance_squared(start) <= reach * reach;
-        (is_near && solution.residual <= self.precision).then_some(solution.point)
+/// A point of the curve in which two surfaces meet, within `reach` of another
+/// one; as near to both as `precision`.
+pub(super) fn on_curve(
+    surfaces: [&Surface; 2],
+    start: DVec3,
+    reach: f64,
+    precision: f64,
+) -> Option<DVec3> {
+    if let Some(point) = nearby(surfaces, start, reach, precision) {
+        return Some(point);
     }
+    let solution = solve::common_point(&surfaces, start, reach);
+    let is_near = solution.point.distance_squared(start) <= reach * reach;
+    (is_near && solution.residual <= precision).then_some(solution.point)
+}
 
-    /// The same by a few of Newton's steps across the curve, which is enough
-    /// where the surfaces cross at an angle.
-    fn nearby(&self, start: DVec3, reach: f64) -> Option<DVec3> {
-        const MOST_STEPS: usize = 6;
-        let mut point = start;
-        for _ in 0..MOST_STEPS {
-            let [g1, g2] = self.surfaces.map(|s| s.gradient(point));
-            let [f1, f2] = self.surfaces.map(|s| s.value(point));
-            let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
-            let determinant = g11 * g22 - g12 * g12;
-            if determinant <= 1e-4 * g11 * g22 {
-                return None;
-            }
-            let (a, b) = (f1 * g22 - f2 * g12, f2 * g11 - f1 * g12);
-            let step = (a * g1 + b * g2) / determinant;
-            point -= step;
-            // What is left is of the order of the step's square.
-            if step.length_squared() <= 1e-9 * self.precision * reach {
-                return (point.distance_squared(start) <= reach * reach).then_some(point);
-            }
+/// The same by a few of Newton's steps across the curve, which is enough where
+/// the surfaces cross at an angle.
+fn nearby(surfaces: [&Surface; 2], start: DVec3, reach: f64, precision: f64) -> Option<DVec3> {
+    const MOST_STEPS: usize = 6;
+    let mut point = start;
+    for _ in 0..MOST_STEPS {
+        let [g1, g2] = surfaces.map(|s| s.gradient(point));
+        let [f1, f2] = surfaces.map(|s| s.value(point));
+        let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
+        let determinant = g11 * g22 - g12 * g12;
+        if determinant <= 1e-4 * g11 * g22 {
+            return None;
         }
-        None
+        let (a, b) = (f1 * g22 - f2 * g12, f2 * g11 - f1 * g12);
+        let step = (a * g1 + b * g2) / determinant;
+        point -= step;
+        // What is left is of the order of the step's square.
+        if step.length_squared() <= 1e-9 * precision * reach {
+            return (point.distance_squared(start) <= reach * reach).then_some(point);
+        }
     }
+    None
 }

@@ -245,6 +245,14 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     if surfaces.iter().all(|s| s.is_plane()) {
         return at_ends[0].max(at_ends[1]);
     }
+    let [a, b] = surfaces;
+    let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
+    if plane.is_plane() {
+        let bound = of_chord_in_plane(plane, surface, p, q);
+        if bound < f64::INFINITY {
+            return bound + plane.value(p).abs().max(plane.value(q).abs());
+        }
+    }
     let touch = |at: DVec3| {
         /// Sine of an angle that is none.
         const PARALLEL: f64 = 1e-6;
@@ -254,14 +262,6 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     if touch(p) && touch(q) {
         let bounds = surfaces.map(|s| of_triangle(s, [p, q, q]));
         return bounds[0].max(bounds[1]);
-    }
-    let [a, b] = surfaces;
-    let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
-    if plane.is_plane() {
-        let bound = of_chord_in_plane(plane, surface, p, q);
-        if bound < f64::INFINITY {
-            return bound + plane.value(p).abs().max(plane.value(q).abs());
-        }
     }
     let chord = Chord {
         surfaces,

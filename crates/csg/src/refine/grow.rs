@@ -14,6 +14,7 @@
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
+use super::conics::Planes;
 use super::flips::{flip_all, flip_and_note};
 use super::half_edges::{HalfEdges, Kind, NONE, next};
 use super::regions::{Bend, Way};
@@ -37,6 +38,7 @@ pub(super) struct Grower<'m, 's> {
     pub(super) goal: &'m Goal,
     /// How near a point must come to its surfaces.
     precision: f64,
+    pub planes: Planes,
     pub(super) pieces: Vec<Piece>,
     /// Edges to be looked at for flipping.
     pub(super) stack: Vec<u32>,
@@ -59,6 +61,7 @@ impl<'m, 's> Grower<'m, 's> {
             mesh,
             goal,
             precision,
+            planes: Planes::default(),
             pieces: Vec::new(),
             fine: Fine::default(),
             stack: Vec::new(),
@@ -116,6 +119,11 @@ impl<'m, 's> Grower<'m, 's> {
         let Some(division) = divide(self.mesh, chain, self.goal, self.precision) else {
             return false;
         };
+        if let Some(plane) = division.plane {
+            let sides = [chain[0], self.mesh.twin(chain[0])];
+            let pair = sides.map(|side| self.mesh.surface_index(side));
+            self.planes.add(pair, plane);
+        }
         if !move_vertices(self.mesh, chain, &division) {
             return false;
         }
@@ -213,7 +221,14 @@ impl<'m, 's> Grower<'m, 's> {
             .max(surface.gradient(q).length());
         let gradient = surface.gradient(0.5 * (p + q)).length().max(0.2 * ends);
         let sag = 0.125 * surface.curvature_along(q - p).abs();
-        let for_distance = (sag / (self.goal.aim() * gradient)).sqrt();
+        // Across a developable face edges are as long as the chords of curves,
+        // which are the longest that the tolerance allows.
+        let aim = if developable {
+            self.goal.tolerance
+        } else {
+            self.goal.aim()
+        };
+        let for_distance = (sag / (aim * gradient)).sqrt();
         match self.goal.angle {
             None => for_distance,
             Some(angle) => {

@@ -15,6 +15,7 @@
 
 mod chains;
 mod coarsen;
+mod conics;
 mod curves;
 pub(crate) mod deviation;
 mod flips;
@@ -29,6 +30,7 @@ mod tessellate;
 
 use glam::DVec3;
 
+use self::conics::Planes;
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
 use self::regions::Way;
@@ -160,8 +162,8 @@ pub(crate) fn to_tolerance(
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
     grower.run(control)?;
-    let (unkept, fine) = (grower.unkept, grower.fine);
-    let mut outcome = measure(&mesh, &fine, goal);
+    let (unkept, fine, planes) = (grower.unkept, grower.fine, grower.planes);
+    let mut outcome = measure(&mesh, &fine, &planes, ON_SURFACE * size, goal);
     outcome.unkept.splice(0..0, unkept);
     hand_back(&mesh, &fine, surfaced);
     control.check_triangles(surfaced.triangles.len())?;
@@ -169,7 +171,13 @@ pub(crate) fn to_tolerance(
 }
 
 /// Bounds how far the mesh strays.
-fn measure(mesh: &HalfEdges<'_>, fine: &Fine, goal: &Goal) -> Outcome {
+fn measure(
+    mesh: &HalfEdges<'_>,
+    fine: &Fine,
+    planes: &Planes,
+    precision: f64,
+    goal: &Goal,
+) -> Outcome {
     let mut outcome = Outcome::default();
     let mut note = |bound: f64, place: DVec3| {
         if bound > outcome.deviation {
@@ -195,8 +203,10 @@ fn measure(mesh: &HalfEdges<'_>, fine: &Fine, goal: &Goal) -> Outcome {
             let other = mesh.surface(twin);
             if side < twin && !std::ptr::eq(surface, other) {
                 let [p, q] = [side, twin].map(|side| mesh.at(mesh.origin(side)));
-                let bound = deviation::of_chord([surface, other], p, q);
-                note(bound, 0.5 * (p + q));
+                let pair = [side, twin].map(|side| mesh.surface_index(side));
+                // Two quadrics that meet in a plane are bounded best there.
+                let plane = planes.through(pair, [p, q], precision).unwrap_or(other);
+                note(deviation::of_chord([surface, plane], p, q), 0.5 * (p + q));
             }
         }
     }

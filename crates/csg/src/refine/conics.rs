@@ -1,0 +1,436 @@
+//! The conics among the curves in which two surfaces meet.
+//!
+//! They are what a plane has in common with a quadric, and two quadrics with
+//! each other if some combination of them is a plane or a pair of planes. As a
+//! function x(t) of the parameters of [`Curve`] all of them have |x′ × x″| the
+//! same everywhere, so that a chord over a short interval δ strays by
+//! δ² |x′ × x″| / 8 |x′|: where to cut one into chords that stray alike, which
+//! [`super::curves`] finds by steps for any curve, takes here no more than the
+//! length of x′ at some places.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+
+use super::Goal;
+use super::chains::Course;
+use super::curves::on_curve;
+use crate::evaluation::{Curve, conics};
+use crate::program::Surface;
+
+/// An ellipse, a parabola, or a branch of a hyperbola.
+pub(super) struct Conic {
+    curve: Curve,
+    /// The plane in which it lies.
+    plane: Surface,
+    /// |x′ × x″|.
+    bend: f64,
+}
+
+/// Surfaces nearer to each other than this many times the precision touch.
+const NEAR: f64 = 1e3;
+
+/// Vertices farther from a conic than this many times the precision are not on
+/// it.
+const ON_CONIC: f64 = 1e2;
+
+/// The planes in which pairs of quadrics meet, as far as they were found.
+#[derive(Default)]
+pub(super) struct Planes(FxHashMap<[u32; 2], SmallVec<[Surface; 2]>>);
+
+impl Planes {
+    pub fn add(&mut self, mut pair: [u32; 2], plane: Surface) {
+        pair.sort_unstable();
+        self.0.entry(pair).or_default().push(plane);
+    }
+
+    /// The one in which two points of a pair's curves lie.
+    pub fn through(
+        &self,
+        mut pair: [u32; 2],
+        points: [DVec3; 2],
+        precision: f64,
+    ) -> Option<&Surface> {
+        pair.sort_unstable();
+        let is_on = |plane: &Surface, p: DVec3| plane.value(p).abs() <= ON_CONIC * precision;
+        let mut planes = self.0.get(&pair)?.iter();
+        planes.find(|plane| points.iter().all(|&p| is_on(plane, p)))
+    }
+}
+
+/// The plane in which two quadrics a and b meet between two points common to
+/// them, if they do.
+///
+/// A combination a - λ b that is a pair of planes vanishes along the line
+/// through two points of one of the planes, which tells λ; its gradient there
+/// is that plane's normal.
+fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
+    /// Coefficients below this share of the largest are rounding.
+    const NEGLIGIBLE: f64 = 1e-11;
+    let along = q - p;
+    let [bend_a, bend_b] = [a, b].map(|s| s.curvature_along(along));
+    // A chord of neither, but for rounding.
+    if bend_b.abs() <= 1e-6 * along.length_squared() {
+        return None;
+    }
+    let factor = bend_a / bend_b;
+    let scale = 1.0 + factor.abs();
+    // A third of the way: the middle may lie in the other plane too.
+    let anchor = p + along / 3.0;
+    let normal = a.gradient(anchor) - factor * b.gradient(anchor);
+    let size = a.gradient(anchor).length() + factor.abs() * b.gradient(anchor).length();
+    if normal.length() <= 1e-4 * size {
+        return None;
+    }
+    let normal = normal.normalize_or_zero();
+    let (u, v) = normal.any_orthonormal_pair();
+    let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
+    let vanishes = bends.iter().all(|bend| bend.abs() <= NEGLIGIBLE * scale);
+    vanishes.then_some(Surface {
+        anchor,
+        quadratic: [0.0; 6],
+        linear: normal,
+        constant: 0.0,
+    })
+}
+
+impl Conic {
+    /// The one of two surfaces that goes through the vertices of a chain.
+    pub fn through(
+        surfaces: [&Surface; 2],
+        vertices: &[DVec3],
+        precision: f64,
+    ) -> Option<(Self, Vec<f64>)> {
+        let [a, b] = surfaces;
+        let (plane, quadric) = if a.is_plane() {
+            (*a, b)
+        } else if b.is_plane() {
+            (*b, a)
+        } else {
+            let off = |p: &DVec3| p.distance_squared(vertices[0]);
+            let far = vertices
+                .iter()
+                .copied()
+                .max_by(|p, q| off(p).total_cmp(&off(q)))?;
+            (common_plane(surfaces, vertices[0], far)?, a)
+        };
+        let curves = conics(&plane, quadric, NEAR * precision).into_iter();
+        let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
+        conics.find_map(|conic| {
+            let stops = conic.parameters(vertices, ON_CONIC * precision)?;
+            Some((conic, stops))
+        })
+    }
+
+    /// None for lines.
+    fn new(curve: Curve, plane: Surface) -> Option<Self> {
+        let bend = match curve {
+            Curve::Ellipse { a, b, .. } | Curve::Hyperbola { a, b, .. } => a.cross(b).length(),
+            Curve::Parabola { a, b, .. } => 2.0 * a.cross(b).length(),
+            Curve::Line { .. } | Curve::Rulings(_) => return None,
+        };
+        Some(Self { curve, plane, bend })
+    }
+
+    /// The parameter of a point on it, of an ellipse up to whole turns.
+    fn parameter(&self, point: DVec3) -> f64 {
+        let coordinates = |center: DVec3, a: DVec3, b: DVec3| {
+            let d = point - center;
+            let (aa, bb, ab) = (a.length_squared(), b.length_squared(), a.dot(b));
+            let (x, y) = (d.dot(a), d.dot(b));
+            let determinant = aa * bb - ab * ab;
+            (
+                (x * bb - y * ab) / determinant,
+                (y * aa - x * ab) / determinant,
+            )
+        };
+        match self.curve {
+            Curve::Ellipse { center, a, b, .. } => {
+                let (x, y) = coordinates(center, a, b);
+                y.atan2(x)
+            }
+            Curve::Hyperbola { center, a, b } => coordinates(center, a, b).1.asinh(),
+            Curve::Parabola {
+                point: vertex, a, ..
+            } => (point - vertex).dot(a) / a.length_squared(),
+            Curve::Line { .. } | Curve::Rulings(_) => f64::NAN,
+        }
+    }
+
+    /// The parameters of vertices in a row along it, none farther from the one
+    /// before than half a turn; `None` if they are not.
+    fn parameters(&self, vertices: &[DVec3], limit: f64) -> Option<Vec<f64>> {
+        /// So much of half a turn is still clearly less.
+        const CLEARLY: f64 = 0.95;
+        let is_periodic = self.curve.is_closed();
+        let mut row: Vec<f64> = Vec::with_capacity(vertices.len());
+        for &vertex in vertices {
+            let mut t = self.parameter(vertex);
+            if self.curve.at(t).distance_squared(vertex) > limit * limit {
+                return None;
+            }
+            if let Some(&before) = row.last().filter(|_| is_periodic) {
+                t += TAU * ((before - t) / TAU).round();
+            }
+            row.push(t);
+        }
+        let forward = row.last() > row.first();
+        let fits = |w: &[f64]| {
+            let step = if forward { w[1] - w[0] } else { w[0] - w[1] };
+            step > 0.0 && !(is_periodic && step > CLEARLY * PI)
+        };
+        row.windows(2).all(fits).then_some(row)
+    }
+}
+
+/// A measured part of a conic, with vertices along it.
+pub(super) struct OnConic<'a> {
+    surfaces: [&'a Surface; 2],
+    conic: Conic,
+    precision: f64,
+    /// The parameters of the vertices.
+    stops: Vec<f64>,
+    /// Of the conic between places at equal steps of the parameter.
+    step: f64,
+    /// At each place how many chords there are in a unit of the parameter, and
+    /// up to there.
+    places: Vec<(f64, f64)>,
+}
+
+impl<'a> OnConic<'a> {
+    /// `None` if the vertices do not lie in a row along a conic.
+    pub fn new(
+        surfaces: [&'a Surface; 2],
+        vertices: &[DVec3],
+        goal: &Goal,
+        precision: f64,
+    ) -> Option<Self> {
+        /// Between two places, in radians or what comes near it.
+        const STEP: f64 = 0.2;
+        const MOST_STEPS: f64 = 256.0;
+        let (conic, stops) = Conic::through(surfaces, vertices, precision)?;
+        let (from, to) = (stops[0], stops[stops.len() - 1]);
+        let count = ((to - from).abs() / STEP).ceil().clamp(1.0, MOST_STEPS);
+        let step = (to - from) / count;
+        let mut places: Vec<(f64, f64)> = Vec::with_capacity(count as usize + 1);
+        for i in 0..=count as u32 {
+            let t = from + f64::from(i) * step;
+            let along = conic.curve.direction(t);
+            let for_distance = (conic.bend / (8.0 * goal.tolerance * along.length())).sqrt();
+            let for_angle = goal.angle.map_or(0.0, |angle| {
+                let at = conic.curve.at(t);
+                // H x′, from the gradient's change along x′.
+                let turns = surfaces.map(|s| {
+                    let gradient = s.gradient(at);
+                    let change = s.gradient(at + along) - gradient;
+                    change.reject_from(gradient).length() / gradient.length()
+                });
+                turns[0].max(turns[1]) / angle
+            });
+            let density = for_distance.max(for_angle);
+            let sum = places.last().map_or(0.0, |&(before, sum)| {
+                sum + 0.5 * (before + density) * step.abs()
+            });
+            places.push((density, sum));
+        }
+        let total = places.last()?.1;
+        (total.is_finite() && total > 0.0).then_some(Self {
+            surfaces,
+            conic,
+            precision,
+            stops,
+            step,
+            places,
+        })
+    }
+
+    /// The plane in which two quadrics meet.
+    pub fn plane(&self) -> Option<Surface> {
+        let meets_plane = self.surfaces.iter().any(|s| s.is_plane());
+        (!meets_plane).then_some(self.conic.plane)
+    }
+
+    fn point(&self, t: f64) -> Option<DVec3> {
+        let point = self.conic.curve.at(t);
+        let is_on = |s: &Surface| {
+            let limit = self.precision * self.precision * s.gradient(point).length_squared();
+            s.value(point).powi(2) <= limit
+        };
+        if self.surfaces.iter().all(|s| is_on(s)) {
+            Some(point)
+        } else {
+            on_curve(
+                self.surfaces,
+                point,
+                ON_CONIC * self.precision,
+                self.precision,
+            )
+        }
+    }
+}
+
+impl Course for OnConic<'_> {
+    fn chords(&self) -> f64 {
+        self.places[self.places.len() - 1].1
+    }
+
+    fn shares(&self) -> Vec<f64> {
+        let share = |&t: &f64| {
+            let steps = (t - self.stops[0]) / self.step;
+            let i = (steps as usize).min(self.places.len() - 2);
+            let rest = steps - i as f64;
+            let ((low, sum), (high, _)) = (self.places[i], self.places[i + 1]);
+            let part = (low + 0.5 * (high - low) * rest) * rest * self.step.abs();
+            (sum + part) / self.chords()
+        };
+        self.stops.iter().map(share).collect()
+    }
+
+    fn points(&self, chords: u32) -> Option<Vec<DVec3>> {
+        let mut points = Vec::with_capacity(chords as usize);
+        let mut i = 0;
+        for k in 1..chords {
+            let wanted = f64::from(k) / f64::from(chords) * self.chords();
+            while i + 2 < self.places.len() && self.places[i + 1].1 < wanted {
+                i += 1;
+            }
+            // The density between two places is linear: of the share x of a step
+            // the integral is low x + (high - low) x² / 2.
+            let ((low, sum), (high, _)) = (self.places[i], self.places[i + 1]);
+            let left = (wanted - sum) / self.step.abs();
+            let root = (low * low + 2.0 * (high - low) * left).max(0.0).sqrt();
+            let steps = i as f64 + 2.0 * left / (low + root);
+            points.push(self.point(self.stops[0] + steps * self.step)?);
+        }
+        Some(points)
+    }
+
+    fn surfaces(&self) -> [&Surface; 2] {
+        let [a, b] = self.surfaces;
+        if a.is_plane() || b.is_plane() {
+            self.surfaces
+        } else {
+            [&self.conic.plane, a]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::solve;
+    use crate::refine::deviation;
+    use crate::{Program, Solid};
+
+    /// The first two surfaces of two solids.
+    fn surfaces(solids: [Solid; 2]) -> [Surface; 2] {
+        solids.map(|solid| Program::lower(&solid).expect("valid").surfaces()[0])
+    }
+
+    /// Points along the curve of two surfaces near some others.
+    fn along([a, b]: [&Surface; 2], near: &[[f64; 3]]) -> Vec<DVec3> {
+        let point = |&p: &[f64; 3]| solve::common_point(&[a, b], p.into(), 1.0).point;
+        near.iter().map(point).collect()
+    }
+
+    #[test]
+    fn conics_are_cut_into_chords_that_stray_alike() {
+        let rod = Solid::infinite_cylinder(1.0);
+        let cone = Solid::infinite_cone(0.5);
+        let level = |z: f64| Solid::half_space([0.0, 0.0, 1.0], z);
+        let upright = Solid::half_space([1.0, 0.0, 0.0], 0.3);
+        let slanted = Solid::half_space([-0.5, 0.0, 1.0], 0.4);
+        let cases = [
+            // A circle, with the chain around more than half of it.
+            (
+                [level(0.2), rod.clone()],
+                vec![
+                    [1.0, 0.0, 0.2],
+                    [0.0, 1.0, 0.2],
+                    [-1.0, 0.1, 0.2],
+                    [-0.3, -1.0, 0.2],
+                ],
+            ),
+            // Ellipses.
+            (
+                [slanted, rod.clone()],
+                vec![[1.0, 0.0, 0.9], [0.0, 1.0, 0.4], [-1.0, 0.0, -0.1]],
+            ),
+            (
+                [rod.clone(), rod.rotate_x(PI / 2.0)],
+                vec![[0.9, 0.4, 0.4], [0.2, 0.9, 0.9]],
+            ),
+            // Two spheres: a circle.
+            (
+                [
+                    Solid::sphere(1.0),
+                    Solid::sphere(0.8).translate([0.6, 0.3, 0.1]),
+                ],
+                vec![[0.7, 0.5, 0.5], [0.7, -0.5, 0.5]],
+            ),
+            // A hyperbola.
+            (
+                [upright, cone],
+                vec![[0.3, -1.0, 2.0], [0.3, 0.0, 0.6], [0.3, 2.0, 4.0]],
+            ),
+            // A parabola.
+            (
+                [
+                    Solid::half_space([1.0, 0.0, 0.0], 0.3),
+                    Solid::paraboloid([1.0, 1.0]),
+                ],
+                vec![[0.3, -1.0, 1.0], [0.3, 2.0, 4.0]],
+            ),
+        ];
+        let goal = Goal {
+            tolerance: 1e-4,
+            promised: 1e-4,
+            angle: None,
+        };
+        for (case, (solids, near)) in cases.into_iter().enumerate() {
+            let surfaces = surfaces(solids);
+            let pair = [&surfaces[0], &surfaces[1]];
+            let vertices = along(pair, &near);
+            let course = OnConic::new(pair, &vertices, &goal, 1e-12);
+            let course = course.unwrap_or_else(|| panic!("case {case}: no conic"));
+            let chords = course.chords().ceil();
+            assert!(chords > 10.0, "case {case}: {chords}");
+            let mut points = course.points(chords as u32).expect("points");
+            points.insert(0, vertices[0]);
+            points.push(vertices[vertices.len() - 1]);
+            for (share, &vertex) in course.shares().into_iter().zip(&vertices) {
+                let off = |k: &usize| points[*k].distance(vertex);
+                let nearest = (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+                let nearest = nearest.expect("points") as f64;
+                assert!((nearest - share * chords).abs() < 0.6, "case {case}");
+            }
+            for &point in &points {
+                assert!(
+                    solve::residual(pair.into_iter(), point) < 1e-12,
+                    "case {case}"
+                );
+            }
+            let bounds = points
+                .windows(2)
+                .map(|w| deviation::of_chord(course.surfaces(), w[0], w[1]));
+            let (least, most) =
+                bounds.fold((f64::INFINITY, 0.0f64), |(l, m), b| (l.min(b), m.max(b)));
+            let wanted = 1e-4 * (course.chords() / chords).powi(2);
+            assert!(
+                least > 0.97 * wanted && most < 1.03 * wanted,
+                "case {case}: {least} {most} {wanted}"
+            );
+        }
+    }
+
+    #[test]
+    fn curves_of_degree_four_are_no_conics() {
+        let thin = Solid::infinite_cylinder(0.5).rotate_x(PI / 2.0);
+        let surfaces = surfaces([Solid::infinite_cylinder(1.0), thin]);
+        let pair = [&surfaces[0], &surfaces[1]];
+        let vertices = along(pair, &[[0.5, 0.9, 0.1], [0.0, 1.0, 0.5]]);
+        assert!(Conic::through(pair, &vertices, 1e-12).is_none());
+    }
+}
