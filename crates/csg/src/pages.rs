@@ -8,8 +8,6 @@
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bytemuck::Zeroable;
-
 /// Bytes in a huge page.
 const HUGE: usize = 2 << 20;
 
@@ -38,7 +36,7 @@ pub(crate) fn reserve<T>(buffer: &mut Vec<T>, len: usize) {
 ///
 /// # Panics
 /// If it left some out.
-pub(crate) fn extend<T: Zeroable, R>(
+pub(crate) fn extend<T: Copy, R>(
     buffer: &mut Vec<T>,
     additional: usize,
     write: impl FnOnce(Room<'_, T>) -> R,
@@ -47,39 +45,78 @@ pub(crate) fn extend<T: Zeroable, R>(
     let written = AtomicUsize::new(0);
     let room = Room {
         items: &mut buffer.spare_capacity_mut()[..additional],
+        count: 0,
         written: &written,
     };
     let result = write(room);
     assert_eq!(written.into_inner(), additional, "items that nobody wrote");
-    // SAFETY: `Room::zeroed` counts what it writes, and takes the room, so
-    // that no item is counted twice: all of the additional ones are there.
+    // SAFETY: rooms share no items, and each counts those that it wrote, once:
+    // all of the additional ones are there.
     unsafe { buffer.set_len(buffer.len() + additional) };
     result
 }
 
-/// Memory for items that are yet to be written.
+/// Memory for items that are yet to be written, in order.
 pub(crate) struct Room<'a, T> {
+    /// What is left of it.
     items: &'a mut [MaybeUninit<T>],
+    /// How many were written.
+    count: usize,
+    /// The same of all rooms together, of those that are gone.
     written: &'a AtomicUsize,
 }
 
-impl<'a, T: Zeroable> Room<'a, T> {
-    /// Room for the first `len` items, and the rest.
-    pub(crate) fn split_at(self, len: usize) -> (Self, Self) {
-        let written = self.written;
-        let (first, rest) = self.items.split_at_mut(len);
-        let of = |items| Self { items, written };
-        (of(first), of(rest))
+impl<T: Copy> Room<'_, T> {
+    /// Takes the room for the next `len` items.
+    pub(crate) fn split(&mut self, len: usize) -> Self {
+        Self {
+            items: self.next(len),
+            count: 0,
+            written: self.written,
+        }
     }
 
-    /// The items, all zeroes.
-    pub(crate) fn zeroed(self) -> &'a mut [T] {
-        for item in &mut *self.items {
-            item.write(T::zeroed());
+    /// Writes the next items.
+    #[inline]
+    pub(crate) fn copy(&mut self, items: &[T]) {
+        self.next(items.len()).write_copy_of_slice(items);
+        self.count += items.len();
+    }
+
+    /// Writes the next `2 * count` items, pair by pair.
+    #[inline(always)]
+    pub(crate) fn pairs(&mut self, count: usize, mut pair: impl FnMut(usize) -> [T; 2]) {
+        for (index, slots) in self.next(2 * count).chunks_exact_mut(2).enumerate() {
+            let [first, second] = pair(index);
+            slots[0].write(first);
+            slots[1].write(second);
         }
-        self.written.fetch_add(self.items.len(), Ordering::Relaxed);
-        // SAFETY: all of them were just written.
-        unsafe { self.items.assume_init_mut() }
+        self.count += 2 * count;
+    }
+
+    /// Writes the next `len` items, all alike.
+    #[inline]
+    pub(crate) fn fill(&mut self, len: usize, item: T) {
+        for slot in self.next(len) {
+            slot.write(item);
+        }
+        self.count += len;
+    }
+}
+
+impl<'a, T> Room<'a, T> {
+    /// Takes the next `len` items.
+    #[inline]
+    fn next(&mut self, len: usize) -> &'a mut [MaybeUninit<T>] {
+        let (next, rest) = std::mem::take(&mut self.items).split_at_mut(len);
+        self.items = rest;
+        next
+    }
+}
+
+impl<T> Drop for Room<'_, T> {
+    fn drop(&mut self) {
+        self.written.fetch_add(self.count, Ordering::Relaxed);
     }
 }
 
@@ -127,16 +164,16 @@ mod tests {
         for additional in [0, 1, 1000, 600_000, 1, 1_400_000] {
             let held = buffer.len() as u32;
             reserve(&mut buffer, 2 * additional);
-            extend(&mut buffer, additional, |room| {
-                let (first, rest) = room.split_at(additional / 3);
+            extend(&mut buffer, additional, |mut room| {
+                let mut first = room.split(additional / 3);
                 // In whatever order.
-                rest.zeroed().fill(7);
-                assert!(first.zeroed().iter().all(|&item| item == 0));
+                room.fill(additional - additional / 3, 7);
+                first.copy(&vec![5; additional / 3]);
             });
             let (old, new) = buffer.split_at(held as usize);
             assert!((0..held).eq(old.iter().copied()));
             let (first, rest) = new.split_at(additional / 3);
-            assert!(first.iter().all(|&item| item == 0) && rest.iter().all(|&item| item == 7));
+            assert!(first.iter().all(|&item| item == 5) && rest.iter().all(|&item| item == 7));
             (0..).zip(&mut buffer).for_each(|(i, item)| *item = i);
             shrink(&mut buffer);
         }
@@ -147,8 +184,9 @@ mod tests {
     #[should_panic(expected = "items that nobody wrote")]
     fn items_left_out_are_not_taken_for_written() {
         let mut buffer: Vec<u32> = Vec::new();
-        extend(&mut buffer, 3, |room| {
-            room.split_at(1).1.zeroed();
+        extend(&mut buffer, 3, |mut room| {
+            room.split(1);
+            room.fill(2, 7);
         });
     }
 }

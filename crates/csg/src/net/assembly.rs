@@ -6,15 +6,15 @@ use glam::DVec3;
 
 use super::part::Part;
 use super::stitch::Leftovers;
-use crate::pages;
+use crate::pages::{self, Room};
 
 /// Where the vertices and triangles of one part go: two triangles for every
 /// polygon, in order.
 pub(super) struct Output<'a> {
-    pub positions: &'a mut [DVec3],
-    pub triangles: &'a mut [[u32; 3]],
+    pub positions: Room<'a, DVec3>,
+    pub triangles: Room<'a, [u32; 3]>,
     /// The triangles' entries in the mesh's table of surfaces.
-    pub surfaces: &'a mut [u32],
+    pub surfaces: Room<'a, u32>,
 }
 
 /// Vertices and triangles of the parts so far.
@@ -76,31 +76,24 @@ impl Assembly {
                 make_room(&mut self.surfaces, 2 * polygons, done);
             },
         );
-        let leftovers: Vec<Leftovers> = pages::extend(&mut self.positions, vertices, |positions| {
-            pages::extend(&mut self.triangles, 2 * polygons, |triangles| {
-                pages::extend(&mut self.surfaces, 2 * polygons, |surfaces| {
-                    let mut rest = (positions, triangles, surfaces);
-                    let mut rooms = Vec::with_capacity(added.len());
-                    for part in added {
-                        let (positions, triangles, surfaces);
-                        (positions, rest.0) = rest.0.split_at(part.vertices.len());
-                        (triangles, rest.1) = rest.1.split_at(2 * part.polygons.len());
-                        (surfaces, rest.2) = rest.2.split_at(2 * part.polygons.len());
-                        rooms.push((positions, triangles, surfaces));
-                    }
-                    let rooms = rooms.into_par_iter().zip(first..parts.len());
-                    let stitched = rooms.with_max_len(1).map(|(room, part)| {
-                        let mut out = Output {
-                            positions: room.0.zeroed(),
-                            triangles: room.1.zeroed(),
-                            surfaces: room.2.zeroed(),
+        let leftovers: Vec<Leftovers> =
+            pages::extend(&mut self.positions, vertices, |mut positions| {
+                pages::extend(&mut self.triangles, 2 * polygons, |mut triangles| {
+                    pages::extend(&mut self.surfaces, 2 * polygons, |mut surfaces| {
+                        let room = |part: &Part| Output {
+                            positions: positions.split(part.vertices.len()),
+                            triangles: triangles.split(2 * part.polygons.len()),
+                            surfaces: surfaces.split(2 * part.polygons.len()),
                         };
-                        stitch(part, &mut out)
-                    });
-                    stitched.collect()
+                        let rooms: Vec<Output<'_>> = added.iter().map(room).collect();
+                        let rooms = rooms.into_par_iter().zip(first..parts.len());
+                        let stitched = rooms.with_max_len(1);
+                        stitched
+                            .map(|(mut out, part)| stitch(part, &mut out))
+                            .collect()
+                    })
                 })
-            })
-        });
+            });
         let mut triangle = first_triangle;
         for ((p, part), leftovers) in (first..).zip(added).zip(leftovers) {
             let bad = leftovers.bad.into_iter();

@@ -334,6 +334,40 @@ pub(super) fn corners(mask: &Mask, sample: usize) -> u8 {
     (square(from(word)) | square(from(word + LAYER)) << 4) as u8
 }
 
+/// The rows of samples along x that bound a row of cells, 16 bits each: its
+/// own, the next along y, along z, and along both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beam(u64);
+
+impl Beam {
+    /// The beams of all rows, by y + 16z; those of the last ones along y and z
+    /// bound no cells.
+    #[inline(always)]
+    pub fn all(mask: &Mask) -> [Self; SAMPLES * SAMPLES] {
+        let mut rows = [0; SAMPLES * SAMPLES + SAMPLES + 1];
+        for (rows, word) in rows.chunks_exact_mut(4).zip(mask) {
+            for (i, row) in rows.iter_mut().enumerate() {
+                *row = word >> (16 * i) & 0xffff;
+            }
+        }
+        let mut beams = [Self(0); SAMPLES * SAMPLES];
+        for (i, beam) in beams.iter_mut().enumerate() {
+            let (next_y, next_z) = (i + 1, i + SAMPLES);
+            beam.0 = rows[i] | rows[next_y] << 16 | rows[next_z] << 32 | rows[next_z + 1] << 48;
+        }
+        beams
+    }
+
+    /// [`corners`] of the x-th cell.
+    #[inline(always)]
+    pub fn corners(self, x: usize) -> u8 {
+        const PAIRS: u64 = 0x0003_0003_0003_0003;
+        // Brings the pairs together, and nothing else to where they meet.
+        const TOGETHER: u64 = 1 << 48 | 1 << 34 | 1 << 20 | 1 << 6;
+        ((self.0 >> x & PAIRS).wrapping_mul(TOGETHER) >> 48) as u8
+    }
+}
+
 /// Whether one sample is set.
 #[inline(always)]
 pub(super) fn is_set(mask: &Mask, sample: usize) -> bool {

@@ -20,6 +20,7 @@
 mod assembly;
 mod brick;
 mod cleanup;
+mod lanes;
 mod lattice;
 mod loops;
 mod meet;
@@ -111,12 +112,10 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         let walked = batch.par_iter().zip(&mut rooms).with_max_len(1);
         walked
             .map(|(block, room)| {
-                let cells = cells_in(block.from, block.to);
-                let mut part = Part::with_room_for(cells, mem::take(room));
-                WALKER.with_borrow_mut(|walker| {
-                    arch.dispatch(WalkBlock(walker, &scene, block, &mut part, task.control));
+                let part = WALKER.with_borrow_mut(|walker| {
+                    arch.dispatch(WalkBlock(walker, &scene, block, task.control));
+                    walker.part.take(mem::take(room))
                 });
-                part.shrink();
                 progress.add(WALK);
                 part
             })
@@ -219,27 +218,22 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
 
 thread_local! {
     /// Scratch memory that every worker keeps from block to block and from
-    /// mesh to mesh, some 300 KiB: fresh pages cost more than a small mesh.
+    /// mesh to mesh, some 300 KiB and what the largest block left behind: fresh
+    /// pages cost more than a small mesh.
     static WALKER: RefCell<Walker> = RefCell::default();
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
 /// The work on one block, compiled for every SIMD level: what is inlined here
 /// runs on vectors as wide as the machine's.
-struct WalkBlock<'a, 's>(
-    &'a mut Walker,
-    &'a Scene<'s>,
-    &'a Block,
-    &'a mut Part,
-    &'a Control,
-);
+struct WalkBlock<'a, 's>(&'a mut Walker, &'a Scene<'s>, &'a Block, &'a Control);
 
 impl pulp::WithSimd for WalkBlock<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.0.block(self.1, self.2, self.3, self.4);
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        self.0.block(simd, self.1, self.2, self.3);
     }
 }
 
@@ -250,8 +244,8 @@ impl pulp::WithSimd for StitchPart<'_, '_, '_> {
     type Output = Leftovers;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Leftovers {
-        self.0.part(self.1, self.2, self.3)
+    fn with_simd<S: pulp::Simd>(self, simd: S) -> Leftovers {
+        self.0.part(simd, self.1, self.2, self.3)
     }
 }
 
@@ -347,11 +341,21 @@ struct Walker {
     pruner: Pruner,
     placer: Placer,
     pending: Vec<(UVec3, UVec3, usize)>,
+    /// What the block leaves behind.
+    part: Part,
 }
 
 impl Walker {
     #[inline(always)]
-    fn block(&mut self, scene: &Scene<'_>, block: &Block, part: &mut Part, control: &Control) {
+    fn block<S: pulp::Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        block: &Block,
+        control: &Control,
+    ) {
+        let part = &mut self.part;
+        part.clear();
         self.pending.clear();
         self.pending.push((block.from, block.to, 0));
         while let Some((from, to, level)) = self.pending.pop() {
@@ -375,7 +379,7 @@ impl Walker {
                 part.cells_pruned += cells_in(from, to);
             } else if to - from == UVec3::ONE {
                 let before = part.vertices.len();
-                self.placer.brick(scene, cell, from, part);
+                self.placer.brick(simd, scene, cell, from, part);
                 let bytes = BYTES_PER_VERTEX * (part.vertices.len() - before);
                 let cells = (CELLS * CELLS * CELLS) as u64;
                 if control.spend(cells, bytes as u64).is_err() {

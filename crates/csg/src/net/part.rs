@@ -1,6 +1,7 @@
 //! What classification and placement leave behind for stitching: per brick
 //! its cells, its vertices and the lattice edges that become polygons.
 
+use std::mem;
 use std::ops::Range;
 
 use glam::{DVec3, UVec3};
@@ -9,7 +10,7 @@ use super::lattice::CELLS;
 use super::loops::Loops;
 
 /// The output of one task: consecutive bricks, their lists concatenated.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     pub bricks: Vec<BrickRecord>,
     /// Simple cells, by lowest sample; the i-th of a brick has its i-th vertex.
@@ -35,27 +36,32 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// An empty part with room for what a smooth surface through a block of so
-    /// many cells leaves behind: about two of its cross-sections. Vertices are
-    /// put into `vertices`, memory that was in use before.
-    pub fn with_room_for(cells: u64, mut vertices: Vec<DVec3>) -> Self {
-        let section = (cells as f64).powf(2.0 / 3.0);
-        let room = (2.0 * section).min(1e6) as usize;
+    /// What was collected, in memory of just its size; but the vertices' memory
+    /// is given away in exchange for that of `vertices`, of some earlier part.
+    pub fn take(&mut self, mut vertices: Vec<DVec3>) -> Self {
         vertices.clear();
-        vertices.reserve(room);
+        let vertices = mem::replace(&mut self.vertices, vertices);
         Self {
-            cells: Vec::with_capacity(room),
-            polygons: Vec::with_capacity(room),
             vertices,
-            ..Self::default()
+            ..self.clone()
         }
     }
 
-    /// Gives back the room that was not needed.
-    pub fn shrink(&mut self) {
-        self.cells.shrink_to_fit();
-        self.polygons.shrink_to_fit();
-        self.borders.shrink_to_fit();
+    /// Forgets everything, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.bricks.clear();
+        self.cells.clear();
+        self.borders.clear();
+        self.complex.clear();
+        self.arcs.clear();
+        self.vertices.clear();
+        self.further_vertices.clear();
+        self.polygons.clear();
+        self.groups.clear();
+        self.fallbacks.clear();
+        self.surface_cells = 0;
+        self.bricks_sampled = 0;
+        self.cells_pruned = 0;
     }
 
     /// A record of a brick whose lists start where the part's end now.
@@ -87,26 +93,32 @@ impl Part {
         let vertices = &self.vertices[record.vertices.start as usize..];
         self.further_vertices
             .extend_from_slice(&vertices[cells.len()..]);
-        // Those in a last layer, without a branch for each.
-        let mut last = [(0, 0); MOST_IN_LAST_LAYERS + 1];
-        let mut count = 0;
-        for (i, &sample) in cells.iter().enumerate() {
-            last[count] = (sample, i as u16);
-            let is_last = |axis: usize| sample >> (4 * axis) & 15 == CELLS as u16 - 1;
-            count += usize::from(is_last(0) | is_last(1) | is_last(2));
-        }
-        for (axis, range) in record.borders.iter_mut().enumerate() {
-            range.start = self.borders.len() as u32;
-            for &(sample, index) in &last[..count] {
-                if sample >> (4 * axis) & 15 == CELLS as u16 - 1 {
-                    let point = vertices[usize::from(index)];
-                    self.borders.push(BorderVertex {
-                        point,
-                        sample,
-                        index,
-                    });
+        // Those in each last layer, without a branch for each.
+        let mut last = [[0u16; MOST_IN_LAST_LAYER + 1]; 3];
+        let mut counts = [0; 3];
+        for (chunk, cells) in cells.chunks(64).enumerate() {
+            let mut in_any = 0u64;
+            for (i, &sample) in cells.iter().enumerate() {
+                in_any |= u64::from(last_layers(sample) != 0) << i;
+            }
+            while in_any != 0 {
+                let i = in_any.trailing_zeros() as usize;
+                in_any &= in_any - 1;
+                let layers = last_layers(cells[i]);
+                for (axis, (last, count)) in last.iter_mut().zip(&mut counts).enumerate() {
+                    last[*count] = (64 * chunk + i) as u16;
+                    *count += usize::from(layers >> (4 * axis) & 1);
                 }
             }
+        }
+        for ((range, last), count) in record.borders.iter_mut().zip(&last).zip(counts) {
+            range.start = self.borders.len() as u32;
+            let last = last[..count].iter().map(|&index| BorderVertex {
+                point: vertices[usize::from(index)],
+                sample: cells[usize::from(index)],
+                index,
+            });
+            self.borders.extend(last);
             range.end = self.borders.len() as u32;
         }
         self.surface_cells += record.cells.len() as u64 + record.complex.len() as u64;
@@ -124,8 +136,17 @@ pub(super) struct BorderVertex {
     pub index: u16,
 }
 
-/// The cells of a brick that are in the last layer along some axis.
-const MOST_IN_LAST_LAYERS: usize = CELLS.pow(3) - (CELLS - 1).pow(3);
+/// The cells of a brick that are in the last layer along one axis.
+const MOST_IN_LAST_LAYER: usize = CELLS.pow(2);
+
+/// Bit 4a for every axis a along which a cell is in the last layer.
+#[inline(always)]
+fn last_layers(sample: u16) -> u16 {
+    // Its place along an axis is 14: 15 after one more, all bits set.
+    let next = sample + 0x111;
+    let pairs = next & next >> 1;
+    pairs & pairs >> 2 & 0x111
+}
 
 /// One brick's share of a [`Part`].
 #[derive(Clone, Debug)]

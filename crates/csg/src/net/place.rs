@@ -10,6 +10,7 @@ mod unseen;
 mod vertices;
 
 use glam::{DVec3, UVec3};
+use pulp::Simd;
 
 use self::vertices::{Candidate, Constraints};
 use super::brick::{self, Classified, List, Mask, Samples, WORDS};
@@ -139,7 +140,14 @@ impl Default for Crossings {
 impl Placer {
     /// Processes one brick: appends its vertices and polygons to `part`.
     #[inline(always)]
-    pub fn brick(&mut self, scene: &Scene<'_>, cell: &Cell, position: UVec3, part: &mut Part) {
+    pub fn brick<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        cell: &Cell,
+        position: UVec3,
+        part: &mut Part,
+    ) {
         let lattice = &scene.lattice;
         let first = position * CELLS as u32;
         for i in 0..SAMPLES {
@@ -159,7 +167,7 @@ impl Placer {
         self.one_surface = cell.surfaces.len() == 1;
         self.find_crossings(cell.surfaces.len(), &mut crossings);
         let record = part.open_brick(position);
-        self.place_simple(scene, cell, &crossings, part);
+        self.place_simple(simd, scene, cell, &crossings, part);
         self.find_causes(scene, cell, &crossings, part);
         self.place_slow(scene, cell, &record, part);
         self.place_arcs(scene, cell, &crossings, &record, part);

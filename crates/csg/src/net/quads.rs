@@ -2,7 +2,9 @@
 //! surface, many quads at a time.
 
 use glam::DVec3;
+use pulp::Simd;
 
+use super::lanes::{Reals, Vectors, cross, dot, minus};
 use crate::program::Surface;
 
 /// Quads handled together: so many that what is written coordinate by
@@ -11,14 +13,19 @@ pub(super) const LANES: usize = 32;
 /// A diagonal whose smaller triangle, seen along the normal, is no more than
 /// this share of the other's is not taken.
 const THIN: f64 = 0.125;
-/// A whole number of vectors of whatever width.
-const WHOLE: usize = 8;
-
 /// A vertex and where it lies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub point: DVec3,
     pub vertex: u32,
+}
+
+/// A side of a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Side<'a> {
+    pub surface: &'a Surface,
+    /// Whether the surface's gradient points into the solid.
+    pub reversed: bool,
 }
 
 /// The corners of many quads, coordinate by coordinate, and what was found
@@ -58,88 +65,79 @@ impl Quads {
         }
     }
 
-    /// Decides for the first `count` quads, whose corners lie on `surface`,
-    /// along which diagonal to cut them, and whether a triangle of theirs is
-    /// bad: folded over, or smaller than `least_area`. Whether any is.
+    /// Decides for the first `count` quads, whose corners lie on one side of a
+    /// surface, along which diagonal to cut them, and whether a triangle of
+    /// theirs is bad: folded over, or smaller than `least_area`. Whether any is.
     ///
     /// The diagonal whose midpoint is nearer to the surface wins, unless it
-    /// leaves a fold or a sliver that the other does not; on a plane the one whose smaller triangle is
-    /// larger. `reversed` says that the surface's gradient points into the
-    /// solid.
+    /// leaves a fold or a sliver that the other does not; on a plane the one
+    /// whose smaller triangle is larger.
     #[inline(always)]
-    pub fn judge(
+    pub fn judge<S: Simd>(
         &mut self,
-        surface: &Surface,
-        reversed: bool,
+        simd: S,
+        side: Side<'_>,
         least_area: f64,
         count: usize,
     ) -> bool {
-        let sign = if reversed { -1.0 } else { 1.0 };
-        let lanes = count.next_multiple_of(WHOLE).min(LANES);
-        if surface.is_plane() {
-            self.judge_on::<true>(surface, sign, least_area, lanes);
+        let vectors = count.div_ceil(S::F64_LANES).min(LANES / S::F64_LANES);
+        if side.surface.is_plane() {
+            self.judge_on::<true, S>(simd, side, least_area, vectors);
         } else {
-            self.judge_on::<false>(surface, sign, least_area, lanes);
+            self.judge_on::<false, S>(simd, side, least_area, vectors);
         }
         self.bad[..count].iter().fold(0, |any, bad| any | bad) != 0
     }
 
     #[inline(always)]
-    fn judge_on<const PLANE: bool>(
+    fn judge_on<const PLANE: bool, S: Simd>(
         &mut self,
-        surface: &Surface,
-        sign: f64,
+        simd: S,
+        side: Side<'_>,
         least_area: f64,
-        lanes: usize,
+        vectors: usize,
     ) {
-        let anchor = surface.anchor();
+        let surface = side.surface;
+        let all = |value: f64| Reals::all(simd, value);
+        let sign = if side.reversed { -1.0 } else { 1.0 };
+        let twice_anchor = (2.0 * surface.anchor()).to_array().map(all);
         let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-        let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
-        let g = sign * surface.linear;
-        // Twice the matrix of the quadratic form, times a vector.
-        let twice = |x: f64, y: f64, z: f64| {
-            (
-                xx * x + (xy * y + zx * z),
-                yy * y + (yz * z + xy * x),
-                zz * z + (zx * x + yz * y),
-            )
+        let form = Form {
+            squares: [all(xx), all(yy), all(zz)],
+            mixed: [all(0.5 * xy), all(0.5 * yz), all(0.5 * zx)],
         };
+        let g = (sign * surface.linear).to_array().map(all);
         // Areas are taken doubled, and carry the gradient's length.
-        let limit = 4.0 * least_area * least_area;
-        for lane in 0..lanes {
-            let [p, q, r, s] = [0, 1, 2, 3].map(|corner| {
-                let [x, y, z] = &self.corners[corner];
-                (x[lane], y[lane], z[lane])
-            });
-            let minus = |a: (f64, f64, f64), b: (f64, f64, f64)| (a.0 - b.0, a.1 - b.1, a.2 - b.2);
-            let dot = |a: (f64, f64, f64), b: (f64, f64, f64)| a.0 * b.0 + a.1 * b.1 + a.2 * b.2;
-            let cross = |a: (f64, f64, f64), b: (f64, f64, f64)| {
-                (
-                    a.1 * b.2 - a.2 * b.1,
-                    a.2 * b.0 - a.0 * b.2,
-                    a.0 * b.1 - a.1 * b.0,
-                )
-            };
+        let limit = all(4.0 * least_area * least_area);
+        let (sign, half, thin, zero) = (all(sign), all(0.5), all(THIN), all(0.0));
+        let odd_out = S::as_mut_simd_u64s(&mut self.odd).0.iter_mut();
+        let bad_out = S::as_mut_simd_u64s(&mut self.bad).0.iter_mut();
+        for (i, (odd_out, bad_out)) in odd_out.zip(bad_out).enumerate().take(vectors) {
+            let mut corners = [[zero; 3]; 4];
+            for (corner, lanes) in corners.iter_mut().zip(&self.corners) {
+                for (coordinate, lanes) in corner.iter_mut().zip(lanes) {
+                    *coordinate = Reals::new(simd, S::as_simd_f64s(lanes).0[i]);
+                }
+            }
+            let [p, q, r, s] = corners;
             let (even, odd, side) = (minus(r, p), minus(s, q), minus(q, p));
             // The outward gradient in the middle of the quad, and how far
             // f is from zero in the middle of each diagonal: its ends lie
             // on the surface, so that is a quarter of the quadratic form
             // along it.
             let (normal, even_miss, odd_miss) = if PLANE {
-                ((g.x, g.y, g.z), 0.0, 0.0)
+                (g, zero, zero)
             } else {
-                let middle = |p: f64, q: f64, r: f64, s: f64, anchor: f64| {
-                    0.5 * ((p + r) + (q + s)) - 2.0 * anchor
-                };
-                let (hx, hy, hz) = twice(
-                    middle(p.0, q.0, r.0, s.0, anchor.x),
-                    middle(p.1, q.1, r.1, s.1, anchor.y),
-                    middle(p.2, q.2, r.2, s.2, anchor.z),
-                );
+                let mut middle = [zero; 3];
+                for axis in 0..3 {
+                    let sum = (p[axis] + r[axis]) + (q[axis] + s[axis]);
+                    middle[axis] = half * sum - twice_anchor[axis];
+                }
+                let [hx, hy, hz] = form.times(middle);
                 (
-                    (sign * hx + g.x, sign * hy + g.y, sign * hz + g.z),
-                    dot(twice(even.0, even.1, even.2), even).abs(),
-                    dot(twice(odd.0, odd.1, odd.2), odd).abs(),
+                    [sign * hx + g[0], sign * hy + g[1], sign * hz + g[2]],
+                    dot(form.times(even), even).abs(),
+                    dot(form.times(odd), odd).abs(),
                 )
             };
             // Doubled signed areas, seen from outside, on both sides of
@@ -148,32 +146,30 @@ impl Quads {
             let pqr = dot(cross(side, even), normal);
             let qsp = dot(cross(side, odd), normal);
             let (prs, qrs) = (diagonals - pqr, diagonals - qsp);
-            let least_even = if pqr < prs { pqr } else { prs };
-            let least_odd = if qrs < qsp { qrs } else { qsp };
+            let (least_even, least_odd) = (pqr.or_less(prs), qrs.or_less(qsp));
             let odd_is_better = if PLANE {
-                least_even < least_odd
+                least_even.is_below(least_odd)
             } else {
-                odd_miss < even_miss
+                odd_miss.is_below(even_miss)
             };
             // A fold, or an ear: three vertices of an edge that bends, whose
             // triangle stands across the surface.
-            let even_is_thin = least_even <= THIN * least_odd;
-            let odd_is_thin = least_odd <= THIN * least_even;
-            // Not short-circuited: that would be a branch in every lane.
+            let even_is_thin = least_even.is_at_most(thin * least_odd);
+            let odd_is_thin = least_odd.is_at_most(thin * least_even);
             let is_odd = (odd_is_better | even_is_thin) & !odd_is_thin;
-            let least = if is_odd { least_odd } else { least_even };
-            let is_bad = (least <= 0.0) | (least * least <= limit * dot(normal, normal));
-            self.odd[lane] = u64::from(is_odd);
-            self.bad[lane] = u64::from(is_bad);
+            let least = is_odd.select(least_odd, least_even);
+            let is_small = (least * least).is_at_most(limit * dot(normal, normal));
+            *odd_out = is_odd.ones();
+            *bad_out = (least.is_at_most(zero) | is_small).ones();
         }
     }
 
-    /// The triangles of as many quads as there is room for, two each.
+    /// Turns the quads to be cut along b-d, so that they start with b instead
+    /// of a: all are to be cut along their first diagonal.
     #[inline(always)]
-    pub fn cut(&mut self, triangles: &mut [[u32; 3]]) {
+    pub fn turn(&mut self) {
         let [a, b, c, d] = &mut self.vertices;
-        // A quad to be cut along b-d starts with b instead of a. Without a
-        // branch: which it is follows no pattern.
+        // Without a branch: which they are follows no pattern.
         for lane in 0..LANES {
             let odd = (self.odd[lane] as u32).wrapping_neg();
             let next = |first: u32, second: u32| first ^ (first ^ second) & odd;
@@ -183,11 +179,38 @@ impl Quads {
             c[lane] = next(quad[2], quad[3]);
             d[lane] = next(quad[3], quad[0]);
         }
-        for (lane, pair) in triangles.chunks_exact_mut(2).enumerate().take(LANES) {
-            let (a, b, c, d) = (a[lane], b[lane], c[lane], d[lane]);
-            pair[0] = [a, b, c];
-            pair[1] = [a, c, d];
-        }
+    }
+
+    /// The triangles of a quad that was turned.
+    #[inline(always)]
+    pub fn triangles(&self, lane: usize) -> [[u32; 3]; 2] {
+        let [a, b, c, d] = &self.vertices;
+        let (a, b, c, d) = (a[lane], b[lane], c[lane], d[lane]);
+        [[a, b, c], [a, c, d]]
+    }
+}
+
+/// A quadratic form in every lane.
+#[derive(Clone, Copy)]
+struct Form<S: Simd> {
+    /// The coefficients of x², y², z²,
+    squares: Vectors<S>,
+    /// and half of those of xy, yz, zx.
+    mixed: Vectors<S>,
+}
+
+impl<S: Simd> Form<S> {
+    /// Its matrix times a vector. Not a closure: those are not compiled for the
+    /// vectors at hand.
+    #[inline(always)]
+    fn times(&self, [x, y, z]: Vectors<S>) -> Vectors<S> {
+        let [xx, yy, zz] = self.squares;
+        let [xy, yz, zx] = self.mixed;
+        [
+            xx * x + (xy * y + zx * z),
+            yy * y + (yz * z + xy * x),
+            zz * z + (zx * x + yz * y),
+        ]
     }
 }
 
@@ -272,7 +295,7 @@ mod tests {
                     quads.set(lane, corners.each_ref());
                 }
                 let least_area = 1e-4;
-                quads.judge(surface, reversed, least_area, LANES);
+                quads.judge(pulp::Scalar, Side { surface, reversed }, least_area, LANES);
                 for lane in 0..LANES {
                     let corners = [0, 1, 2, 3].map(|i| positions[4 * lane + i]);
                     let Some(expected) = plain(corners, surface, sign, least_area) else {

@@ -6,7 +6,9 @@
 //! common normal plane, and on three it is Newton's method proper.
 
 use glam::{DMat3, DVec3};
+use pulp::Simd;
 
+use super::lanes::{self, Reals};
 use crate::program::Surface;
 
 /// How the search for a common point ended.
@@ -177,18 +179,21 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
     step
 }
 
+/// Points are handled in lanes: so many at once, or a share of it.
+pub(super) const LANES: usize = 8;
+
 /// Moves many points onto one surface, along its gradient: Newton's method in
 /// lanes, until no point moves by more than `reach`, a length whose square is
 /// nothing. None if that does not come about in a few steps, else a length
 /// that no point has moved by more than. The same operations in the same order
-/// for every point, whatever the machine's vector width.
+/// for every point, whatever the machine's vector width. Points beyond the
+/// last multiple of [`LANES`] may stay where they are.
 #[inline(always)]
-pub(super) fn project_all(
+pub(super) fn project_all<S: Simd>(
+    simd: S,
     surface: &Surface,
     reach: f64,
-    x: &mut [f64],
-    y: &mut [f64],
-    z: &mut [f64],
+    [x, y, z]: [&mut [f64]; 3],
 ) -> Option<f64> {
     let anchor = surface.anchor();
     // About the anchor until it is over.
@@ -200,12 +205,13 @@ pub(super) fn project_all(
     let mut converged = None;
     let mut way = 0.0;
     for _ in 0..5 {
+        let points = [&mut *x, &mut *y, &mut *z].map(|values| S::as_mut_simd_f64s(values).0);
         let square = if surface.is_plane() {
-            plane_step(surface, x, y, z)
+            plane_step(simd, surface, points)
         } else if has_cross_terms {
-            newton_step::<true>(surface, x, y, z)
+            newton_step::<true, S>(simd, surface, points)
         } else {
-            newton_step::<false>(surface, x, y, z)
+            newton_step::<false, S>(simd, surface, points)
         };
         way += square.sqrt();
         if square <= reach * reach {
@@ -219,64 +225,57 @@ pub(super) fn project_all(
     converged
 }
 
-/// Longest ways kept apart, so that none waits for another.
-const LANES: usize = 8;
-
 /// One step of [`project_all`] onto a plane; the square of the longest way.
 #[inline(always)]
-fn plane_step(surface: &Surface, x: &mut [f64], y: &mut [f64], z: &mut [f64]) -> f64 {
-    let g = surface.linear;
-    let mut farthest = [0.0f64; LANES];
-    let xs = x.chunks_mut(LANES);
-    for ((x, y), z) in xs.zip(y.chunks_mut(LANES)).zip(z.chunks_mut(LANES)) {
-        for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
-            let f = g.x * *x + g.y * *y + g.z * *z;
-            *x -= f * g.x;
-            *y -= f * g.y;
-            *z -= f * g.z;
-            let moved = f * f;
-            *farthest = if moved > *farthest { moved } else { *farthest };
-        }
+fn plane_step<S: Simd>(simd: S, surface: &Surface, [x, y, z]: [&mut [S::f64s]; 3]) -> f64 {
+    let g = surface.linear.to_array().map(|g| Reals::all(simd, g));
+    let mut farthest = Reals::all(simd, 0.0);
+    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+        let point = [*x, *y, *z].map(|lanes| Reals::new(simd, lanes));
+        let f = lanes::dot(g, point);
+        *x = (point[0] - f * g[0]).lanes;
+        *y = (point[1] - f * g[1]).lanes;
+        *z = (point[2] - f * g[2]).lanes;
+        farthest = farthest.or_more(f * f);
     }
-    farthest.into_iter().fold(0.0, f64::max)
+    farthest.greatest()
 }
 
 /// One step of [`project_all`]; the square of the longest way.
 #[inline(always)]
-fn newton_step<const CROSS: bool>(
+fn newton_step<const CROSS: bool, S: Simd>(
+    simd: S,
     surface: &Surface,
-    x: &mut [f64],
-    y: &mut [f64],
-    z: &mut [f64],
+    [x, y, z]: [&mut [S::f64s]; 3],
 ) -> f64 {
     let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-    let (xy, yz, zx) = (0.5 * xy, 0.5 * yz, 0.5 * zx);
-    let (g, c) = (surface.linear, surface.constant);
-    let mut farthest = [0.0f64; LANES];
-    let xs = x.chunks_mut(LANES);
-    for ((x, y), z) in xs.zip(y.chunks_mut(LANES)).zip(z.chunks_mut(LANES)) {
-        for (((x, y), z), farthest) in x.iter_mut().zip(y).zip(z).zip(&mut farthest) {
-            let (dx, dy, dz) = (*x, *y, *z);
-            // Half the gradient of the quadratic part, so that f needs no
-            // more terms.
-            let (mut hx, mut hy, mut hz) = (xx * dx, yy * dy, zz * dz);
-            if CROSS {
-                hx += xy * dy + zx * dz;
-                hy += yz * dz + xy * dx;
-                hz += zx * dx + yz * dy;
-            }
-            let f = (hx + g.x) * dx + (hy + g.y) * dy + (hz + g.z) * dz + c;
-            let (gx, gy, gz) = (2.0 * hx + g.x, 2.0 * hy + g.y, 2.0 * hz + g.z);
-            let square = gx * gx + gy * gy + gz * gz;
-            let t = f / (square + f64::MIN_POSITIVE);
-            *x = dx - t * gx;
-            *y = dy - t * gy;
-            *z = dz - t * gz;
-            let moved = t * t * square;
-            *farthest = if moved > *farthest { moved } else { *farthest };
+    let squares = [xx, yy, zz].map(|q| Reals::all(simd, q));
+    let [xy, yz, zx] = [xy, yz, zx].map(|q| Reals::all(simd, 0.5 * q));
+    let g = surface.linear.to_array().map(|g| Reals::all(simd, g));
+    let constant = Reals::all(simd, surface.constant);
+    let two = Reals::all(simd, 2.0);
+    let least = Reals::all(simd, f64::MIN_POSITIVE);
+    let mut farthest = Reals::all(simd, 0.0);
+    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+        let d = [*x, *y, *z].map(|lanes| Reals::new(simd, lanes));
+        // Half the gradient of the quadratic part, so that f needs no more
+        // terms.
+        let mut h = [squares[0] * d[0], squares[1] * d[1], squares[2] * d[2]];
+        if CROSS {
+            h[0] = h[0] + (xy * d[1] + zx * d[2]);
+            h[1] = h[1] + (yz * d[2] + xy * d[0]);
+            h[2] = h[2] + (zx * d[0] + yz * d[1]);
         }
+        let f = lanes::dot([h[0] + g[0], h[1] + g[1], h[2] + g[2]], d) + constant;
+        let gradient = [two * h[0] + g[0], two * h[1] + g[1], two * h[2] + g[2]];
+        let square = lanes::dot(gradient, gradient);
+        let t = f / (square + least);
+        *x = (d[0] - t * gradient[0]).lanes;
+        *y = (d[1] - t * gradient[1]).lanes;
+        *z = (d[2] - t * gradient[2]).lanes;
+        farthest = farthest.or_more(t * t * square);
     }
-    farthest.into_iter().fold(0.0, f64::max)
+    farthest.greatest()
 }
 
 #[cfg(test)]
@@ -309,8 +308,9 @@ mod tests {
                 });
                 starts[7] = starts[0];
                 let mut lanes = [0, 1, 2].map(|axis| starts.map(|start| start[axis]));
-                let [x, y, z] = &mut lanes;
-                let way = project_all(surface, 1e-8, x, y, z).expect("near the surface");
+                let points = lanes.each_mut().map(|values| &mut values[..]);
+                let way = project_all(pulp::Scalar, surface, 1e-8, points);
+                let way = way.expect("near the surface");
                 for (lane, start) in starts.into_iter().enumerate() {
                     let end = DVec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
                     let alone = common_point(&[surface], start, 0.1).point;

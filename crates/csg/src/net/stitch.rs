@@ -7,13 +7,15 @@
 use std::ops::Range;
 
 use glam::UVec3;
+use pulp::Simd;
 use rustc_hash::FxHashMap;
 
 use super::assembly::Output;
 use super::lattice::CELLS;
 use super::loops;
 use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
-use super::quads::{Corner, LANES, Quads};
+use super::quads::{Corner, LANES, Quads, Side};
+use crate::pages::Room;
 use crate::program::Surface;
 
 /// A brick's place in the list of parts.
@@ -169,11 +171,17 @@ impl Stitcher<'_> {
     /// Writes the vertices of a part and the triangles of all polygons that its
     /// bricks own.
     #[inline(always)]
-    pub fn part(&self, part: usize, scratch: &mut Scratch, out: &mut Output<'_>) -> Leftovers {
+    pub fn part<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        scratch: &mut Scratch,
+        out: &mut Output<'_>,
+    ) -> Leftovers {
         let part = &self.parts[part];
         let Scratch { table, quads } = scratch;
         let mut leftovers = Leftovers::default();
-        out.positions.copy_from_slice(&part.vertices);
+        out.positions.copy(&part.vertices);
         let mut polygons = 0;
         for brick in &part.bricks {
             self.fill_table(brick.position, table);
@@ -186,10 +194,8 @@ impl Stitcher<'_> {
                     group: index,
                     first: 2 * polygons as u32,
                 };
-                let triangles = 2 * polygons..2 * end;
-                out.surfaces[triangles.clone()].fill(group.entry);
-                let triangles = &mut out.triangles[triangles];
-                self.run(&run, table, quads, triangles, &mut leftovers);
+                out.surfaces.fill(2 * run.codes.len(), group.entry);
+                self.run(simd, &run, table, quads, &mut out.triangles, &mut leftovers);
                 polygons = end;
             }
         }
@@ -198,16 +204,16 @@ impl Stitcher<'_> {
 
     /// Triangulates polygons of one group, many at a time.
     #[inline(always)]
-    fn run(
+    fn run<S: Simd>(
         &self,
+        simd: S,
         run: &Run<'_>,
         table: &Table,
         quads: &mut Quads,
-        triangles: &mut [[u32; 3]],
+        out: &mut Room<'_, [u32; 3]>,
         leftovers: &mut Leftovers,
     ) {
-        let chunks = run.codes.chunks(LANES).zip(triangles.chunks_mut(2 * LANES));
-        for (chunk, (codes, triangles)) in chunks.enumerate() {
+        for (chunk, codes) in run.codes.chunks(LANES).enumerate() {
             let mut fans = 0u32;
             for (lane, &code) in codes.iter().enumerate() {
                 let here = code.sample();
@@ -215,35 +221,39 @@ impl Stitcher<'_> {
                     AROUND[code.axis_and_side()].map(|offset| table.cells[(here + offset) % TABLE]);
                 let [a, b, c, d] = around;
                 if (a | b | c | d) & COMPLEX != 0 {
-                    match loops_around(code, table) {
-                        Around::Quad(quad) => around = quad,
-                        Around::Fan => {
-                            fans |= 1 << lane;
-                            continue;
-                        }
-                    }
+                    let Some(quad) = loops_around(code, table) else {
+                        fans |= 1 << lane;
+                        continue;
+                    };
+                    around = quad;
                 }
                 quads.set(lane, around.map(|corner| &table.corners[corner as usize]));
             }
             let reversed = codes[0].is_reversed();
-            let any_bad = quads.judge(run.surface, reversed, self.least_area, codes.len());
-            quads.cut(triangles);
+            let side = Side {
+                surface: run.surface,
+                reversed,
+            };
+            let any_bad = quads.judge(simd, side, self.least_area, codes.len());
+            quads.turn();
             if fans == 0 && !any_bad {
+                out.pairs(codes.len(), |lane| quads.triangles(lane));
                 continue;
             }
-            for (lane, &code) in codes.iter().enumerate() {
+            out.pairs(codes.len(), |lane| {
                 let is_fan = fans >> lane & 1 == 1;
-                if is_fan {
-                    let fan = fan(code, table);
-                    triangles[2 * lane..2 * lane + 2].copy_from_slice(&fan[..2]);
-                    let further = fan[2..].iter().map(|&triangle| (triangle, run.group));
-                    leftovers.further.extend(further);
-                }
                 if is_fan || quads.bad[lane] != 0 {
                     let first = run.first + 2 * (chunk * LANES + lane) as u32;
                     leftovers.bad.extend([first, first + 1]);
                 }
-            }
+                if !is_fan {
+                    return quads.triangles(lane);
+                }
+                let fan = fan(codes[lane], table);
+                let further = fan[2..].iter().map(|&triangle| (triangle, run.group));
+                leftovers.further.extend(further);
+                [fan[0], fan[1]]
+            });
         }
     }
 }
@@ -277,27 +287,17 @@ const AROUND: [[usize; 4]; 8] = {
     around
 };
 
-/// The corners around a polygon some of whose cells are complex.
-enum Around {
-    Quad([u32; 4]),
-    /// Five or more, one of them on an ambiguous face.
-    Fan,
-}
-
-/// Which loop each corner of a polygon is, unless it takes in vertices on
-/// ambiguous faces.
+/// The corners around a polygon some of whose cells are complex; none where
+/// there are five or more, one of them on an ambiguous face.
 #[inline(never)]
-fn loops_around(code: PolygonCode, table: &Table) -> Around {
-    let (corners, arcs) = corners_and_arcs(code, table);
-    if arcs.iter().any(Option::is_some) {
-        return Around::Fan;
-    }
-    let [a, b, c, d] = corners;
-    Around::Quad(if code.starts_inside() {
+fn loops_around(code: PolygonCode, table: &Table) -> Option<[u32; 4]> {
+    let ([a, b, c, d], arcs) = corners_and_arcs(code, table);
+    let quad = if code.starts_inside() {
         [a, b, c, d]
     } else {
         [a, d, c, b]
-    })
+    };
+    arcs.iter().all(Option::is_none).then_some(quad)
 }
 
 /// The corners in the four cells around an edge, and after each the one on

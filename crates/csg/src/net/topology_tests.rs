@@ -220,7 +220,7 @@ impl Signs {
         };
         let mut assembly = Assembly::default();
         assembly.add(&parts, 0, 1.0, |part, out| {
-            stitcher.part(part, &mut Scratch::default(), out)
+            stitcher.part(pulp::Scalar, part, &mut Scratch::default(), out)
         });
         let assembled = assembly.finish();
         Mesh::new(assembled.positions, assembled.triangles)

@@ -1,11 +1,12 @@
 //! From cells to vertices: one for every loop, two for every ambiguous face.
 
 use glam::DVec3;
+use pulp::Simd;
 
 use super::vertices::Constraints;
 use super::{Crossings, EDGES, Placer, Scene};
-use crate::net::brick::{self, Mask, WORDS};
-use crate::net::lattice::CELLS;
+use crate::net::brick::{self, Beam, Mask, WORDS};
+use crate::net::lattice::{CELLS, SAMPLES};
 use crate::net::loops::{self, PATTERNS};
 use crate::net::part::{BrickRecord, ComplexCell, FaceArcs, Part};
 use crate::net::solve;
@@ -14,8 +15,9 @@ use crate::program::{Cell, Surface};
 impl Placer {
     /// Places the vertices of cells that one surface crosses in one loop.
     #[inline(always)]
-    pub(super) fn place_simple(
+    pub(super) fn place_simple<S: Simd>(
         &mut self,
+        simd: S,
         scene: &Scene<'_>,
         cell: &Cell,
         crossings: &Crossings,
@@ -34,6 +36,7 @@ impl Placer {
             *several &= solid;
         }
         brick::for_each_set(&crossed_by_several, |sample| self.slow.push(sample as u16));
+        let beams = Beam::all(&self.classified.solid);
         for s in 0..cell.surfaces.len() {
             let surface = &scene.surfaces[cell.surfaces[s] as usize];
             let mut own = self.sole_changes(crossings, s, 3);
@@ -48,12 +51,13 @@ impl Placer {
             let count = brick::expand(&own, &mut self.list, |_, _, sample| sample);
             // Compacted in place: what is read lies ahead of what is written.
             let mut simple = 0;
-            let (list, solid) = (&mut *self.list, &self.classified.solid);
+            let list = &mut *self.list;
             let (x, y, z) = (&mut *self.x, &mut *self.y, &mut *self.z);
             for i in 0..count.min(EDGES) {
                 let sample = list[i];
                 let at = usize::from(sample) % EDGES;
-                let pattern = &PATTERNS[usize::from(brick::corners(solid, at))];
+                let corners = beams[at / SAMPLES].corners(at % SAMPLES);
+                let pattern = &PATTERNS[usize::from(corners)];
                 let low = self.samples.point(at);
                 // Written over if the cell is not one.
                 list[simple] = sample;
@@ -65,15 +69,16 @@ impl Placer {
                     self.slow.push(sample);
                 }
             }
-            self.move_to_surface(scene, surface, simple, part);
+            self.move_to_surface(simd, scene, surface, simple, part);
         }
     }
 
     /// Moves the starting points of so many simple cells to their surface, and
     /// adds them to the part; those that do not get there become slow cells.
     #[inline(always)]
-    fn move_to_surface(
+    fn move_to_surface<S: Simd>(
         &mut self,
+        simd: S,
         scene: &Scene<'_>,
         surface: &Surface,
         simple: usize,
@@ -84,20 +89,15 @@ impl Placer {
             return;
         };
         // Whole vectors: the last point fills up.
-        let padded = simple.next_multiple_of(8).min(EDGES);
+        let padded = simple.next_multiple_of(solve::LANES).min(EDGES);
         let (x, y, z) = (&mut *self.x, &mut *self.y, &mut *self.z);
         for i in simple..padded {
             (x[i], y[i], z[i]) = (x[last], y[last], z[last]);
         }
         // The square of the last step, relative to the radius of curvature
         // (hardly below a cell), is what remains.
-        let way = solve::project_all(
-            surface,
-            1e-7 * step,
-            &mut x[..padded],
-            &mut y[..padded],
-            &mut z[..padded],
-        );
+        let points = [&mut x[..padded], &mut y[..padded], &mut z[..padded]];
+        let way = solve::project_all(simd, surface, 1e-7 * step, points);
         let (x, y, z) = (&x[..simple], &y[..simple], &z[..simple]);
         let cells = &self.list[..simple];
         let samples = &self.samples;
