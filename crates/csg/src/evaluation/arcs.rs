@@ -9,11 +9,11 @@ use smallvec::SmallVec;
 
 use super::Scene;
 use super::cells::Block;
-use super::curve::{Curve, Meets};
+use super::curve::{Branch, Curve, Meets};
 use super::frame::Frame;
 use super::lines::{Piece, emit};
-use super::pairs::{Framed, Unknown, curves};
-use super::roots::Roots;
+use super::pairs::{Unknown, curves};
+use super::roots::{Roots, bracketed};
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
 use crate::net::solve;
 use crate::program::Surface;
@@ -29,6 +29,8 @@ enum Ends {
     /// The curve comes near a surface of the cell, and may touch it; or it ends
     /// itself.
     Touch,
+    /// Another curve of the same surfaces passes through it, or itself again.
+    Node,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +48,7 @@ struct Arc<'a> {
     pair: [u32; 2],
     surfaces: [&'a Surface; 2],
     curve: &'a Curve,
+    nodes: &'a [f64],
 }
 
 /// A place on a curve.
@@ -78,38 +81,30 @@ impl ArcTracer {
     ) -> Option<()> {
         self.sectors.enter(scene, block);
         let ids = &block.cell.surfaces;
-        let framed = |position: u32| {
-            let id = ids[position as usize] as usize;
-            Framed {
-                surface: &scene.surfaces[id],
-                frame: scene.frames[id].as_ref(),
-            }
-        };
+        let surface = |position: u32| &scene.surfaces[ids[position as usize] as usize];
         for first in 0..ids.len() as u32 {
-            let one = framed(first);
-            if !one.surface.is_plane() && one.frame.is_none() {
+            let one = surface(first);
+            let frame = scene.frames[ids[first as usize] as usize].as_ref();
+            if !one.is_plane() && frame.is_none() {
                 return None;
             }
-            let others = (first + 1..ids.len() as u32).map(|second| (second, framed(second)));
-            let seams = one.frame.iter().flat_map(|frame| &frame.seams);
-            let seams = seams.map(|surface| {
-                let frame = None;
-                (NOTHING, Framed { surface, frame })
-            });
-            for (second, other) in others.chain(seams) {
+            let others = (first + 1..ids.len() as u32).map(|second| (second, surface(second)));
+            let seams = frame.into_iter().flat_map(|frame| &frame.seams);
+            for (second, other) in others.chain(seams.map(|seam| (NOTHING, seam))) {
                 let common = match curves(one, other, scene.near) {
                     Ok(common) => common,
                     // In a single point there is no edge.
                     Err(Unknown::Touch) => continue,
                     Err(Unknown::NoForm) => return None,
                 };
-                for curve in &common {
+                for Branch { curve, nodes } in &common {
                     let arc = Arc {
                         scene,
                         block,
                         pair: [first, second],
-                        surfaces: [one.surface, other.surface],
+                        surfaces: [one, other],
                         curve,
+                        nodes,
                     };
                     self.trace_arc(&arc, turn, pieces)?;
                 }
@@ -144,7 +139,7 @@ impl ArcTracer {
                 open = wedges;
                 continue;
             };
-            let touches = matches!(event.ends, Ends::Touch);
+            let touches = matches!(event.ends, Ends::Touch | Ends::Node);
             if wedges != open || touches || self.is_shared(arc, stretch - 1) {
                 let here = (event.at, arc.point(event.at, event.ends));
                 arc.emit(&open, [from, here], turn, pieces);
@@ -190,6 +185,12 @@ impl ArcTracer {
             if self.roots.is_lost {
                 return None;
             }
+            let Roots {
+                simple, touching, ..
+            } = &mut self.roots;
+            for place in touching.iter_mut().filter(|t| !simple.contains(t)) {
+                *place = arc.contact(surface, *place, range[1] - range[0]);
+            }
             self.take(Ends::Surface(position), Ends::Touch);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
         }
@@ -210,12 +211,9 @@ impl ArcTracer {
                 self.cut(arc, plane, range);
             }
         }
-        if let Curve::Ellipse {
-            node: Some(plane), ..
-        } = curve
-        {
-            self.cut(arc, plane, range);
-        }
+        let ends = Ends::Node;
+        self.events
+            .extend(arc.nodes.iter().map(|&at| Event { at, ends }));
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
         let crossings = self.events.iter().map(|event| match event.ends {
@@ -353,12 +351,32 @@ impl Arc<'_> {
             }
             Ends::Plane(third) => solve::common_point(&[a, b, &third], start, reach),
             Ends::Touch => solve::common_point(&[a, b], start, reach),
+            Ends::Node => return start,
         };
         let is_near = found.point.distance(start) <= reach;
         if is_near && found.residual <= scene.weld {
             found.point
         } else {
             start
+        }
+    }
+
+    /// Where the curve runs along a surface's tangent plane, from near it. The
+    /// distance from the surface itself is 0 to second order there, so that it
+    /// tells only half the digits.
+    fn contact(&self, third: &Surface, near: f64, range: f64) -> f64 {
+        const REACH: f64 = 1e-5;
+        let [a, b] = self.surfaces;
+        let slope = |t: f64| {
+            let at = self.curve.at(t);
+            third.gradient(at).dot(a.gradient(at).cross(b.gradient(at)))
+        };
+        let ends = [near - REACH * range, near + REACH * range];
+        let values = ends.map(slope);
+        if values[0] * values[1] < 0.0 {
+            bracketed(slope, ends, values)
+        } else {
+            near
         }
     }
 

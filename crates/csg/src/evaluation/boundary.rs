@@ -14,6 +14,7 @@ use super::lines::Piece;
 use super::sectors::Side;
 use super::triangulate::is_surrounded;
 use super::weld::Welder;
+use crate::program::Surface;
 
 /// An index that stands for nothing.
 pub(super) const NONE: u32 = u32::MAX;
@@ -39,6 +40,15 @@ pub(super) struct Boundary {
 
 /// Directions in a face that differ by less are the same, in radians.
 const SAME_DIRECTION: f64 = 1e-9;
+
+/// How a curve leaves a vertex in the plane in which its face is seen.
+#[derive(Clone, Copy, Debug)]
+struct Departure {
+    /// Of its tangent.
+    angle: f64,
+    /// Its curvature, positive to the left.
+    bend: f64,
+}
 
 impl Boundary {
     /// Links pieces; none if they do not close, where rounding made blocks and
@@ -94,7 +104,7 @@ impl Boundary {
         }
     }
 
-    fn at(&self, half_edge: u32) -> &HalfEdge {
+    pub fn at(&self, half_edge: u32) -> &HalfEdge {
         &self.half_edges[half_edge as usize]
     }
 
@@ -166,22 +176,80 @@ impl Boundary {
     /// Of the half-edges that leave the vertex where another arrives, in the
     /// same face, the first clockwise from it: between the two lies the face.
     fn end_of_sector(&self, scene: &Scene<'_>, arriving: u32, leaving: &[u32]) -> Option<u32> {
-        let face = &self.faces[self.at(arriving).face as usize];
-        let flat = |vertex: u32| scene.flatten(face, self.points[vertex as usize]);
-        let here = flat(self.end(arriving));
-        let angle_to = |vertex: u32| (flat(vertex) - here).to_angle();
-        let back = angle_to(self.at(arriving).from);
+        use std::f64::consts::TAU;
+        let back = self.departure(scene, arriving, true);
         let clockwise = |&h: &u32| {
-            let turn = (back - angle_to(self.end(h))).rem_euclid(std::f64::consts::TAU);
-            let is_none = turn < SAME_DIRECTION;
-            if is_none {
-                turn + std::f64::consts::TAU
+            let leaves = self.departure(scene, h, false);
+            let turn = (back.angle - leaves.angle).rem_euclid(TAU);
+            let is_same = turn.min(TAU - turn) < SAME_DIRECTION;
+            let turn = match is_same {
+                true if leaves.bend < back.bend => 0.0,
+                true => TAU,
+                false => turn,
+            };
+            (turn, leaves.bend, h)
+        };
+        let in_order = |a: &(f64, f64, u32), b: &(f64, f64, u32)| {
+            if (a.0 - b.0).abs() < SAME_DIRECTION {
+                b.1.total_cmp(&a.1)
             } else {
-                turn
+                a.0.total_cmp(&b.0)
             }
         };
-        let turns = leaving.iter().map(|h| (clockwise(h), *h));
-        turns.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, h)| h)
+        leaving.iter().map(clockwise).min_by(in_order).map(|c| c.2)
+    }
+
+    /// How a half-edge leaves the vertex it starts from, or, going back, the one
+    /// it ends in, as its face is seen. By the curve, not by its chord: of curves
+    /// that touch there the chords may be the other way round.
+    fn departure(&self, scene: &Scene<'_>, half_edge: u32, is_back: bool) -> Departure {
+        /// Surfaces at a smaller sine of their angle have no tangent in common.
+        const TOUCHING: f64 = 1e-6;
+        let side = &self.faces[self.at(half_edge).face as usize];
+        let ends = [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
+        let [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
+        let flat =
+            |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);
+        let chord = there - here;
+        let along_chord = || Departure {
+            angle: flat(chord).to_angle(),
+            bend: 0.0,
+        };
+        let Some([a, b]) = self.surfaces_of(scene, half_edge) else {
+            return along_chord();
+        };
+        let [p, q] = [a, b].map(|s| s.gradient(here));
+        let cross = p.cross(q);
+        let is_straight = a.is_plane() && b.is_plane();
+        if is_straight || cross.length() <= TOUCHING * p.length() * q.length() {
+            return along_chord();
+        }
+        let tangent = cross.normalize() * cross.dot(chord).signum();
+        // The second derivative keeps to both surfaces.
+        let [u, v] = [a, b].map(|s| -s.curvature_along(tangent));
+        let second = (u * q.cross(tangent) + v * tangent.cross(p)) / cross.dot(tangent);
+        let (first, second) = (flat(tangent), flat(second));
+        Departure {
+            angle: first.to_angle(),
+            bend: first.perp_dot(second) / first.length().powi(3),
+        }
+    }
+
+    /// The surfaces on whose curve an edge is; none for borders of looks.
+    pub fn surfaces_of<'a>(
+        &self,
+        scene: &'a Scene<'_>,
+        half_edge: u32,
+    ) -> Option<[&'a Surface; 2]> {
+        let twin = self.at(half_edge).twin;
+        let [first, second] = [half_edge, twin].map(|h| &self.faces[self.at(h).face as usize]);
+        let surface = &scene.surfaces[first.plane as usize];
+        if first.plane != second.plane {
+            return Some([surface, &scene.surfaces[second.plane as usize]]);
+        }
+        let frame = scene.frames[first.plane as usize].as_ref()?;
+        let bit = (first.patch ^ second.patch).trailing_zeros() as usize;
+        frame.planes().nth(bit).map(|seam| [surface, seam])
     }
 
     /// Takes out vertices at which an edge goes straight on, faces of two
@@ -327,17 +395,18 @@ impl Boundary {
         edges.sort_unstable();
         for alike in edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1) {
             for &(_, half_edge) in alike {
-                self.part(half_edge);
+                let [a, b] = [half_edge, self.at(half_edge).twin];
+                let ends = [a, b].map(|h| self.points[self.at(h).from as usize]);
+                self.part(half_edge, 0.5 * (ends[0] + ends[1]));
             }
         }
     }
 
-    /// Puts a vertex in the middle of an edge.
-    fn part(&mut self, half_edge: u32) {
+    /// Puts a vertex on an edge.
+    pub fn part(&mut self, half_edge: u32, point: DVec3) {
         let twin = self.at(half_edge).twin;
-        let [a, b] = [half_edge, twin].map(|h| self.points[self.at(h).from as usize]);
         let middle = self.points.len() as u32;
-        self.points.push(0.5 * (a + b));
+        self.points.push(point);
         let first = self.half_edges.len() as u32;
         for (k, half) in [half_edge, twin].into_iter().enumerate() {
             let HalfEdge { face, next, .. } = *self.at(half);

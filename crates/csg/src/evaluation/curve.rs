@@ -1,10 +1,13 @@
 //! Curves in space, and where surfaces cross them.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
-use super::roots::{Roots, Trig};
+use super::roots::Roots;
+use super::rulings::Rulings;
+use super::trig::Trig;
 use crate::program::Surface;
 
 /// A curve, as a function of a parameter t.
@@ -13,45 +16,35 @@ pub(crate) enum Curve {
     /// point + t direction, of unit length.
     Line { point: DVec3, direction: DVec3 },
     /// center + cos t a + sin t b.
-    Ellipse {
-        center: DVec3,
-        a: DVec3,
-        b: DVec3,
-        /// The other plane of a pair, which cuts the ellipse where both cross.
-        node: Option<Surface>,
-    },
+    Ellipse { center: DVec3, a: DVec3, b: DVec3 },
     /// center + cosh t a + sinh t b: one branch.
     Hyperbola { center: DVec3, a: DVec3, b: DVec3 },
-    /// point + t a + t² b.
+    /// point + t a + t² b, a and b at right angles.
     Parabola { point: DVec3, a: DVec3, b: DVec3 },
-    /// Where the rulings of a cylinder or a cone meet another surface.
+    /// Where the lines on a quadric meet another one.
     Rulings(Box<Rulings>),
 }
 
-/// The points of the rulings point + s direction that lie on a surface: both
-/// vary with the angle about the axis.
+/// One of the curves in which two surfaces meet.
 #[derive(Clone, Debug)]
-pub(crate) struct Rulings {
-    pub is_cone: bool,
-    pub center: DVec3,
-    pub a: DVec3,
-    pub b: DVec3,
-    pub axis: DVec3,
-    pub other: Surface,
-    pub part: Part,
-    /// Where the curve comes from infinity and goes there.
-    pub between: Option<(f64, f64)>,
+pub(super) struct Branch {
+    pub curve: Curve,
+    /// Where others of the same surfaces, or itself, pass through it: there the
+    /// surfaces have one tangent plane.
+    pub nodes: SmallVec<[f64; 2]>,
 }
 
-/// What part of the rulings a curve takes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Part {
-    /// All of them, each where it meets the other surface first or last.
-    Around { last: bool },
-    /// All of them, each where it touches the other surface.
-    Touching,
-    /// Those between two that touch the other surface, there and back.
-    Between { middle: f64, half: f64 },
+/// All curves in which two surfaces meet.
+pub(super) type Branches = SmallVec<[Branch; 2]>;
+
+impl Branch {
+    /// Without nodes.
+    pub fn new(curve: Curve) -> Self {
+        Self {
+            curve,
+            nodes: SmallVec::new(),
+        }
+    }
 }
 
 /// Closed curves begin so far from the axes of symmetry, in radians, that they
@@ -95,68 +88,6 @@ pub(super) fn polar(surface: &Surface, u: DVec3, v: DVec3) -> f64 {
         + (zz * u.z + 0.5 * (zx * u.x + yz * u.y)) * v.z
 }
 
-impl Rulings {
-    fn angle(&self, t: f64) -> f64 {
-        match self.part {
-            Part::Around { .. } | Part::Touching => t + BEGIN,
-            Part::Between { middle, half } => middle - half * (t + BEGIN).cos(),
-        }
-    }
-
-    /// Which of its two points on a ruling the curve is at.
-    fn is_last(&self, t: f64) -> bool {
-        match self.part {
-            Part::Around { last } => last,
-            Part::Touching => true,
-            Part::Between { .. } => (t + BEGIN).rem_euclid(TAU) < PI,
-        }
-    }
-
-    /// Where along the curve the ruling at an angle is met, first or last.
-    pub fn parameter(&self, angle: f64, is_last: bool) -> Option<f64> {
-        match self.part {
-            Part::Around { last } => (last == is_last).then_some((angle - BEGIN).rem_euclid(TAU)),
-            Part::Touching => None,
-            Part::Between { middle, half } => {
-                let off = (angle - middle + PI).rem_euclid(TAU) - PI;
-                if off.abs() > half {
-                    return None;
-                }
-                let turn = (-off / half).acos();
-                let turn = if is_last { turn } else { TAU - turn };
-                Some((turn - BEGIN).rem_euclid(TAU))
-            }
-        }
-    }
-
-    pub fn at(&self, t: f64) -> DVec3 {
-        let (sin, cos) = self.angle(t).sin_cos();
-        let across = cos * self.a + sin * self.b;
-        let (point, direction) = if self.is_cone {
-            (self.center, self.axis + across)
-        } else {
-            (self.center + across, self.axis)
-        };
-        let square = 0.5 * self.other.curvature_along(direction);
-        let linear = self.other.gradient(point).dot(direction);
-        let constant = self.other.value(point);
-        let root = match self.part {
-            Part::Touching => 0.0,
-            _ => (linear * linear - 4.0 * square * constant).max(0.0).sqrt(),
-        };
-        let signed = if self.is_last(t) { root } else { -root };
-        // Of a cylinder s, of a cone 1 / s goes with the root: s is
-        // (signed - linear) / 2 square, without cancellation.
-        let signed = if self.is_cone { -signed } else { signed };
-        let s = if (signed > 0.0) == (linear > 0.0) && signed != 0.0 {
-            -2.0 * constant / (linear + signed)
-        } else {
-            (signed - linear) / (2.0 * square)
-        };
-        point + s * direction
-    }
-}
-
 /// How a surface lies to a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meets {
@@ -170,7 +101,7 @@ impl Curve {
     pub fn at(&self, t: f64) -> DVec3 {
         match self {
             &Self::Line { point, direction } => point + t * direction,
-            &Self::Ellipse { center, a, b, .. } => {
+            &Self::Ellipse { center, a, b } => {
                 let (sin, cos) = t.sin_cos();
                 center + cos * a + sin * b
             }
@@ -194,6 +125,39 @@ impl Curve {
         }
     }
 
+    /// Where on a conic a point of it is; none if it is on the other branch of a
+    /// hyperbola.
+    pub fn place(&self, point: DVec3) -> Option<f64> {
+        // x a + y b.
+        let along = |a: &DVec3, b: &DVec3, d: DVec3| {
+            let (aa, ab, bb) = (a.dot(*a), a.dot(*b), b.dot(*b));
+            let (x, y) = (d.dot(*a), d.dot(*b));
+            let determinant = aa * bb - ab * ab;
+            [
+                (x * bb - y * ab) / determinant,
+                (y * aa - x * ab) / determinant,
+            ]
+        };
+        match self {
+            Self::Line {
+                point: start,
+                direction,
+            } => Some((point - start).dot(*direction)),
+            Self::Ellipse { center, a, b } => {
+                let [x, y] = along(a, b, point - center);
+                Some(y.atan2(x).rem_euclid(TAU))
+            }
+            Self::Hyperbola { center, a, b } => {
+                let [x, y] = along(a, b, point - center);
+                (x > 0.0).then(|| y.asinh())
+            }
+            Self::Parabola {
+                point: start, a, ..
+            } => Some((point - start).dot(*a) / a.length_squared()),
+            Self::Rulings(_) => None,
+        }
+    }
+
     /// All of a closed curve; of others at least the part that is nearer to a
     /// point than `reach`, or nothing.
     pub fn range(&self, around: DVec3, reach: f64) -> Option<[f64; 2]> {
@@ -208,24 +172,19 @@ impl Curve {
                 let Some((from, to)) = rulings.between else {
                     return Some([0.0, TAU]);
                 };
-                // From where it comes near enough.
-                const STEPS: u32 = 64;
-                let is_near = |t: f64| rulings.at(t).distance(around) < 2.0 * reach;
-                let at = |k: u32| from + f64::from(k) / f64::from(STEPS) * (to - from);
-                let first = (1..STEPS).find(|&k| is_near(at(k)))?;
-                let last = (1..STEPS).rfind(|&k| is_near(at(k)))?;
-                let edge = |mut far: f64, mut near: f64| {
-                    for _ in 0..40 {
-                        let middle = 0.5 * (far + near);
-                        if is_near(middle) {
-                            near = middle;
-                        } else {
-                            far = middle;
+                // From where it is far away.
+                let edge = |pole: f64, middle: f64| {
+                    let mut t = middle;
+                    for _ in 0..50 {
+                        if rulings.at(t).distance(around) >= 2.0 * reach {
+                            break;
                         }
+                        t = 0.5 * (t + pole);
                     }
-                    near
+                    t
                 };
-                Some([edge(at(first - 1), at(first)), edge(at(last + 1), at(last))])
+                let at = |share: f64| from + share * (to - from);
+                Some([edge(from, at(0.01)), edge(to, at(0.99))])
             }
             Self::Hyperbola { center, a, b } => {
                 // Both grow with e^|t| / 2, and across a by |b| sinh t.
@@ -328,7 +287,7 @@ impl Curve {
                 }
                 Meets::Points
             }
-            &Self::Ellipse { center, a, b, .. } => {
+            &Self::Ellipse { center, a, b } => {
                 let trig = Form::of(surface, center, a, b).around();
                 let slope = surface.gradient(at_start).length();
                 if trig.magnitude() <= on * slope {
@@ -364,16 +323,24 @@ impl Curve {
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
             Self::Rulings(rulings) => {
-                // The second derivative as it is found at many places.
+                // In homogeneous coordinates, where nothing is infinite; the
+                // second derivative as it is found at many places.
                 const SAMPLES: u32 = 48;
+                let power = if surface.is_plane() { 1 } else { 2 };
+                let scale = |t: f64| rulings.weight(t).powi(power);
+                let value = |t: f64| surface.value(rulings.at(t)) * scale(t);
                 let step = (end - start) / f64::from(SAMPLES);
-                let values: Vec<f64> = (0..=SAMPLES)
-                    .map(|k| surface.value(rulings.at(start + f64::from(k) * step)))
-                    .collect();
+                let places = (0..=SAMPLES).map(|k| start + f64::from(k) * step);
+                let values: SmallVec<[f64; 64]> = places.clone().map(value).collect();
                 let bends = values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs());
                 let bend = 2.0 * bends.fold(0.0, f64::max) / (step * step);
-                let value = |t: f64| surface.value(rulings.at(t));
-                self.find(surface, [start, end], [on, near], value, |_, _| bend, roots)
+                let slopes = places.map(|t| surface.gradient(rulings.at(t)).length() * scale(t));
+                let slope = slopes.fold(0.0, f64::max);
+                if self.lies_in(surface, [start, end], on) {
+                    return Meets::Curve;
+                }
+                roots.find([start, end], value, |_, _| bend, near * slope);
+                Meets::Points
             }
         }
     }
@@ -387,19 +354,22 @@ impl Curve {
         bend: impl Fn(f64, f64) -> f64,
         roots: &mut Roots,
     ) -> Meets {
-        const SAMPLES: u32 = 9;
-        let slope = surface
-            .gradient(self.at(start + 0.37 * (end - start)))
-            .length();
-        let lies_in = (0..SAMPLES).all(|k| {
-            let t = start + (f64::from(k) + 0.37) / f64::from(SAMPLES) * (end - start);
-            let at = self.at(t);
-            surface.value(at).abs() <= on * surface.gradient(at).length()
-        });
-        if lies_in {
+        let at = self.at(start + 0.37 * (end - start));
+        let slope = surface.gradient(at).length();
+        if self.lies_in(surface, [start, end], on) {
             return Meets::Curve;
         }
         roots.find([start, end], value, bend, near * slope);
         Meets::Points
+    }
+
+    /// Whether several points of the curve are on a surface.
+    fn lies_in(&self, surface: &Surface, [start, end]: [f64; 2], on: f64) -> bool {
+        const SAMPLES: u32 = 9;
+        (0..SAMPLES).all(|k| {
+            let t = start + (f64::from(k) + 0.37) / f64::from(SAMPLES) * (end - start);
+            let at = self.at(t);
+            surface.value(at).abs() <= on * surface.gradient(at).length()
+        })
     }
 }

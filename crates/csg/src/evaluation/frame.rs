@@ -22,20 +22,10 @@ enum Shape {
     Graph,
 }
 
-/// What kind of surface leads all of its rulings through one direction or
-/// point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ruled {
-    No,
-    Cylinder,
-    Cone,
-}
-
 /// A quadric in its own coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
     shape: Shape,
-    pub ruled: Ruled,
     center: DVec3,
     /// From directions in space to directions in the frame; its determinant is
     /// positive.
@@ -93,14 +83,12 @@ impl Frame {
         let is_through_center = rest.abs() <= NEGLIGIBLE * terms;
         let slope = surface.linear.dot(axes[2]);
         let has_slope = values[2] == 0.0 && slope.abs() > NEGLIGIBLE * surface.linear.length();
-        let mut ruled = Ruled::No;
         let mut is_divided = false;
         let mut facing = [sign(values[0]); 2];
         let count = values.iter().filter(|v| **v != 0.0).count();
         let shape = match count {
             3 if sign(values[2]) == sign(values[0]) => Shape::Closed,
             3 if is_through_center || surface.apex().is_some() => {
-                ruled = Ruled::Cone;
                 is_divided = true;
                 Shape::Around
             }
@@ -115,10 +103,7 @@ impl Frame {
                 facing = [slope.signum(); 2];
                 Shape::Graph
             }
-            2 if !is_through_center && sign(rest) != sign(values[0]) => {
-                ruled = Ruled::Cylinder;
-                Shape::Around
-            }
+            2 if !is_through_center && sign(rest) != sign(values[0]) => Shape::Around,
             _ => return None,
         };
         let scales = values.map(|v| {
@@ -162,7 +147,6 @@ impl Frame {
         let seams = if shape == Shape::Closed { 3 } else { 2 };
         Some(Self {
             shape,
-            ruled,
             center,
             to_frame,
             from_frame,
@@ -245,16 +229,5 @@ impl Frame {
         } else {
             point
         }
-    }
-
-    /// The centre or apex, two radii of the section across the axis (of a cone:
-    /// that a step along the axis away), and the axis.
-    pub fn rulings(&self) -> [DVec3; 4] {
-        [
-            self.center,
-            self.from_frame.x_axis,
-            self.from_frame.y_axis,
-            self.from_frame.z_axis,
-        ]
     }
 }

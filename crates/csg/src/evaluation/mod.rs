@@ -30,14 +30,18 @@
 mod arcs;
 mod boundary;
 mod cells;
+mod crossings;
 mod curve;
 mod frame;
 mod lines;
 mod pairs;
+mod pencil;
 mod regions;
 mod roots;
+mod rulings;
 mod sectors;
 mod triangulate;
+mod trig;
 mod weld;
 
 use std::time::Instant;
@@ -256,12 +260,12 @@ fn mesh_of(
     let start = report.end_stage("edges", start);
     let boundary = Boundary::link(scene, &pieces);
     task.control.check()?;
-    let Some(boundary) = boundary else {
+    let Some(mut boundary) = boundary else {
         return Ok(None);
     };
     task.control.tell(0.9);
     let start = report.end_stage("contours", start);
-    let mesh = assemble(scene, task, &boundary);
+    let mesh = assemble(scene, task, &mut boundary);
     task.control.check()?;
     report.end_stage("triangles", start);
     Ok(mesh)
@@ -326,39 +330,34 @@ fn trace<T>(
     Some(parts?.concat())
 }
 
-/// Triangles of all faces.
-fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<Mesh> {
-    const MANY_FACES: usize = 64;
-    let (fan_of, point_of) = boundary.fans();
+/// Triangles of all faces. Where chords of curves run across each other, more of
+/// them are made.
+fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Option<Mesh> {
+    /// Times that edges of faces that cannot be cut are split.
+    const ROUNDS: u32 = 12;
+    let mut cut = Cut::faces(scene, boundary);
+    for _ in 0..ROUNDS {
+        if cut.failed.is_empty() {
+            break;
+        }
+        let mut crossing = Vec::new();
+        for &face in &cut.failed {
+            let contours = &cut.contours[face as usize];
+            boundary.crossing_edges(scene, face, contours, &mut crossing);
+        }
+        crossing.sort_unstable();
+        crossing.dedup();
+        if crossing.is_empty() || !boundary.split(scene, &crossing) {
+            return None;
+        }
+        scene.control.check().ok()?;
+        cut = Cut::faces(scene, boundary);
+    }
     let mut mesh = Mesh {
-        positions: point_of
-            .iter()
-            .map(|&p| boundary.points[p as usize])
-            .collect(),
+        positions: cut.positions,
         ..Mesh::default()
     };
-    let contours = boundary.contours();
-    let stage = scene.control.stage(boundary.faces.len() as u64, 0.9, 1.0);
-    let cut_face = |face: usize| {
-        stage.add(1);
-        let side = &boundary.faces[face];
-        let name = |&half_edge: &u32| {
-            let fan = fan_of[half_edge as usize];
-            (scene.flatten(side, mesh.positions[fan as usize]), fan)
-        };
-        let flat: Vec<Vec<Named>> = contours[face]
-            .iter()
-            .map(|contour| contour.iter().map(name).collect())
-            .collect();
-        triangulate(&flat, scene.weld, scene.control)
-    };
-    let faces = boundary.faces.len();
-    let triangles: Option<Vec<Vec<[u32; 3]>>> = if faces < MANY_FACES {
-        (0..faces).map(cut_face).collect()
-    } else {
-        (0..faces).into_par_iter().map(cut_face).collect()
-    };
-    let mut triangles = triangles?;
+    let mut triangles = cut.failed.is_empty().then_some(cut.triangles)?;
     part_common_diagonals(scene, &boundary.faces, &mut triangles, &mut mesh.positions);
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
     for (side, triangles) in boundary.faces.iter().zip(triangles) {
@@ -374,6 +373,57 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &Boundary) -> Option<M
         mesh.triangles.extend(triangles);
     }
     has_no_double_edge(&mesh.triangles).then_some(mesh)
+}
+
+/// Faces cut into triangles.
+struct Cut {
+    positions: Vec<DVec3>,
+    /// Of each face its half-edges.
+    contours: Vec<Vec<Vec<u32>>>,
+    /// Of each face.
+    triangles: Vec<Vec<[u32; 3]>>,
+    /// Faces that could not be cut.
+    failed: Vec<u32>,
+}
+
+impl Cut {
+    fn faces(scene: &Scene<'_>, boundary: &Boundary) -> Self {
+        const MANY_FACES: usize = 64;
+        let (fan_of, point_of) = boundary.fans();
+        let points = point_of.iter().map(|&p| boundary.points[p as usize]);
+        let positions: Vec<DVec3> = points.collect();
+        let contours = boundary.contours();
+        let faces = boundary.faces.len();
+        let stage = scene.control.stage(faces as u64, 0.9, 1.0);
+        let cut_face = |face: usize| {
+            stage.add(1);
+            let side = &boundary.faces[face];
+            let name = |&half_edge: &u32| {
+                let fan = fan_of[half_edge as usize];
+                (scene.flatten(side, positions[fan as usize]), fan)
+            };
+            let flat: Vec<Vec<Named>> = contours[face]
+                .iter()
+                .map(|contour| contour.iter().map(name).collect())
+                .collect();
+            triangulate(&flat, scene.weld, scene.control)
+        };
+        let triangles: Vec<Option<Vec<[u32; 3]>>> = if faces < MANY_FACES {
+            (0..faces).map(cut_face).collect()
+        } else {
+            (0..faces).into_par_iter().map(cut_face).collect()
+        };
+        let failed = (0u32..).zip(&triangles).filter(|(_, t)| t.is_none());
+        Self {
+            failed: failed.map(|(face, _)| face).collect(),
+            positions,
+            contours,
+            triangles: triangles
+                .into_iter()
+                .map(Option::unwrap_or_default)
+                .collect(),
+        }
+    }
 }
 
 /// Faces on both sides of a curve may have cut off the same ear along it: those

@@ -127,7 +127,7 @@ fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
 }
 
 /// Twice the area of a triangle, exact in sign.
-fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+pub(super) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let coordinate = |p: DVec2| robust::Coord { x: p.x, y: p.y };
     robust::orient2d(coordinate(a), coordinate(b), coordinate(c))
 }

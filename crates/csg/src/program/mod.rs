@@ -22,7 +22,7 @@ pub use bounds::Bounds;
 pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
-pub(crate) use quadric::eigen as eigen_symmetric;
+pub(crate) use quadric::{eigen as eigen_symmetric, jacobi};
 pub(crate) use surface::roots_between;
 
 pub use formula::{Formula, Gate, Literal, Operand, Operation};

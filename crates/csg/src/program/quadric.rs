@@ -100,41 +100,50 @@ pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, Node
 }
 
 /// Eigenvalues and eigenvectors (columns) of the symmetric matrix of a
-/// quadratic form, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix
-/// Computations*, 8.5).
+/// quadratic form.
 pub(crate) fn eigen([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> ([f64; 3], DMat3) {
-    let mut a = [
+    let (values, vectors) = jacobi([
         [xx, 0.5 * xy, 0.5 * zx],
         [0.5 * xy, yy, 0.5 * yz],
         [0.5 * zx, 0.5 * yz, zz],
-    ];
-    let mut v = DMat3::IDENTITY.to_cols_array_2d();
-    // Convergence is quadratic; six sweeps are plenty for 3 by 3.
+    ]);
+    (values, DMat3::from_cols_array_2d(&vectors))
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix, by cyclic Jacobi
+/// rotations (Golub and Van Loan, *Matrix Computations*, 8.5).
+pub(crate) fn jacobi<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+    let mut v: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
+    // Convergence is quadratic; six sweeps are plenty.
     for _ in 0..12 {
-        for (p, q) in [(0, 1), (1, 2), (0, 2)] {
-            if a[p][q] == 0.0 {
-                continue;
-            }
-            let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + tau.hypot(1.0));
-            let c = 1.0 / t.hypot(1.0);
-            let s = t * c;
-            let turn = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
-            for row in &mut a {
-                (row[p], row[q]) = turn(row[p], row[q]);
-            }
-            let (ap, aq) = (a[p], a[q]);
-            for ((k, x), y) in ap.into_iter().enumerate().zip(aq) {
-                (a[p][k], a[q][k]) = turn(x, y);
-            }
-            (a[p][q], a[q][p]) = (0.0, 0.0);
-            let (vp, vq) = (v[p], v[q]);
-            for ((k, x), y) in vp.into_iter().enumerate().zip(vq) {
-                (v[p][k], v[q][k]) = turn(x, y);
+        for apart in 1..N {
+            for p in 0..N - apart {
+                let q = p + apart;
+                if a[p][q] == 0.0 {
+                    continue;
+                }
+                let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+                let t = if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + tau.hypot(1.0));
+                let c = 1.0 / t.hypot(1.0);
+                let s = t * c;
+                let turn = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
+                for row in &mut a {
+                    (row[p], row[q]) = turn(row[p], row[q]);
+                }
+                for (rows, keep) in [(&mut a, false), (&mut v, true)] {
+                    let (low, high) = (rows[p], rows[q]);
+                    for k in 0..N {
+                        (rows[p][k], rows[q][k]) = turn(low[k], high[k]);
+                    }
+                    if !keep {
+                        (rows[p][q], rows[q][p]) = (0.0, 0.0);
+                    }
+                }
             }
         }
     }
-    ([a[0][0], a[1][1], a[2][2]], DMat3::from_cols_array_2d(&v))
+    (std::array::from_fn(|k| a[k][k]), v)
 }
 
 #[cfg(test)]

@@ -136,27 +136,7 @@ impl Conic {
 
     /// The parameter of a point on it, of an ellipse up to whole turns.
     fn parameter(&self, point: DVec3) -> f64 {
-        let coordinates = |center: DVec3, a: DVec3, b: DVec3| {
-            let d = point - center;
-            let (aa, bb, ab) = (a.length_squared(), b.length_squared(), a.dot(b));
-            let (x, y) = (d.dot(a), d.dot(b));
-            let determinant = aa * bb - ab * ab;
-            (
-                (x * bb - y * ab) / determinant,
-                (y * aa - x * ab) / determinant,
-            )
-        };
-        match self.curve {
-            Curve::Ellipse { center, a, b, .. } => {
-                let (x, y) = coordinates(center, a, b);
-                y.atan2(x)
-            }
-            Curve::Hyperbola { center, a, b } => coordinates(center, a, b).1.asinh(),
-            Curve::Parabola {
-                point: vertex, a, ..
-            } => (point - vertex).dot(a) / a.length_squared(),
-            Curve::Line { .. } | Curve::Rulings(_) => f64::NAN,
-        }
+        self.curve.place(point).unwrap_or(f64::NAN)
     }
 
     /// The parameters of vertices in a row along it, none farther from the one

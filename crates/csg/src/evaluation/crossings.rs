@@ -1,0 +1,95 @@
+//! Edges that run across each other although their curves do not: chords of
+//! curves that are close to each other, or touch. More chords part them.
+
+use glam::{DVec2, DVec3};
+
+use super::Scene;
+use super::boundary::Boundary;
+use super::triangulate::orient;
+use crate::net::solve;
+
+impl Boundary {
+    /// Puts a vertex of their curve in the middle of edges; false if there is
+    /// none.
+    pub fn split(&mut self, scene: &Scene<'_>, edges: &[u32]) -> bool {
+        edges.iter().all(|&half_edge| {
+            let middle = self.middle(scene, half_edge);
+            if let Some(middle) = middle {
+                self.part(half_edge, middle);
+            }
+            middle.is_some()
+        })
+    }
+
+    /// The point of an edge's curve next to the middle of its chord.
+    fn middle(&self, scene: &Scene<'_>, half_edge: u32) -> Option<DVec3> {
+        let [a, b] =
+            [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
+        let (middle, half) = (0.5 * (a + b), 0.5 * a.distance(b));
+        let Some(surfaces) = self.surfaces_of(scene, half_edge) else {
+            return Some(middle);
+        };
+        let found = solve::common_point(&surfaces, middle, half);
+        let is_near = found.point.distance(middle) <= 0.9 * half;
+        (is_near && found.residual <= scene.weld && half > 10.0 * scene.weld).then_some(found.point)
+    }
+
+    /// Adds the edges that run across others of the same face as it is seen: of
+    /// each two the one that is farther from its curve. Half-edges are given by
+    /// contour.
+    pub fn crossing_edges(
+        &self,
+        scene: &Scene<'_>,
+        face: u32,
+        contours: &[Vec<u32>],
+        crossing: &mut Vec<u32>,
+    ) {
+        let side = &self.faces[face as usize];
+        let flat = |vertex: u32| scene.flatten(side, self.points[vertex as usize]);
+        let edges: Vec<(u32, [u32; 2], [DVec2; 2])> = contours
+            .iter()
+            .flatten()
+            .map(|&h| {
+                let ends = [self.at(h).from, self.end(h)];
+                (h, ends, ends.map(flat))
+            })
+            .collect();
+        let sagitta = |half_edge: u32| {
+            let [a, b] =
+                [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
+            let middle = self.middle(scene, half_edge);
+            middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
+        };
+        for (k, (first, ends, places)) in edges.iter().enumerate() {
+            for (second, others, other_places) in &edges[k + 1..] {
+                if *second == self.at(*first).twin || !cross(*ends, *places, *others, *other_places)
+                {
+                    continue;
+                }
+                let [one, other] = [*first, *second].map(sagitta);
+                let worse = if one >= other { *first } else { *second };
+                // One half of an edge stands for both.
+                crossing.push(worse.min(self.at(worse).twin));
+            }
+        }
+    }
+}
+
+/// Whether two edges have more in common than their ends.
+fn cross(ends: [u32; 2], [a, b]: [DVec2; 2], others: [u32; 2], [c, d]: [DVec2; 2]) -> bool {
+    let apart = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| {
+        p.max(q).cmplt(r.min(s)).any() || r.max(s).cmplt(p.min(q)).any()
+    };
+    if apart(a, b, c, d) {
+        return false;
+    }
+    let shared = ends.iter().position(|end| others.contains(end));
+    if let Some(k) = shared {
+        // In one direction from their common end.
+        let (here, one) = if k == 0 { (a, b) } else { (b, a) };
+        let other = if others[0] == ends[k] { d } else { c };
+        return orient(here, one, other) == 0.0 && (one - here).dot(other - here) > 0.0;
+    }
+    let sides = |p, q, r, s| orient(p, q, r) * orient(p, q, s) <= 0.0;
+    sides(a, b, c, d) && sides(c, d, a, b)
+}

@@ -1,0 +1,437 @@
+//! The curves of two quadrics, from the quadrics of their pencil: the
+//! combinations of both, which all meet in the same curves.
+//!
+//! Among them there always is one with lines on it ([`rulings`](super::rulings)):
+//! a cone or cylinder, found where the determinant of the 4 by 4 matrix is 0;
+//! else a one-sheet hyperboloid or hyperbolic paraboloid. Where the two touch in
+//! a point and cross around it, one of them is a cone with its apex there, or a
+//! pair of planes (Farouki, Neff and O'Connor, *Automatic Parsing of Degenerate
+//! Quadric-Surface Intersections*, 1989).
+
+use std::f64::consts::TAU;
+
+use glam::{DMat4, DVec3, DVec4};
+use smallvec::{SmallVec, smallvec};
+
+use super::curve::{BEGIN, Branch, Branches, Curve};
+use super::pairs::{Unknown, conic};
+use super::roots::Roots;
+use super::rulings::{Lines, OnLines, Part, Rulings};
+use super::trig::Trig;
+use crate::program::{Surface, eigen_symmetric, jacobi};
+
+/// Eigenvalues below this share of the largest are none.
+const NO_VALUE: f64 = 1e-12;
+
+/// Two quadrics, and the combinations of them.
+struct Pencil<'a> {
+    surfaces: [&'a Surface; 2],
+    /// Of the coordinates in which all coefficients are of like size.
+    origin: DVec3,
+    unit: f64,
+    matrices: [DMat4; 2],
+}
+
+/// What a quadric of the pencil is good for.
+enum Carrier {
+    /// It has lines through one point, which may be at infinity.
+    Cone(Lines),
+    /// It has two families of lines.
+    Hyperboloid(Lines),
+    /// It has no points, so that the two surfaces have none in common.
+    Empty,
+    /// It has one point alone, at which the surfaces may touch, or it is a pair
+    /// of planes, or nothing is sure.
+    Other,
+}
+
+/// The curves of two quadrics that are nearer to each other than `near` where
+/// they touch.
+pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Unknown> {
+    let pencil = Pencil::of([a, b]);
+    let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
+    let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
+        let other = pencil.combined([-y, x]);
+        match carrier(&pencil.combined([x, y])) {
+            Carrier::Cone(lines) => {
+                let known = pencil.on_cone(&lines, &other, near);
+                (!matches!(known, Err(Unknown::NoForm))).then_some(known)
+            }
+            Carrier::Hyperboloid(lines) => {
+                hyperboloids.push((lines, other));
+                None
+            }
+            Carrier::Empty => Some(Ok(Branches::new())),
+            Carrier::Other => None,
+        }
+    };
+    // The surfaces themselves first, which are known best.
+    for own in [[1.0, 0.0], [0.0, 1.0]] {
+        if let Some(known) = consider(own) {
+            return known;
+        }
+    }
+    let mut angles = pencil.singular_members();
+    for &angle in &angles {
+        let (sin, cos) = angle.sin_cos();
+        if let Some(known) = consider([cos, sin]) {
+            return known;
+        }
+    }
+    angles.sort_by(f64::total_cmp);
+    let first = angles.first().copied().unwrap_or(0.0);
+    angles.push(first + 0.5 * TAU);
+    for between in angles.windows(2) {
+        let (sin, cos) = (0.5 * (between[0] + between[1])).sin_cos();
+        if let Some(known) = consider([cos, sin]) {
+            return known;
+        }
+    }
+    let on_hyperboloid =
+        |(lines, other): (Lines, DMat4)| pencil.on_lines(&lines, &other, near).ok();
+    let known = hyperboloids.into_iter().find_map(on_hyperboloid);
+    known.ok_or(Unknown::NoForm)
+}
+
+impl<'a> Pencil<'a> {
+    fn of(surfaces: [&'a Surface; 2]) -> Self {
+        let [a, b] = surfaces;
+        let origin = 0.5 * (a.anchor + b.anchor);
+        let size = surfaces.map(|s| {
+            let value = s.value(origin).abs().sqrt();
+            value.max(s.gradient(origin).length())
+        });
+        let unit = size[0].max(size[1]).max(a.anchor.distance(b.anchor));
+        let matrices = surfaces.map(|s| {
+            let [xx, yy, zz, xy, yz, zx] = s.quadratic;
+            let [x, y, z] = (s.gradient(origin) / unit).to_array();
+            DMat4::from_cols_array_2d(&[
+                [xx, 0.5 * xy, 0.5 * zx, 0.5 * x],
+                [0.5 * xy, yy, 0.5 * yz, 0.5 * y],
+                [0.5 * zx, 0.5 * yz, zz, 0.5 * z],
+                [0.5 * x, 0.5 * y, 0.5 * z, s.value(origin) / (unit * unit)],
+            ])
+        });
+        Self {
+            surfaces,
+            origin,
+            unit,
+            matrices,
+        }
+    }
+
+    fn combined(&self, [x, y]: [f64; 2]) -> DMat4 {
+        x * self.matrices[0] + y * self.matrices[1]
+    }
+
+    /// The angles whose cosine and sine are factors of singular matrices.
+    fn singular_members(&self) -> Vec<f64> {
+        // Of degree four in the cosine and the sine of an angle, and the same at
+        // the opposite one: of degree two in those of its double.
+        let determinant = |doubled: f64| {
+            let (sin, cos) = (0.5 * doubled).sin_cos();
+            self.combined([cos, sin]).determinant()
+        };
+        let trig = Trig::through(determinant);
+        let mut roots = Roots::default();
+        trig.roots(1e-14 * trig.magnitude(), &mut roots);
+        roots.simple.iter().map(|doubled| 0.5 * doubled).collect()
+    }
+
+    /// A point in space.
+    fn place(&self, point: DVec4) -> DVec3 {
+        self.origin + self.unit / point.w * point.truncate()
+    }
+
+    /// The curves on a cone or cylinder.
+    fn on_cone(&self, lines: &Lines, other: &DMat4, near: f64) -> Result<Branches, Unknown> {
+        let vertex = lines.q[0];
+        let polar = *other * vertex;
+        let at_vertex = vertex.dot(polar);
+        let size = other
+            .to_cols_array()
+            .iter()
+            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let is_finite = vertex.w.abs() > 1e-9;
+        // Half the gradient, and how far the vertex is from the other surface.
+        let slope = polar.truncate().length();
+        let is_on = if is_finite {
+            let off = (near / self.unit * vertex.w).abs();
+            at_vertex.abs()
+                <= (2.0 * off * slope)
+                    .max(off * off * size)
+                    .max(NO_VALUE * size)
+        } else {
+            at_vertex.abs() <= NO_VALUE * size
+        };
+        if !is_on {
+            return self.on_lines(lines, other, near);
+        }
+        let form = lines.form(other);
+        if form.b.magnitude() <= 1e-11 * size {
+            return Ok(self.through_vertex(lines, &form.a, near));
+        }
+        // Where the curve passes through the vertex.
+        let mut roots = Roots::default();
+        form.b.roots(1e-11 * form.b.magnitude(), &mut roots);
+        let a_there = |angle: &f64| form.a.value(*angle).abs();
+        let has_line = |angle: &f64| a_there(angle) <= 1e-9 * size;
+        if roots.simple.iter().chain(&roots.touching).any(has_line) {
+            // A line of both surfaces.
+            return Err(Unknown::NoForm);
+        }
+        let mut nodes: SmallVec<[f64; 2]> = SmallVec::new();
+        if is_finite {
+            let places = roots.simple.iter().chain(&roots.touching);
+            nodes.extend(places.map(|angle| (angle - BEGIN).rem_euclid(TAU)));
+        }
+        let curve = self.rulings(lines, &form, Part::Once);
+        let pieces = curve.cut_at_infinity().into_iter().map(|piece| Branch {
+            nodes: nodes.clone(),
+            curve: Curve::Rulings(Box::new(piece)),
+        });
+        Ok(pieces.collect())
+    }
+
+    /// The lines that two cones or cylinders of one vertex have in common.
+    fn through_vertex(&self, lines: &Lines, a: &Trig, near: f64) -> Branches {
+        let vertex = lines.q[0];
+        let mut roots = Roots::default();
+        a.roots(near / self.unit * a.magnitude(), &mut roots);
+        // Where they touch, along one line.
+        roots.simple.retain(|t| !roots.touching.contains(t));
+        let mut branches = Branches::new();
+        for angle in roots.simple.iter().chain(&roots.touching) {
+            let (sin, cos) = angle.sin_cos();
+            let [one, c, s] = lines.p;
+            let point = one + cos * c + sin * s;
+            if vertex.w.abs() > 1e-9 {
+                let away = point - point.w / vertex.w * vertex;
+                branches.push(Branch {
+                    curve: Curve::Line {
+                        point: self.place(vertex),
+                        direction: away.truncate().normalize_or_zero(),
+                    },
+                    nodes: smallvec![0.0],
+                });
+            } else if point.w != 0.0 {
+                branches.push(Branch::new(Curve::Line {
+                    point: self.place(point),
+                    direction: vertex.truncate().normalize_or_zero(),
+                }));
+            }
+        }
+        branches
+    }
+
+    fn rulings(&self, lines: &Lines, on_lines: &OnLines, part: Part) -> Rulings {
+        Rulings {
+            origin: self.origin,
+            unit: self.unit,
+            lines: lines.clone(),
+            on_lines: on_lines.clone(),
+            part,
+            between: None,
+        }
+    }
+
+    /// The curves on lines that meet the other surface twice.
+    fn on_lines(&self, lines: &Lines, other: &DMat4, near: f64) -> Result<Branches, Unknown> {
+        let form = lines.form(other);
+        let [a, b, c] = [&form.a, &form.b, &form.c];
+        let discriminant = b.times(b).plus(-1.0, &a.times(c));
+        let scale = b.magnitude() * b.magnitude() + a.magnitude() * c.magnitude();
+        let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
+        if discriminant.magnitude() <= 1e-12 * scale {
+            parts.push(Part::Touching);
+        } else {
+            let mut roots = Roots::default();
+            discriminant.roots(1e-12 * scale, &mut roots);
+            if let Some(&touching) = roots.touching.first() {
+                let curve = self.rulings(lines, &form, Part::Around { is_plus: true });
+                let point = curve.at((touching - BEGIN).rem_euclid(TAU));
+                return self.through_contact(point, near);
+            }
+            roots.simple.sort_by(f64::total_cmp);
+            match roots.simple.as_slice() {
+                [] if discriminant.value(0.0) < 0.0 => {}
+                [] => parts.extend([true, false].map(|is_plus| Part::Around { is_plus })),
+                // Rounding took one of a pair.
+                angles if angles.len() % 2 == 1 => return Err(Unknown::NoForm),
+                angles => {
+                    let is_between = discriminant.value(0.5 * (angles[0] + angles[1])) > 0.0;
+                    for k in (usize::from(!is_between)..angles.len()).step_by(2) {
+                        let from = angles[k];
+                        let to = *angles.get(k + 1).unwrap_or(&(angles[0] + TAU));
+                        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+                        let rest = discriminant.without_roots(middle, half);
+                        parts.push(Part::Between { middle, half, rest });
+                    }
+                }
+            }
+        }
+        let mut branches = Branches::new();
+        for part in parts {
+            let curves = self.rulings(lines, &form, part).cut_at_infinity();
+            let curves = curves.into_iter().map(|c| Curve::Rulings(Box::new(c)));
+            branches.extend(curves.map(Branch::new));
+        }
+        Ok(branches)
+    }
+
+    /// The curves of quadrics that touch at a point.
+    fn through_contact(&self, start: DVec3, near: f64) -> Result<Branches, Unknown> {
+        let [a, b] = self.surfaces;
+        let at = contact(a, b, start);
+        let [p, q] = [a, b].map(|s| s.gradient(at));
+        let factor = p.dot(q) / q.length_squared();
+        if !factor.is_finite() || (p - factor * q).length() > 1e-6 * p.length() {
+            return Err(Unknown::NoForm);
+        }
+        // The one of the pencil whose gradient is 0 there.
+        let mut member: [f64; 6] = a.quadratic;
+        for (sum, value) in member.iter_mut().zip(b.quadratic) {
+            *sum -= factor * value;
+        }
+        let (values, axes) = eigen_symmetric(member);
+        let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+        let [low, middle, high] = order.map(|k| values[k]);
+        let [low_axis, middle_axis, high_axis] = order.map(|k| axes[k]);
+        let largest = high.max(-low);
+        if low < 0.0 && high > 0.0 && middle.abs() <= 1e-6 * largest {
+            let sides = [1.0, -1.0].map(|sign| {
+                let normal = (-low).sqrt() * low_axis + sign * high.sqrt() * high_axis;
+                Surface {
+                    anchor: at,
+                    quadratic: [0.0; 6],
+                    linear: normal.normalize_or_zero(),
+                    constant: 0.0,
+                }
+            });
+            return conics(&sides, middle_axis, a, near);
+        }
+        // Without two signs it is 0 in a point, or along a line that meets the
+        // surfaces in points if it does not lie in them.
+        let is_small = |value: f64| value.abs() <= 1e-6 * largest;
+        let ends = if high >= -low {
+            (low, low_axis)
+        } else {
+            (high, high_axis)
+        };
+        let has_one_sign = (ends.0 > 0.0) == (high >= -low) || is_small(ends.0);
+        if has_one_sign && !is_small(middle) {
+            let crosses = !is_small(0.5 * a.curvature_along(ends.1));
+            let is_point = !is_small(ends.0) || crosses;
+            return Err(if is_point {
+                Unknown::Touch
+            } else {
+                Unknown::NoForm
+            });
+        }
+        if [low, middle, high].into_iter().any(is_small) {
+            return Err(Unknown::NoForm);
+        }
+        // A cone with its apex there.
+        let odd = if middle > 0.0 { 0 } else { 2 };
+        let point = |d: DVec3| d.extend(0.0);
+        let scaled = |k: usize| point(axes[order[k]] / values[order[k]].abs().sqrt());
+        let local = ((at - self.origin) / self.unit).extend(1.0);
+        let others = [(odd + 1) % 3, (odd + 2) % 3];
+        let lines = Lines {
+            p: [scaled(odd), scaled(others[0]), scaled(others[1])],
+            q: [local, DVec4::ZERO, DVec4::ZERO],
+        };
+        self.on_cone(&lines, &self.matrices[1], near)
+    }
+}
+
+/// What a quadric has, given by its matrix.
+fn carrier(matrix: &DMat4) -> Carrier {
+    let (values, vectors) = jacobi(matrix.to_cols_array_2d());
+    let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let of_sign = |sign: f64| -> SmallVec<[DVec4; 4]> {
+        let own = |(value, vector): (&f64, &[f64; 4])| {
+            (sign * value > NO_VALUE * largest)
+                .then(|| DVec4::from_array(*vector) / value.abs().sqrt())
+        };
+        values.iter().zip(&vectors).filter_map(own).collect()
+    };
+    let (plus, minus) = (of_sign(1.0), of_sign(-1.0));
+    let none = DVec4::ZERO;
+    match (plus.as_slice(), minus.as_slice()) {
+        (&[x, y], &[one]) | (&[one], &[x, y]) => {
+            let is_null = |&k: &usize| values[k].abs() <= NO_VALUE * largest;
+            let Some(null) = (0..4).find(is_null) else {
+                return Carrier::Other;
+            };
+            Carrier::Cone(Lines {
+                p: [one, x, y],
+                q: [DVec4::from_array(vectors[null]), none, none],
+            })
+        }
+        (&[x, y], &[z, w]) => Carrier::Hyperboloid(Lines {
+            p: [z, x, y],
+            q: [w, y, -x],
+        }),
+        ([_, _, _, _], []) | ([], [_, _, _, _]) => Carrier::Empty,
+        _ => Carrier::Other,
+    }
+}
+
+/// Where two surfaces have the same tangent plane, from near it.
+fn contact(a: &Surface, b: &Surface, start: DVec3) -> DVec3 {
+    const STEPS: u32 = 6;
+    let hessian = |s: &Surface| {
+        let [xx, yy, zz, xy, yz, zx] = s.quadratic;
+        glam::DMat3::from_cols_array(&[2.0 * xx, xy, zx, xy, 2.0 * yy, yz, zx, yz, 2.0 * zz])
+    };
+    let mut at = start;
+    for _ in 0..STEPS {
+        // a = 0 and ∇a = factor ∇b, by Newton's method.
+        let [p, q] = [a, b].map(|s| s.gradient(at));
+        let factor = p.dot(q) / q.length_squared();
+        let [u, v] = <[DVec3; 2]>::from(q.normalize_or_zero().any_orthonormal_pair());
+        let second = hessian(a) - factor * hessian(b);
+        let rows = glam::DMat3::from_cols(p, second * u, second * v).transpose();
+        let off = p - factor * q;
+        let step = rows.inverse() * DVec3::new(a.value(at), off.dot(u), off.dot(v));
+        if !step.is_finite() || step.length() > 1e-3 * a.gradient(at).length() {
+            break;
+        }
+        at -= step;
+    }
+    at
+}
+
+/// The conics in which a pair of planes cuts a quadric, with their nodes on the
+/// line common to both.
+fn conics(
+    planes: &[Surface; 2],
+    along: DVec3,
+    quadric: &Surface,
+    near: f64,
+) -> Result<Branches, Unknown> {
+    let at = planes[0].anchor;
+    let line = Curve::Line {
+        point: at,
+        direction: along,
+    };
+    let mut branches = Branches::new();
+    // Of the two points on the line one is where the contact was found.
+    let square = 0.5 * quadric.curvature_along(along);
+    let other = -quadric.gradient(at).dot(along) / square;
+    let mut nodes: SmallVec<[DVec3; 2]> = smallvec![at];
+    if other.is_finite() {
+        nodes.push(line.at(other));
+    }
+    for plane in planes {
+        for mut branch in conic(plane, quadric, near)? {
+            let places = nodes.iter().filter_map(|&node| branch.curve.place(node));
+            branch.nodes.extend(places);
+            branches.push(branch);
+        }
+    }
+    Ok(branches)
+}

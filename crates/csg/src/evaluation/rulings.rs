@@ -1,0 +1,216 @@
+//! The curves that the lines on a quadric draw on another one, in homogeneous
+//! coordinates.
+//!
+//! A cone's or cylinder's lines all pass through its vertex q, which may be at
+//! infinity, and through the points p(θ) of a conic; a one-sheet hyperboloid or
+//! hyperbolic paraboloid has lines through p(θ) and q(θ), both on conics. The
+//! point α p + β q is on another quadric M where
+//! a α² + 2 b α β + c β² = 0, a = pᵀMp, b = pᵀMq, c = qᵀMq:
+//! at most twice on each line (Levin, *A Parametric Algorithm for Drawing
+//! Pictures of Solid Objects Composed of Quadric Surfaces*, 1976; Dupont et al.,
+//! *Near-Optimal Parameterization of the Intersection of Quadrics*, 2008). All
+//! of them are trigonometric polynomials in θ.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat4, DVec3, DVec4};
+
+use super::curve::BEGIN;
+use super::roots::Roots;
+use super::trig::Trig;
+
+/// A point that moves along a conic with the cosine and the sine of an angle:
+/// of 1, cos and sin the factors.
+pub(crate) type Round = [DVec4; 3];
+
+/// The lines on a quadric, each through a point of `p` and one of `q`.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    pub p: Round,
+    pub q: Round,
+}
+
+/// a, b and c of the quadratic form on every line.
+#[derive(Clone, Debug)]
+pub(crate) struct OnLines {
+    pub a: Trig,
+    pub b: Trig,
+    pub c: Trig,
+}
+
+impl Lines {
+    /// The values of another quadric.
+    pub fn form(&self, other: &DMat4) -> OnLines {
+        let product = |first: &Round, second: &Round| {
+            let second = second.map(|v| *other * v);
+            let at = |i: usize, j: usize| first[i].dot(second[j]);
+            Trig::of_form(
+                [at(1, 1), at(2, 2), at(1, 2) + at(2, 1)],
+                [at(0, 1) + at(1, 0), at(0, 2) + at(2, 0)],
+                at(0, 0),
+            )
+        };
+        OnLines {
+            a: product(&self.p, &self.p),
+            b: product(&self.p, &self.q),
+            c: product(&self.q, &self.q),
+        }
+    }
+
+    /// The last coordinates, which are 0 at infinity, of p and q.
+    pub fn last(&self) -> [Trig; 2] {
+        [&self.p, &self.q].map(|v| Trig::linear(v.map(|v| v.w)))
+    }
+}
+
+/// What part of the lines a curve takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    /// All of them, each where α : β = -b + √(b² - ac) : a, or where the root is
+    /// negative.
+    Around { is_plus: bool },
+    /// All of them, each where it touches the other surface.
+    Touching,
+    /// All of them, each where it meets the other surface besides in q: c = 0.
+    Once,
+    /// Those between two that touch the other surface, there and back. The last
+    /// is b² - ac over cos(θ - middle) - cos(half).
+    Between { middle: f64, half: f64, rest: Trig },
+}
+
+/// A curve on the lines of one quadric and on another one.
+#[derive(Clone, Debug)]
+pub(crate) struct Rulings {
+    /// Of the coordinates, and their unit.
+    pub origin: DVec3,
+    pub unit: f64,
+    pub lines: Lines,
+    pub on_lines: OnLines,
+    pub part: Part,
+    /// Where the curve comes from infinity and goes there.
+    pub between: Option<(f64, f64)>,
+}
+
+fn on_conic([one, cos, sin]: &Round, (s, c): (f64, f64)) -> DVec4 {
+    *one + c * *cos + s * *sin
+}
+
+impl Rulings {
+    fn angle(&self, t: f64) -> f64 {
+        match self.part {
+            Part::Between { middle, half, .. } => middle - half * (t + BEGIN).cos(),
+            _ => t + BEGIN,
+        }
+    }
+
+    /// √(b² - ac) with the sign that tells the two points on a line apart.
+    fn root(&self, t: f64, angle: f64, [a, b, c]: [f64; 3]) -> f64 {
+        match &self.part {
+            Part::Touching | Part::Once => 0.0,
+            Part::Around { is_plus } => {
+                let root = (b * b - a * c).max(0.0).sqrt();
+                if *is_plus { root } else { -root }
+            }
+            Part::Between { half, rest, .. } => {
+                // cos φ - cos h = 2 sin((h + φ) / 2) sin((h - φ) / 2), and
+                // φ = -h cos u.
+                let (sin, cos) = (0.5 * (t + BEGIN)).sin_cos();
+                let factors = 2.0 * (half * sin * sin).sin() * (half * cos * cos).sin();
+                let root = (factors * rest.value(angle)).max(0.0).sqrt();
+                root.copysign(sin * cos)
+            }
+        }
+    }
+
+    /// The point at a place in homogeneous coordinates, of length 1, the last of
+    /// them not negative.
+    fn homogeneous(&self, t: f64) -> DVec4 {
+        let angle = self.angle(t);
+        let turn = angle.sin_cos();
+        let [p, q] = [&self.lines.p, &self.lines.q].map(|v| on_conic(v, turn));
+        let OnLines { a, b, c } = &self.on_lines;
+        let [a, b, c] = [a, b, c].map(|f| f.value(angle));
+        let root = self.root(t, angle, [a, b, c]);
+        let [alpha, beta] = if matches!(self.part, Part::Once) {
+            [-2.0 * b, a]
+        } else {
+            // The same ratio twice, the one farther from 0 : 0.
+            let ratios = [[root - b, a], [c, -b - root]];
+            let size = |[alpha, beta]: [f64; 2]| alpha.abs().max(beta.abs());
+            ratios[usize::from(size(ratios[1]) > size(ratios[0]))]
+        };
+        let point = alpha * p + beta * q;
+        let point = point.normalize_or_zero();
+        if point.w < 0.0 { -point } else { point }
+    }
+
+    pub fn at(&self, t: f64) -> DVec3 {
+        let point = self.homogeneous(t);
+        self.origin + self.unit / point.w * point.truncate()
+    }
+
+    /// Next to 0 where the point is next to infinity, and else about 1.
+    pub fn weight(&self, t: f64) -> f64 {
+        self.homogeneous(t).w
+    }
+
+    /// The places of a point of the curve on the line at an angle, of the two
+    /// that line may have; none if it is the other branch's. The point is given
+    /// by α and β.
+    pub fn places(&self, angle: f64, [alpha, beta]: [f64; 2]) -> Option<f64> {
+        let around = (angle - BEGIN).rem_euclid(TAU);
+        // a α + b β = ±root β, b α + c β = ∓root α.
+        let OnLines { a, b, c } = &self.on_lines;
+        let [a, b, c] = [a, b, c].map(|f| f.value(angle));
+        let is_plus = if beta.abs() > alpha.abs() {
+            (a * alpha + b * beta) * beta >= 0.0
+        } else {
+            (b * alpha + c * beta) * alpha <= 0.0
+        };
+        match self.part {
+            Part::Touching | Part::Once => Some(around),
+            Part::Around { is_plus: mine } => (mine == is_plus).then_some(around),
+            Part::Between { middle, half, .. } => {
+                let off = (angle - middle + PI).rem_euclid(TAU) - PI;
+                if off.abs() > half {
+                    return None;
+                }
+                let turn = (-off / half).acos();
+                let turn = if is_plus { turn } else { TAU - turn };
+                Some((turn - BEGIN).rem_euclid(TAU))
+            }
+        }
+    }
+
+    /// Cuts the curve where it goes to infinity.
+    pub fn cut_at_infinity(self) -> Vec<Self> {
+        let [p, q] = self.lines.last();
+        let OnLines { a, b, c } = &self.on_lines;
+        // On a line at infinity are α : β = q : -p, by the last coordinates.
+        let at_infinity = if matches!(self.part, Part::Once) {
+            a.times(&q).plus(-2.0, &b.times(&p))
+        } else {
+            let mixed = b.times(&p).times(&q);
+            let ends = a.times(&q).times(&q).plus(1.0, &c.times(&p).times(&p));
+            ends.plus(-2.0, &mixed)
+        };
+        let mut roots = Roots::default();
+        at_infinity.roots(1e-12 * at_infinity.magnitude(), &mut roots);
+        let mut poles: Vec<f64> = Vec::new();
+        for &angle in roots.simple.iter().chain(&roots.touching) {
+            let point = [q.value(angle), -p.value(angle)];
+            poles.extend(self.places(angle, point));
+        }
+        poles.sort_by(f64::total_cmp);
+        poles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let Some(&first) = poles.first() else {
+            return vec![self];
+        };
+        let next = poles[1..].iter().copied().chain([first + TAU]);
+        let part = |between| Self {
+            between: Some(between),
+            ..self.clone()
+        };
+        poles.iter().copied().zip(next).map(part).collect()
+    }
+}

@@ -1,0 +1,263 @@
+//! Trigonometric polynomials of low degree and their roots.
+
+use std::f64::consts::TAU;
+
+use super::roots::Roots;
+
+/// The highest degree there is.
+const DEGREE: usize = 4;
+
+/// Σ cₖ cos kt + sₖ sin kt, k = 0, …, 4.
+///
+/// That is the real part of Σ (cₖ - i sₖ) zᵏ on the unit circle z = exp it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Trig {
+    /// cₖ and sₖ; s₀ is 0.
+    terms: [[f64; 2]; DEGREE + 1],
+    degree: usize,
+}
+
+impl Trig {
+    pub fn constant(value: f64) -> Self {
+        let mut sum = Self::default();
+        sum.terms[0][0] = value;
+        sum
+    }
+
+    /// constant + c cos t + s sin t, by all three.
+    pub fn linear([constant, c, s]: [f64; 3]) -> Self {
+        let mut sum = Self::constant(constant);
+        sum.terms[1] = [c, s];
+        sum.degree = 1;
+        sum
+    }
+
+    /// x² cos² t + y² sin² t + xy cos t sin t + x cos t + y sin t + 1, by its
+    /// coefficients.
+    pub fn of_form([xx, yy, xy]: [f64; 3], [x, y]: [f64; 2], constant: f64) -> Self {
+        let mut sum = Self::linear([constant + 0.5 * (xx + yy), x, y]);
+        sum.terms[2] = [0.5 * (xx - yy), 0.5 * xy];
+        sum.degree = 2;
+        sum
+    }
+
+    /// The one of degree two that takes the same values as a function that is
+    /// one.
+    pub fn through(value: impl Fn(f64) -> f64) -> Self {
+        const PLACES: u32 = 5;
+        let mut sum = Self {
+            degree: 2,
+            ..Self::default()
+        };
+        for place in 0..PLACES {
+            let t = f64::from(place) / f64::from(PLACES) * TAU;
+            let value = value(t) / f64::from(PLACES);
+            sum.terms[0][0] += value;
+            for k in [1, 2] {
+                let (sin, cos) = (k as f64 * t).sin_cos();
+                sum.terms[k][0] += 2.0 * value * cos;
+                sum.terms[k][1] += 2.0 * value * sin;
+            }
+        }
+        sum
+    }
+
+    pub fn value(&self, t: f64) -> f64 {
+        let (sin, cos) = t.sin_cos();
+        // Horner's rule.
+        let [mut re, mut im] = [0.0; 2];
+        for k in (1..=self.degree).rev() {
+            let [c, s] = self.terms[k];
+            let (x, y) = (re + c, im - s);
+            (re, im) = (x * cos - y * sin, x * sin + y * cos);
+        }
+        re + self.terms[0][0]
+    }
+
+    /// No value is farther from 0.
+    pub fn magnitude(&self) -> f64 {
+        self.amplitudes().sum()
+    }
+
+    fn amplitudes(&self) -> impl Iterator<Item = f64> {
+        self.terms[..=self.degree].iter().map(|[c, s]| c.hypot(*s))
+    }
+
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        let mut sum = *self;
+        sum.degree = self.degree.max(other.degree);
+        for (mine, theirs) in sum.terms.iter_mut().zip(other.terms) {
+            mine[0] += factor * theirs[0];
+            mine[1] += factor * theirs[1];
+        }
+        sum
+    }
+
+    /// The product; of the degrees the sum must be at most four.
+    pub fn times(&self, other: &Self) -> Self {
+        let mut product = Self {
+            degree: (self.degree + other.degree).min(DEGREE),
+            ..Self::default()
+        };
+        for (k, [c, s]) in self.terms[..=self.degree].iter().enumerate() {
+            for (l, [d, r]) in other.terms[..=other.degree].iter().enumerate() {
+                if k + l > DEGREE {
+                    continue;
+                }
+                let (cc, ss, cs, sc) = (0.5 * c * d, 0.5 * s * r, 0.5 * c * r, 0.5 * s * d);
+                product.terms[k + l][0] += cc - ss;
+                product.terms[k + l][1] += cs + sc;
+                let between = &mut product.terms[k.abs_diff(l)];
+                between[0] += cc + ss;
+                between[1] += if k > l { sc - cs } else { cs - sc };
+            }
+        }
+        product.terms[0][1] = 0.0;
+        product
+    }
+
+    /// Of a polynomial that is 0 at `middle` - `half` and `middle` + `half` its
+    /// quotient by cos(t - middle) - cos(half).
+    pub fn without_roots(&self, middle: f64, half: f64) -> Self {
+        // With z = exp i(t - middle) the divisor is (z - 2 cos half + 1/z) / 2:
+        // from the highest power down.
+        let shifted = |k: usize| {
+            let ([c, s], (sin, cos)) = (self.terms[k], (k as f64 * middle).sin_cos());
+            [c * cos + s * sin, s * cos - c * sin]
+        };
+        let twice = 2.0 * half.cos();
+        let mut quotient = Self {
+            degree: self.degree.saturating_sub(1),
+            ..Self::default()
+        };
+        let mut above = [[0.0; 2]; 2];
+        for k in (0..self.degree).rev() {
+            let high = shifted(k + 1);
+            let term = |i: usize| 2.0 * high[i] + twice * above[0][i] - above[1][i];
+            above = [[term(0), term(1)], above[0]];
+            quotient.terms[k] = above[0];
+        }
+        // The constant has no second half.
+        quotient.terms[0] = [0.5 * quotient.terms[0][0], 0.0];
+        let turned = |k: usize| {
+            let ([c, s], (sin, cos)) = (quotient.terms[k], (k as f64 * middle).sin_cos());
+            [c * cos - s * sin, s * cos + c * sin]
+        };
+        Self {
+            terms: std::array::from_fn(turned),
+            ..quotient
+        }
+    }
+
+    /// Where the derivative is 0, by Newton's method.
+    fn extremum_near(&self, start: f64) -> f64 {
+        const STEPS: u32 = 4;
+        let mut t = start;
+        for _ in 0..STEPS {
+            let (mut first, mut second) = (0.0, 0.0);
+            for (k, [c, s]) in self.terms[..=self.degree].iter().enumerate() {
+                let k = k as f64;
+                let (sin, cos) = (k * t).sin_cos();
+                first += k * (s * cos - c * sin);
+                second -= k * k * (c * cos + s * sin);
+            }
+            let step = first / second;
+            if step.abs() < 1e-3 {
+                t -= step;
+            } else {
+                return start;
+            }
+        }
+        t
+    }
+
+    /// Adds the roots from 0 to 2π.
+    pub(super) fn roots(&self, tolerance: f64, roots: &mut Roots) {
+        let constant = self.terms[0][0];
+        let mut amplitudes = [0.0; DEGREE + 1];
+        for (slot, amplitude) in amplitudes.iter_mut().zip(self.amplitudes()) {
+            *slot = amplitude;
+        }
+        let [_, once, higher @ ..] = amplitudes;
+        let higher_sum: f64 = higher.iter().sum();
+        if constant.abs() > once + higher_sum + tolerance {
+            return;
+        }
+        if higher_sum > 1e-3 * tolerance {
+            let squares = (2..).map(|k: u32| f64::from(k * k));
+            let bend = once + higher.iter().zip(squares).map(|(a, k)| a * k).sum::<f64>();
+            let before = roots.touching.len();
+            roots.find([0.0, TAU], |t| self.value(t), |_, _| bend, tolerance);
+            for touching in &mut roots.touching[before..] {
+                *touching = self.extremum_near(*touching);
+            }
+            return;
+        }
+        let middle = self.terms[1][1].atan2(self.terms[1][0]);
+        if (constant.abs() - once).abs() <= tolerance {
+            let touching = if constant > 0.0 {
+                middle + TAU / 2.0
+            } else {
+                middle
+            };
+            roots.touching.push(touching.rem_euclid(TAU));
+            return;
+        }
+        let half = (-constant / once).acos();
+        for root in [middle - half, middle + half] {
+            roots.simple.push(root.rem_euclid(TAU));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// sin((t-a)/2) sin((t-b)/2) is of degree one; its roots are a and b.
+    fn with_roots([a, b]: [f64; 2]) -> Trig {
+        let (sin, cos) = (0.5 * (a + b)).sin_cos();
+        Trig::linear([0.5 * (0.5 * (a - b)).cos(), -0.5 * cos, -0.5 * sin])
+    }
+
+    #[test]
+    fn roots_of_products_are_all_found() {
+        let mut random = Random(1);
+        let mut found = 0;
+        for case in 0..2000 {
+            let mut pair = || -> [f64; 2] { std::array::from_fn(|_| random.unit() * TAU) };
+            let pairs: Vec<[f64; 2]> = (0..1 + case % 4).map(|_| pair()).collect();
+            let product = pairs
+                .iter()
+                .fold(Trig::constant(1.0), |p, &pair| p.times(&with_roots(pair)));
+            let mut wanted = pairs.concat();
+            wanted.sort_by(f64::total_cmp);
+            let mut roots = Roots::default();
+            product.roots(1e-14, &mut roots);
+            roots.simple.sort_by(f64::total_cmp);
+            if !roots.touching.is_empty() {
+                continue;
+            }
+            found += 1;
+            assert_eq!(
+                roots.simple.len(),
+                wanted.len(),
+                "{wanted:?}: {:?}",
+                roots.simple
+            );
+            for (root, wanted) in roots.simple.iter().zip(&wanted) {
+                assert!((root - wanted).abs() < 1e-6, "{root} {wanted}");
+            }
+            let [a, b] = pairs[0];
+            let quotient = product.without_roots(0.5 * (a + b), 0.5 * (a - b));
+            for k in 0..20 {
+                let t = 0.3 * f64::from(k);
+                let divisor = (t - 0.5 * (a + b)).cos() - (0.5 * (a - b)).cos();
+                let off = quotient.value(t) * divisor - product.value(t);
+                assert!(off.abs() < 1e-12, "{off}");
+            }
+        }
+        assert!(found > 1800, "{found}");
+    }
+}
