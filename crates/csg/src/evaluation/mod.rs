@@ -396,6 +396,7 @@ impl Cut {
         let faces = boundary.faces.len();
         let stage = scene.control.stage(faces as u64, 0.9, 1.0);
         let cut_face = |face: usize| {
+            scene.control.check().ok()?;
             stage.add(1);
             let side = &boundary.faces[face];
             let name = |&half_edge: &u32| {

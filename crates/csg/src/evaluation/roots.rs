@@ -88,12 +88,18 @@ impl Roots {
                 self.simple.push(bracketed(&value, [a, b], [at_a, at_b]));
                 continue;
             }
-            if halvings == MOST_HALVINGS || off <= 0.1 * tolerance {
+            if is_monotonic || halvings == MOST_HALVINGS || off <= 0.1 * tolerance {
+                // Of a function that rises or falls one end is next to 0.
+                let stretch = match is_monotonic {
+                    true if at_a.abs() <= at_b.abs() => [from, from],
+                    true => [to, to],
+                    false => [from, to],
+                };
                 near = Some(match near {
-                    Some([first, last]) if last.0 == a => [first, to],
+                    Some([first, last]) if last.0 == stretch[0].0 => [first, stretch[1]],
                     before => {
                         self.touch(before, &value);
-                        [from, to]
+                        stretch
                     }
                 });
                 if near.is_some_and(|[first, last]| last.0 - first.0 > LONG * (end - start)) {
