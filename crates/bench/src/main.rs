@@ -16,6 +16,7 @@ mod plot;
 mod poses;
 mod random_tree;
 mod robust;
+mod scaling;
 mod scenes;
 mod timing;
 mod truth;
@@ -33,6 +34,8 @@ enum Question {
     Error(error::Options),
     /// What does a surface cell cost, and where does the time go?
     Cells(cells::Options),
+    /// How much faster are several threads, and could they be?
+    Scaling(scaling::Options),
     /// Is every mesh manifold?
     Robust(robust::Options),
     /// Does every mesh keep what is promised of it?
@@ -48,6 +51,7 @@ fn main() {
         Question::Uniform(options) => uniform::run(&options),
         Question::Error(options) => error::run(&options),
         Question::Cells(options) => cells::run(&options),
+        Question::Scaling(options) => scaling::run(&options),
         Question::Robust(options) => robust::run(&options),
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),

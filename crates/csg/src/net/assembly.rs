@@ -113,6 +113,9 @@ impl Assembly {
     /// The whole mesh, without room for more.
     pub fn finish(mut self) -> Assembled {
         let regular = self.triangles.len() as u32;
+        let all = self.triangles.len() + self.further.len();
+        pages::reserve(&mut self.triangles, all);
+        pages::reserve(&mut self.surfaces, all);
         let further = self.further.iter();
         self.triangles
             .extend(further.map(|further| further.triangle));

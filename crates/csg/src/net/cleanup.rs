@@ -147,7 +147,7 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
         /// A collapse may make room for another.
         const ROUNDS: usize = 4;
         let mut work = Work::default();
-        let pending = bad.iter().map(|&triangle| self.face(triangle));
+        let pending = bad.par_iter().map(|&triangle| self.face(triangle));
         let mut pending: Vec<Face> = pending.filter(|&face| self.is_bad(face)).collect();
         let mut left = Vec::new();
         if self.are_many(pending.len(), 50) {

@@ -45,6 +45,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use glam::{DVec3, UVec3};
+use rayon::iter::{self, Either};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -251,11 +252,11 @@ impl pulp::WithSimd for StitchPart<'_, '_, '_> {
 
 /// How many blocks are walked, then stitched, before the next: on one thread so
 /// few that what the one leaves to the other is still at hand, on several so
-/// many that they rarely wait for each other.
+/// many that these wait for each other once or twice in a whole mesh.
 fn blocks_at_once() -> usize {
     match rayon::current_num_threads() {
         1 => 8,
-        several => 64 * several,
+        several => 256 * several,
     }
 }
 
@@ -320,14 +321,17 @@ fn blocks(scene: &Scene<'_>, root: &Cell) -> (Vec<Block>, u64) {
     let whole = varying(root, UVec3::ZERO, all, &mut Pruner::default());
     let mut blocks: Vec<Block> = whole.into_iter().collect();
     while !blocks.iter().all(is_small) {
-        let halves = blocks.into_par_iter().flat_map_iter(|block| {
+        let halves = blocks.into_par_iter().flat_map(|block| {
             if is_small(&block) {
-                return vec![block];
+                return Either::Left(iter::once(block));
             }
-            let mut pruner = Pruner::default();
-            children(block.from, block.to)
-                .filter_map(|(from, to)| varying(&block.cell, from, to, &mut pruner))
-                .collect()
+            let halves: Vec<_> = children(block.from, block.to).collect();
+            let halves = halves
+                .into_par_iter()
+                .map_init(Pruner::default, move |pruner, (from, to)| {
+                    varying(&block.cell, from, to, pruner)
+                });
+            Either::Right(halves.flatten_iter())
         });
         blocks = halves.collect();
     }
