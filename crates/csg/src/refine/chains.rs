@@ -80,6 +80,9 @@ pub(super) trait Course {
     /// could not be followed.
     fn points(&self, chords: u32) -> Option<Vec<DVec3>>;
 
+    /// Whether all its chords are alike.
+    fn is_even(&self) -> bool;
+
     /// Two surfaces that meet in it, for which a chord's distance is bounded
     /// best.
     fn surfaces(&self) -> [&Surface; 2];
@@ -114,8 +117,14 @@ fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Optio
     let mut points = Vec::new();
     for tries in 1..=MOST_TRIES {
         points = course.points(chords)?;
-        let ends = [vertices[0], vertices[edges as usize]];
-        let excess = farthest(course.surfaces(), ends, &points) / goal.tolerance;
+        let (first, last) = (vertices[0], vertices[edges as usize]);
+        let farthest = match points.first() {
+            Some(&point) if course.is_even() => {
+                deviation::of_chord(course.surfaces(), first, point)
+            }
+            _ => farthest(course.surfaces(), [first, last], &points),
+        };
+        let excess = farthest / goal.tolerance;
         // Curvature is the whole story only where it hardly changes.
         if excess <= 1.0 || excess > 2.0 || tries == MOST_TRIES {
             break;

@@ -101,6 +101,10 @@ impl Course for Stretches<'_> {
         Some(points)
     }
 
+    fn is_even(&self) -> bool {
+        false
+    }
+
     fn surfaces(&self) -> [&Surface; 2] {
         self.0[0].surfaces
     }

@@ -90,6 +90,16 @@ pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
     Ratio::new(hessian_norm(surface), &corners, quarters).bound()
 }
 
+/// Whether a triangle is as near to its surface as a distance, by a bound that
+/// is mostly a little looser than [`of_triangle`] and costs half as much: if not,
+/// it may still be.
+#[inline]
+pub(super) fn is_within(surface: &Surface, corners: [DVec3; 3], distance: f64) -> bool {
+    let corners = corners.map(|at| Corner::new(surface, at));
+    let ratio = Ratio::new(hessian_norm(surface), &corners, quarters(surface, &corners));
+    ratio.loosely(distance) <= distance
+}
+
 /// The corner of a triangle: where it is, and f's gradient and magnitude there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
@@ -197,17 +207,18 @@ impl Ratio {
         }
     }
 
-    /// A distance that the map shrinks is a bound, and so is its image.
     fn bound(&self) -> f64 {
-        let guess = 1.25 * self.of(0.0);
-        let bound = self.of(guess);
-        if bound <= guess {
-            bound
-        } else if self.of(2.0 * bound) <= 2.0 * bound {
-            self.of(2.0 * bound)
-        } else {
-            f64::INFINITY
+        shrunk(|distance| self.of(distance))
+    }
+
+    /// The same with the least slope all over the triangle.
+    #[inline(always)]
+    fn loosely(&self, distance: f64) -> f64 {
+        let least = self.least - self.lipschitz * distance;
+        if least <= 0.0 {
+            return f64::INFINITY;
         }
+        (largest_on_triangle(self.quarters) + self.at_corners) / least
     }
 
     #[inline(always)]
@@ -217,13 +228,29 @@ impl Ratio {
         if least <= 0.0 {
             return f64::INFINITY;
         }
-        let [b01, b12, b20] = self.quarters;
         if self.greatest <= 1.01 * least {
-            return (largest_on_triangle([b01, b12, b20]) + self.at_corners) / least;
+            return self.loosely(distance);
         }
+        let [b01, b12, b20] = self.quarters;
         let [r0, r1, r2] = self.slopes.map(|slope| (slope - less).sqrt());
         let scaled = [b01 / (r0 * r1), b12 / (r1 * r2), b20 / (r2 * r0)];
         largest_on_triangle(scaled) + self.at_corners / least
+    }
+}
+
+/// A distance that a map shrinks is a bound, and so is its image: of a map from
+/// a distance to a bound of that of the surface, if the way to it is not longer.
+/// Infinite if none is found.
+#[inline(always)]
+fn shrunk(map: impl Fn(f64) -> f64) -> f64 {
+    let guess = 1.25 * map(0.0);
+    let bound = map(guess);
+    if bound <= guess {
+        bound
+    } else if map(2.0 * bound) <= 2.0 * bound {
+        map(2.0 * bound)
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -241,16 +268,16 @@ impl Ratio {
 /// surfaces, near which the true boundary is to second order.
 #[must_use]
 pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
-    let at_ends = surfaces.map(|s| s.value(p).abs().max(s.value(q).abs()));
-    if surfaces.iter().all(|s| s.is_plane()) {
-        return at_ends[0].max(at_ends[1]);
-    }
+    let off_plane = |plane: &Surface| plane.value(p).abs().max(plane.value(q).abs());
     let [a, b] = surfaces;
+    if a.is_plane() && b.is_plane() {
+        return off_plane(a).max(off_plane(b));
+    }
     let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
     if plane.is_plane() {
         let bound = of_chord_in_plane(plane, surface, p, q);
         if bound < f64::INFINITY {
-            return bound + plane.value(p).abs().max(plane.value(q).abs());
+            return bound + off_plane(plane);
         }
     }
     let touch = |at: DVec3| {
@@ -277,17 +304,26 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
 }
 
 /// The same in a plane, to which the chord and the way from it are held: there
-/// it is the distance to a conic, as that of a triangle to a quadric.
+/// it is the distance to a conic. Along the chord f = 4 m λ μ plus what it is at
+/// the ends, with m = f in its middle, λ + μ = 1 and the slope s λ + t μ at least
+/// (√s λ + √t μ)² >= 4 √(s t) λ μ.
 fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
-    let corners = [p, q, q].map(|at| {
-        let corner = Corner::new(surface, at);
-        Corner {
-            gradient: corner.gradient - corner.gradient.dot(plane.linear) * plane.linear,
-            ..corner
-        }
+    let gradients = [p, q].map(|at| {
+        let gradient = surface.gradient(at);
+        gradient - gradient.dot(plane.linear) * plane.linear
     });
-    let quarters = quarters(surface, &corners);
-    Ratio::new(hessian_norm(surface), &corners, quarters).bound()
+    let mean = (gradients[0] + gradients[1]).normalize_or_zero();
+    let slopes = gradients.map(|gradient| gradient.dot(mean));
+    let middle = 0.125 * surface.curvature_along(q - p).abs();
+    let at_ends = surface.value(p).abs().max(surface.value(q).abs());
+    let lipschitz = hessian_norm(surface);
+    shrunk(|distance| {
+        let [s, t] = slopes.map(|slope| slope - lipschitz * distance);
+        if s.min(t) <= 0.0 {
+            return f64::INFINITY;
+        }
+        middle / (s * t).sqrt() + at_ends / s.min(t)
+    })
 }
 
 /// A chord under examination.

@@ -150,26 +150,33 @@ impl<'m, 's> Grower<'m, 's> {
         flip_all(self.mesh, &mut self.stack);
     }
 
-    /// Halves the pieces of curves and the edges inside faces that should become
-    /// more than 2^k parts, for all k down to 0.
+    /// Halves the pieces of curves and the edges inside faces that bend both ways
+    /// that should become more than 2^k parts, for all k down to 0.
     pub(super) fn halve_all(
         &mut self,
         control: &Control,
         of_piece: impl Fn(&Self, usize) -> f64,
         of_edge: impl Fn(&Self, u32) -> f64,
     ) -> Result<(), Error> {
-        let halves = 0..self.mesh.halves.len() as u32;
-        let edges = halves.filter(|&half| !self.mesh.is_gone(half / 3));
-        let most = edges.map(|half| of_edge(self, half)).fold(1.0, f64::max);
         let pieces = (0..self.pieces.len()).map(|index| of_piece(self, index));
-        let most = pieces.fold(most, f64::max);
+        let mut most = pieces.fold(1.0, f64::max);
+        // No others have edges inside that are asked for.
+        let mut faces = self.mesh.regions.iter();
+        let has_curved = faces.any(|r| r.bend.is_twice() && r.way != Way::Done);
+        if has_curved {
+            let halves = 0..self.mesh.halves.len() as u32;
+            let edges = halves.filter(|&half| !self.mesh.is_gone(half / 3));
+            most = edges.map(|half| of_edge(self, half)).fold(most, f64::max);
+        }
         // More than 2^levels parts are asked of none.
         let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
         for level in (0..levels).rev() {
             self.check_size(control)?;
             let most = f64::from(level).exp2();
             self.halve_pieces(most, &of_piece);
-            self.halve_edges(most, &of_edge);
+            if has_curved {
+                self.halve_edges(most, &of_edge);
+            }
             self.free_stuck();
         }
         Ok(())
@@ -368,23 +375,17 @@ impl<'m, 's> Grower<'m, 's> {
         Ok(())
     }
 
-    /// Whether a triangle is farther from its surface than the tolerance: by a
-    /// bound where an estimate is close to it.
+    /// Whether a triangle is farther from its surface than the tolerance.
     fn is_far(&self, triangle: u32) -> bool {
-        /// Relative error of the estimate, and more, where it is to be trusted.
-        const ROUGHLY: f64 = 0.05;
         let surface = self.mesh.surface(3 * triangle);
         let region = self.mesh.region(3 * triangle);
         if surface.is_plane() || region.way == Way::Done {
             return false;
         }
         let corners = self.mesh.corners(triangle);
-        let (estimate, turn) = deviation::estimate(surface, corners);
-        let excess = estimate / self.goal.tolerance;
-        if turn < ROUGHLY && (excess - 1.0).abs() > ROUGHLY {
-            return excess > 1.0;
-        }
-        deviation::of_triangle(surface, corners) > self.goal.tolerance
+        let tolerance = self.goal.tolerance;
+        !deviation::is_within(surface, corners, tolerance)
+            && deviation::of_triangle(surface, corners) > tolerance
     }
 
     /// Whether the four triangles that a split leaves face the right way.

@@ -179,7 +179,7 @@ fn measure(
     goal: &Goal,
 ) -> Outcome {
     let mut outcome = Outcome::default();
-    let mut note = |bound: f64, place: DVec3| {
+    let note = |outcome: &mut Outcome, bound: f64, place: DVec3| {
         if bound > outcome.deviation {
             (outcome.deviation, outcome.farthest) = (bound, place);
         }
@@ -195,8 +195,17 @@ fn measure(
         let surface = mesh.surface(half);
         let corners = mesh.corners(triangle);
         if !surface.is_plane() && mesh.region(half).way != Way::Done {
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            note(deviation::of_triangle(surface, corners), middle);
+            let is_within = |distance| deviation::is_within(surface, corners, distance);
+            // Most are nearer than the farthest one so far.
+            if !is_within(outcome.deviation.min(goal.promised)) {
+                let mut bound = deviation::of_triangle(surface, corners);
+                // Neither proof is the better one everywhere.
+                if bound > goal.promised && is_within(goal.promised) {
+                    bound = goal.promised;
+                }
+                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                note(&mut outcome, bound, middle);
+            }
         }
         for side in half..half + 3 {
             let twin = mesh.twin(side);
@@ -206,12 +215,13 @@ fn measure(
                 let pair = [side, twin].map(|side| mesh.surface_index(side));
                 // Two quadrics that meet in a plane are bounded best there.
                 let plane = planes.through(pair, [p, q], precision).unwrap_or(other);
-                note(deviation::of_chord([surface, plane], p, q), 0.5 * (p + q));
+                let bound = deviation::of_chord([surface, plane], p, q);
+                note(&mut outcome, bound, 0.5 * (p + q));
             }
         }
     }
     for part in &fine.parts {
-        note(part.deviation, part.farthest);
+        note(&mut outcome, part.deviation, part.farthest);
     }
     outcome
 }

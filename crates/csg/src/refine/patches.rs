@@ -3,7 +3,7 @@
 
 use super::grow::{Grower, Piece};
 use super::half_edges::{HalfEdges, NONE};
-use super::regions::{Bend, Way};
+use super::regions::Way;
 use super::smooth::smooth;
 use super::tessellate::{Fine, Tessellator, rows_of};
 use crate::control::Control;
@@ -93,11 +93,10 @@ impl Grower<'_, '_> {
     /// Chooses the faces that are to be tessellated: those of surfaces that
     /// turn little along a chord.
     fn choose(&mut self) {
-        let bends_twice = |bend| matches!(bend, Bend::Double | Bend::Saddle);
         // For each surface the chords of all edges, and how far it turns.
         let mut sums = vec![(0.0, 0.0); self.mesh.surfaces.len()];
         for half in 0..self.mesh.halves.len() as u32 {
-            if !self.mesh.is_gone(half / 3) && bends_twice(self.mesh.region(half).bend) {
+            if !self.mesh.is_gone(half / 3) && self.mesh.region(half).bend.is_twice() {
                 let (chords, turn) = (self.chords_of(half, false), self.turn(half));
                 let sum = &mut sums[self.mesh.surface_index(half) as usize];
                 *sum = (sum.0 + chords, sum.1 + turn);
@@ -105,7 +104,7 @@ impl Grower<'_, '_> {
         }
         for region in &mut self.mesh.regions {
             let (chords, turn) = sums[region.surface as usize];
-            if bends_twice(region.bend) && chords * MOST_TURN > FEWEST_CHORDS * turn {
+            if region.bend.is_twice() && chords * MOST_TURN > FEWEST_CHORDS * turn {
                 region.way = Way::AtOnce;
             }
         }

@@ -43,6 +43,11 @@ pub(super) enum Way {
 }
 
 impl Bend {
+    /// Whether the surface bends in all directions, but for two at most.
+    pub fn is_twice(self) -> bool {
+        matches!(self, Self::Double | Self::Saddle)
+    }
+
     /// A quadric is developable if its 4 by 4 matrix is singular, and else
     /// curved one way or both by the sign of its determinant.
     pub fn of(surface: &Surface) -> Self {
