@@ -30,7 +30,8 @@ pub struct Options {
     #[arg(long)]
     csv: Option<PathBuf>,
     /// Draw the figures of the CSV file as this SVG, and a PNG beside it, after
-    /// whatever is run
+    /// whatever is run; time against error of volume beside both, with `-volume`
+    /// in their names
     #[arg(long, requires = "csv")]
     plot: Option<PathBuf>,
     /// A Python that has manifold3d and numpy: by default that of the tests

@@ -1,5 +1,5 @@
-//! Time against measured deviation: a panel for each scene, a line for each
-//! mesher.
+//! Time against error, of distance and of volume: a panel for each scene, a line
+//! for each mesher.
 
 use std::error::Error;
 use std::fs;
@@ -19,16 +19,48 @@ const MESHERS: [(&str, RGBColor); 5] = [
     ("fast-surface-nets", RGBColor(40, 150, 70)),
     ("manifold3d", RGBColor(60, 60, 60)),
 ];
-/// Deviations below this are drawn here: the mesh is exact up to rounding.
-const EXACT: f64 = 1e-8;
+/// A kind of error, a picture of its own.
+struct Measure {
+    /// What it adds to the name of the file.
+    suffix: &'static str,
+    description: &'static str,
+    of: fn(&Figure) -> f64,
+    /// What is below this is drawn here: the mesh is exact up to rounding.
+    exact: f64,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure {
+        suffix: "",
+        description: "measured two-sided deviation",
+        of: |figure| figure.deviation,
+        exact: 1e-8,
+    },
+    Measure {
+        suffix: "-volume",
+        description: "relative error of the volume",
+        of: |figure| figure.volume_error,
+        exact: 1e-9,
+    },
+];
 
 /// Pixels of the PNG for each of the SVG, along each side.
 const PNG_SCALE: u32 = 2;
 /// Samples for each pixel of the PNG, along each side.
 const SAMPLES: u32 = 2;
 
-/// Draws an SVG, and a PNG beside it.
+/// Draws an SVG, and a PNG beside it; and both again for volumes, with `-volume`
+/// in their names.
 pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    for measure in &MEASURES {
+        let path = path.with_file_name(format!("{stem}{}.svg", measure.suffix));
+        draw_one(&path, figures, measure)?;
+    }
+    Ok(())
+}
+
+fn draw_one(path: &Path, figures: &[Figure], measure: &Measure) -> Result<(), Box<dyn Error>> {
     let font = epaint_default_fonts::UBUNTU_LIGHT;
     register_font("sans-serif", FontStyle::Normal, font).map_err(|_| "a font without outlines")?;
     let mut scenes: Vec<&str> = Vec::new();
@@ -42,6 +74,7 @@ pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
         &SVGBackend::new(path, size).into_drawing_area(),
         &scenes,
         figures,
+        measure,
         1,
     )?;
     let scale = PNG_SCALE * SAMPLES;
@@ -51,6 +84,7 @@ pub fn draw(path: &Path, figures: &[Figure]) -> Result<(), Box<dyn Error>> {
         &BitMapBackend::with_buffer(&mut samples, (width, height)).into_drawing_area(),
         &scenes,
         figures,
+        measure,
         scale,
     )?;
     let (pixels, _) = samples.as_chunks();
@@ -68,6 +102,7 @@ fn draw_on<B: DrawingBackend>(
     root: &DrawingArea<B, Shift>,
     scenes: &[&str],
     figures: &[Figure],
+    measure: &Measure,
     scale: u32,
 ) -> Result<(), Box<dyn Error>>
 where
@@ -82,14 +117,14 @@ where
             .margin(8 * scale)
             .x_label_area_size(36 * scale)
             .y_label_area_size(56 * scale)
-            .build_cartesian_2d((EXACT..0.2).log_scale(), (1e-5..20.0).log_scale())?;
+            .build_cartesian_2d((measure.exact..0.2).log_scale(), (1e-5..20.0).log_scale())?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
             .axis_style(BLACK.stroke_width(scale))
             .bold_line_style(BLACK.mix(0.2).stroke_width(scale))
             .label_style(letters(12))
-            .x_desc("measured two-sided deviation")
+            .x_desc(measure.description)
             .y_desc("seconds, one thread")
             .x_label_formatter(&|x| format!("{x:.0e}"))
             .y_label_formatter(&|y| format!("{y:.0e}"))
@@ -98,8 +133,9 @@ where
             let points: Vec<(f64, f64)> = figures
                 .iter()
                 .filter(|f| f.scene == *scene && f.mesher == mesher)
-                .filter(|f| f.deviation.is_finite())
-                .map(|f| (f.deviation.max(EXACT), f.seconds))
+                .map(|f| ((measure.of)(f), f.seconds))
+                .filter(|(error, _)| error.is_finite())
+                .map(|(error, seconds)| (error.max(measure.exact), seconds))
                 .collect();
             if points.is_empty() {
                 continue;
