@@ -130,7 +130,7 @@ impl Renderer {
                     return Some(section.normal);
                 }
                 let corners = scene.corners(triangle)?;
-                let [a, b, c] = *scene.normals.get(triangle)?;
+                let [a, b, c] = scene.corner_normals(triangle)?;
                 let w = weights_at(&matrix, corners, x, y);
                 Some((a * w[0] + b * w[1] + c * w[2]).normalize_or_zero())
             };

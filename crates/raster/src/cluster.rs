@@ -1,18 +1,20 @@
 //! Clusters: a few neighbouring triangles that are culled, transformed and
 //! set up together.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Most triangles in a cluster.
-const CLUSTER_TRIANGLES: usize = 128;
+const CLUSTER_TRIANGLES: usize = 256;
 /// Most vertices in a cluster.
-pub(crate) const CLUSTER_VERTICES: usize = 128;
+pub(crate) const CLUSTER_VERTICES: usize = 256;
 /// A cluster's vertices begin at a multiple of this.
 const ALIGNMENT: usize = 16;
 /// Triangles per parallel task: clusters end there, whatever the number of
 /// threads.
-const BLOCK: usize = CLUSTER_TRIANGLES * 128;
+const BLOCK: usize = CLUSTER_TRIANGLES * 64;
 
 /// A few neighbouring triangles with vertices of their own.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +39,12 @@ pub(crate) struct Cluster {
 }
 
 impl Cluster {
+    /// Its triangles, in drawing order.
+    pub fn range(&self) -> Range<usize> {
+        let first = self.first_triangle as usize;
+        first..first + self.triangles as usize
+    }
+
     /// Vertices with the gap before the next cluster's first.
     pub fn padded_vertices(&self) -> usize {
         (self.vertices as usize).next_multiple_of(ALIGNMENT)
@@ -255,7 +263,7 @@ struct Numbers {
 }
 
 /// At least twice [`CLUSTER_VERTICES`].
-const SLOTS: usize = 512;
+const SLOTS: usize = 1024;
 
 /// No vertex: too large an index to be one that is in range.
 const FREE: (u32, u8) = (u32::MAX, 0);
@@ -273,7 +281,7 @@ impl Numbers {
 
     /// The slot of a vertex, or the free one for it.
     fn slot(&self, vertex: u32) -> usize {
-        let mut slot = (vertex.wrapping_mul(0x9e37_79b9) >> 23) as usize % SLOTS;
+        let mut slot = (vertex.wrapping_mul(0x9e37_79b9) >> 22) as usize % SLOTS;
         while self.slots[slot].0 != vertex && self.slots[slot].0 != FREE.0 {
             slot = (slot + 1) % SLOTS;
         }

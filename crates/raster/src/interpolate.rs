@@ -120,13 +120,13 @@ impl Cache {
 fn interpolant(context: &ShadeContext, triangle: usize, tile: [i32; 2]) -> Interpolant {
     let (Some(corners), Some(normals)) = (
         context.scene.corners(triangle),
-        context.scene.normals.get(triangle),
+        context.scene.corner_normals(triangle),
     ) else {
         return Interpolant::Constant(Vec3::ZERO);
     };
     let values = match context.interpolation {
-        Interpolation::Phong => *normals,
-        Interpolation::Gouraud => context.corner_colours(triangle, &corners, normals),
+        Interpolation::Phong => normals,
+        Interpolation::Gouraud => context.corner_colours(triangle, &corners, &normals),
         Interpolation::Flat => [context.flat_colour(triangle, &corners); 3],
     };
     if values[0] == values[1] && values[0] == values[2] && !context.positional {

@@ -1,5 +1,6 @@
 //! Corner normals for meshes that bring none.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use csg::Mesh;
@@ -28,51 +29,76 @@ pub fn corner_normals(mesh: &Mesh, crease_angle: f64) -> Vec<[Vec3; 3]> {
     // (Zeros from the system, which the threads touch first; `vec!` would write
     // them here.)
     let mut normals: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(mesh.triangles.len());
-    let chunks = normals.chunks_mut(CHUNK).enumerate();
-    let parts = chunks.map(|(k, chunk)| (k * CHUNK, chunk)).collect();
-    compute(mesh, crease_angle, parts);
+    let all = 0..mesh.triangles.len();
+    let found = CornerNormals::new(mesh, crease_angle, &[all]);
+    normals.par_chunks_mut(CHUNK).enumerate().for_each_init(
+        Stars::default,
+        |stars, (k, normals)| {
+            found.fill(stars, k * CHUNK, normals);
+        },
+    );
     normals
 }
 
-/// Computes the corner normals of some ranges of triangles: the number of the
-/// first and where to put them.
-pub(crate) fn compute(mesh: &Mesh, crease_angle: f64, parts: Vec<(usize, &mut [[Vec3; 3]])>) {
-    let wanted: Vec<AtomicBool> = (0..mesh.positions.len())
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .map(|_| AtomicBool::new(false))
-        .collect();
-    parts.par_iter().for_each(|(first, normals)| {
-        for v in mesh.triangles[*first..][..normals.len()].as_flattened() {
-            if let Some(wanted) = wanted.get(*v as usize) {
-                wanted.store(true, Ordering::Relaxed);
-            }
-        }
-    });
-    let crease = Crease::new(crease_angle);
-    let smooth = Smooth::new(mesh, &wanted, &crease);
-    let around = Around::new(mesh, &smooth);
-    let stars = || vec![Star::default(); STARS];
-    parts
-        .into_par_iter()
-        .for_each_init(stars, |stars, (first, normals)| {
-            for (normals, index) in normals.iter_mut().zip(first..) {
-                for (k, normal) in normals.iter_mut().enumerate() {
-                    let vertex = mesh.triangles[index][k];
-                    match smooth.states.get(vertex as usize) {
-                        None => {}
-                        Some(&ROUGH) => {
-                            let star = &mut stars[vertex as usize % STARS];
-                            if star.vertex != Some(vertex) {
-                                star.fill(mesh, &around, vertex, &crease);
-                            }
-                            *normal = star.normal(mesh, index, &crease);
-                        }
-                        Some(_) => *normal = smooth.normals[vertex as usize],
-                    }
+/// What the corner normals of some triangles follow from.
+pub(crate) struct CornerNormals<'a> {
+    pub mesh: &'a Mesh,
+    crease: Crease,
+    smooth: Smooth,
+    around: Around,
+}
+
+impl<'a> CornerNormals<'a> {
+    /// Looks at what is around the vertices of some ranges of triangles.
+    pub fn new(mesh: &'a Mesh, crease_angle: f64, ranges: &[Range<usize>]) -> Self {
+        let wanted: Vec<AtomicBool> = (0..mesh.positions.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|_| AtomicBool::new(false))
+            .collect();
+        ranges.par_iter().for_each(|range| {
+            for v in mesh.triangles[range.clone()].as_flattened() {
+                if let Some(wanted) = wanted.get(*v as usize) {
+                    wanted.store(true, Ordering::Relaxed);
                 }
             }
         });
+        let crease = Crease::new(crease_angle);
+        let smooth = Smooth::new(mesh, &wanted, &crease);
+        let around = Around::new(mesh, &smooth);
+        Self {
+            mesh,
+            crease,
+            smooth,
+            around,
+        }
+    }
+
+    /// The normal that all corners at a vertex share; `None` where they may
+    /// differ.
+    pub fn at_vertex(&self, vertex: u32) -> Option<Vec3> {
+        let state = self.smooth.states.get(vertex as usize)?;
+        (*state != ROUGH).then(|| self.smooth.normals[vertex as usize])
+    }
+
+    /// Those of consecutive triangles, given the number of the first.
+    pub fn fill(&self, stars: &mut Stars, first: usize, normals: &mut [[Vec3; 3]]) {
+        let Self { mesh, crease, .. } = self;
+        for (normals, index) in normals.iter_mut().zip(first..) {
+            for (k, normal) in normals.iter_mut().enumerate() {
+                let vertex = mesh.triangles[index][k];
+                if let Some(common) = self.at_vertex(vertex) {
+                    *normal = common;
+                } else if (vertex as usize) < mesh.positions.len() {
+                    let star = &mut stars.0[vertex as usize % STARS];
+                    if star.vertex != Some(vertex) {
+                        star.fill(mesh, &self.around, vertex, crease);
+                    }
+                    *normal = star.normal(mesh, index, crease);
+                }
+            }
+        }
+    }
 }
 
 /// The normals at vertices whose faces all count as one surface.
@@ -276,7 +302,15 @@ impl Crease {
 }
 
 /// Vertices met lately, by number: neighbouring triangles share them.
+pub(crate) struct Stars(Vec<Star>);
+
 const STARS: usize = 512;
+
+impl Default for Stars {
+    fn default() -> Self {
+        Self(vec![Star::default(); STARS])
+    }
+}
 
 /// What is around a vertex.
 #[derive(Clone, Default)]

@@ -8,12 +8,12 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::camera::View;
-use crate::cluster::{Cluster, Clusters, split};
+use crate::cluster::{Cluster, Clusters};
 use crate::cull::{Visibility, cluster_visibility};
 use crate::error::MAX_SIZE;
 use crate::frame::FrameMatrix;
 use crate::geometry::Facing;
-use crate::normals::{CREASE_ANGLE, compute, corner_normals};
+use crate::normals::{CREASE_ANGLE, CornerNormals, corner_normals};
 use crate::options::RenderOptions;
 use crate::section::Section;
 
@@ -29,6 +29,7 @@ pub struct Scene {
     pub(crate) lowest: f64,
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
+    /// Of the corners of each triangle, but see [`Scene::corner_normals`].
     pub(crate) normals: Vec<[Vec3; 3]>,
     /// Index into `colors` for each triangle, or empty: all 0.
     pub(crate) triangle_surfaces: Vec<u32>,
@@ -87,7 +88,6 @@ impl Scene {
         }
         let triangles = std::mem::take(&mut mesh.triangles);
         let mut scene = Self::ungrouped(&mesh, triangles);
-        mesh.triangles = std::mem::take(&mut scene.triangles);
         // The very test that the renderer makes.
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         let facing = Facing::of(&scene, options);
@@ -95,21 +95,19 @@ impl Scene {
             let visibility = cluster_visibility(cluster, &matrix, facing);
             matches!(visibility, Visibility::Possible(_))
         };
-        if mesh.corner_normals.len() == mesh.triangles.len() {
+        if mesh.corner_normals.len() == scene.triangles.len() {
             scene.normals = std::mem::take(&mut mesh.corner_normals);
-        } else {
-            scene.normals = bytemuck::zeroed_vec(mesh.triangles.len());
-            let lengths = scene.clusters.iter().map(|c| c.triangles as usize);
-            let parts = scene
-                .clusters
-                .iter()
-                .zip(split(&mut scene.normals, lengths));
-            let seen = parts.filter(|(cluster, _)| seen(cluster));
-            let seen = seen.map(|(cluster, part)| (cluster.first_triangle as usize, part));
-            compute(&mesh, CREASE_ANGLE, seen.collect());
+            scene.gather_normals(seen, None);
+            return scene;
         }
+        mesh.triangles = std::mem::take(&mut scene.triangles);
+        let clusters = scene.clusters.iter().filter(|cluster| seen(cluster));
+        let ranges: Vec<_> = clusters.map(Cluster::range).collect();
+        let missing = CornerNormals::new(&mesh, CREASE_ANGLE, &ranges);
+        // (Zeros from the system; most are never touched.)
+        scene.normals = bytemuck::zeroed_vec(mesh.triangles.len());
+        scene.gather_normals(seen, Some(&missing));
         scene.triangles = std::mem::take(&mut mesh.triangles);
-        scene.gather_normals(seen);
         scene
     }
 
@@ -174,7 +172,7 @@ impl Scene {
     /// Adds the normals of all triangles' corners.
     pub(crate) fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
         self.normals = normals;
-        self.gather_normals(|_| true);
+        self.gather_normals(|_| true, None);
         self
     }
 

@@ -11,6 +11,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::cluster::{CLUSTER_VERTICES, Cluster, split};
+use crate::normals::{CornerNormals, Stars};
 use crate::scene::Scene;
 
 /// Triangles for each entry of [`Scene::cluster_starts`].
@@ -20,8 +21,13 @@ const CHUNK: usize = 64;
 
 impl Scene {
     /// Finds the clusters whose vertices have one normal each, and keeps
-    /// these. O(triangles). Those that are not `seen` are passed over.
-    pub(crate) fn gather_normals(&mut self, seen: impl Fn(&Cluster) -> bool + Sync) {
+    /// these. O(triangles). Those that are not `seen` are passed over. Corner
+    /// normals that are `missing` are put down for the other clusters only.
+    pub(crate) fn gather_normals(
+        &mut self,
+        seen: impl Fn(&Cluster) -> bool + Sync,
+        missing: Option<&CornerNormals>,
+    ) {
         self.cluster_starts.clear();
         for (index, cluster) in self.clusters.iter().enumerate() {
             let end = (cluster.first_triangle + cluster.triangles) as usize;
@@ -31,28 +37,47 @@ impl Scene {
         }
         // (Zeros from the system, which the threads touch first.)
         let mut all: Vec<[f32; 4]> = bytemuck::zeroed_vec(self.cluster_vertices.len());
-        let chunks = self.clusters.chunks(CHUNK);
-        let padded = |chunk: &[Cluster]| chunk.iter().map(Cluster::padded_vertices).sum();
-        let lengths: Vec<usize> = chunks.map(padded).collect();
-        let parts = split(&mut all, lengths.into_iter());
-        let (local, normals) = (&self.local[..], &self.normals[..]);
-        self.clusters
-            .par_chunks_mut(CHUNK)
-            .zip(parts)
-            .for_each(|(clusters, part)| {
-                let mut at = 0;
-                for cluster in clusters {
-                    let own = at..at + cluster.padded_vertices();
-                    at = own.end;
-                    if !seen(cluster) {
-                        continue;
-                    }
-                    let first = cluster.first_triangle as usize;
-                    let range = first..first + cluster.triangles as usize;
-                    cluster.smooth = gather(&local[range.clone()], &normals[range], &mut part[own]);
+        let rows = split(&mut all, self.clusters.iter().map(Cluster::padded_vertices));
+        let lengths = self.clusters.iter().map(|c| c.triangles as usize);
+        let normals = split(&mut self.normals, lengths);
+        let local = &self.local[..];
+        let smooth: Vec<bool> = self
+            .clusters
+            .par_iter()
+            .zip(rows)
+            .zip(normals)
+            .with_min_len(CHUNK)
+            .map_init(Stars::default, |stars, ((cluster, rows), normals)| {
+                if !seen(cluster) {
+                    return false;
                 }
-            });
+                let local = &local[cluster.range()];
+                if let Some(missing) = missing {
+                    if at_vertices(missing, cluster, local, rows) {
+                        return true;
+                    }
+                    missing.fill(stars, cluster.range().start, normals);
+                }
+                gather(local, normals, rows)
+            })
+            .collect();
+        for (cluster, smooth) in self.clusters.iter_mut().zip(smooth) {
+            cluster.smooth = smooth;
+        }
         self.cluster_normals = all;
+    }
+
+    /// The normals at the corners of a triangle that may be seen.
+    pub(crate) fn corner_normals(&self, triangle: usize) -> Option<[Vec3; 3]> {
+        let cluster = self.cluster_view(triangle)?;
+        if !cluster.smooth {
+            return self.normals.get(triangle).copied();
+        }
+        let [a, b, c, _] = *self.local.get(triangle)?;
+        Some([a, b, c].map(|vertex| {
+            let [x, y, z, _] = cluster.normals[usize::from(vertex) % CLUSTER_VERTICES];
+            Vec3::new(x, y, z)
+        }))
     }
 
     /// The cluster that a triangle is in.
@@ -61,14 +86,36 @@ impl Scene {
         let mut later = self.clusters.get(start..)?.iter();
         let cluster = later.find(|c| triangle < (c.first_triangle + c.triangles) as usize)?;
         let first = cluster.first_vertex as usize;
-        let end = (cluster.first_triangle + cluster.triangles) as usize;
         Some(ClusterView {
-            triangles: cluster.first_triangle as usize..end,
+            triangles: cluster.range(),
             smooth: cluster.smooth,
             positions: self.cluster_vertices.get(first..)?.first_chunk()?,
             normals: self.cluster_normals.get(first..)?.first_chunk()?,
         })
     }
+}
+
+/// Puts normals to a cluster's vertices; returns false where their corners may
+/// not share one.
+fn at_vertices(
+    normals: &CornerNormals,
+    cluster: &Cluster,
+    local: &[[u8; 4]],
+    of_vertices: &mut [[f32; 4]],
+) -> bool {
+    let triangles = &normals.mesh.triangles[cluster.range()];
+    triangles.iter().zip(local).all(|(triangle, local)| {
+        triangle.iter().zip(local).all(|(&vertex, &own)| {
+            let to = of_vertices.get_mut(usize::from(own));
+            match (to, normals.at_vertex(vertex)) {
+                (Some(to), Some(normal)) => {
+                    *to = normal.extend(0.0).to_array();
+                    true
+                }
+                _ => false,
+            }
+        })
+    })
 }
 
 /// Puts the normals of a cluster's corners to its vertices; returns whether
