@@ -101,7 +101,9 @@ impl<'a> ShadeContext<'a> {
             lights: sources,
             interpolation: options.interpolation,
             centred: options.anti_aliasing.samples().len() == 1,
-            two_sided: options.two_sided,
+            // Of solids cut open, backs are seen where a silhouette passes exactly
+            // through a sample, as near as the front.
+            two_sided: options.two_sided || !scene.sections.is_empty(),
             positional,
             caps: Caps::new(&scene.sections, matrix),
         }

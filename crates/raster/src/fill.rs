@@ -10,7 +10,7 @@
 
 use crate::fixed::SUBPIXEL_BITS;
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Lanes, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, OfPixels, SQUARES, TILE, TileBuffer};
+use crate::tile::{BLOCK, BLOCKS, Plane, SQUARES, TILE, TileBuffer};
 
 /// Depth that changes by more than this from one sub-pixel to the next, a
 /// sixteenth of its range in a pixel, is set up and filled in double precision
@@ -43,6 +43,8 @@ pub(crate) struct Record {
     pub z_high: f32,
     /// Number of the triangle in drawing order.
     pub triangle: i32,
+    /// What it adds to windings: 1 where it shows its back, -1 for its front.
+    pub winding: i32,
 }
 
 impl Record {
@@ -185,7 +187,7 @@ pub(crate) fn fill<S: Lanes>(
             hidden &= record.z_high < buffer.tile.farthest[square];
         }
     }
-    if hidden {
+    if hidden && buffer.winding.is_empty() {
         counts.hidden += 1;
         return;
     }
@@ -256,7 +258,7 @@ const FEW: i32 = 4;
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
-    (depths, numbers): (&mut OfPixels<f32>, &mut OfPixels<i32>),
+    mut plane: Plane,
     record: &Record,
     [bx0, bx1, by0, by1]: [i32; 4],
     mut row: [S::I; 3],
@@ -280,7 +282,7 @@ fn fill_plane<S: Lanes>(
             if few || outside.bits() != 0xffff {
                 let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
                 let z = depth(depth_here).max(low).min(high);
-                let (kept, number) = (&mut depths[index], &mut numbers[index]);
+                let (kept, number) = (&mut plane.depth[index], &mut plane.triangle[index]);
                 let old = s.load_f(kept);
                 let old_id = s.load_i(number);
                 // Equal depths go to the triangle drawn first.
@@ -288,6 +290,11 @@ fn fill_plane<S: Lanes>(
                 let pass = nearer & !outside;
                 pass.update_f(z, old).store(kept);
                 pass.update_i(id, old_id).store(number);
+                if let Some(windings) = &mut plane.winding {
+                    let winding = s.load_i(&windings[index]);
+                    let added = outside.select_i(zero, s.i(record.winding));
+                    (winding + added).store(&mut windings[index]);
+                }
             }
             e = triple!(|K| e[K] + step[K]);
             depth_here += block_step[0];
@@ -300,20 +307,14 @@ fn fill_plane<S: Lanes>(
 /// Fills a whole plane, whose first sample is `start` sub-pixels from the
 /// record's first pixel. What is there does not matter if `fresh`.
 #[inline(always)]
-fn fill_whole<S: Lanes>(
-    s: S,
-    (depths, numbers): (&mut OfPixels<f32>, &mut OfPixels<i32>),
-    record: &Record,
-    start: [i32; 2],
-    fresh: bool,
-) {
+fn fill_whole<S: Lanes>(s: S, plane: Plane, record: &Record, start: [i32; 2], fresh: bool) {
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
     let in_block = record.depth_in_block(s);
     let mut row_depth = record.depth_at(start);
     let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
     let id = s.i(record.triangle);
-    let rows = depths.chunks_exact_mut(BLOCKS);
-    for (depths, triangles) in rows.zip(numbers.chunks_exact_mut(BLOCKS)) {
+    let rows = plane.depth.chunks_exact_mut(BLOCKS);
+    for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(BLOCKS)) {
         let mut depth_here = row_depth;
         for (depth, triangle) in depths.iter_mut().zip(triangles) {
             let z = (s.f(depth_here as f32) + in_block).max(low).min(high);
@@ -330,5 +331,9 @@ fn fill_whole<S: Lanes>(
             depth_here += block_step[0];
         }
         row_depth += block_step[1];
+    }
+    let windings = plane.winding.map(|plane| plane.as_flattened_mut());
+    for winding in windings.into_iter().flatten() {
+        *winding += record.winding;
     }
 }

@@ -95,18 +95,19 @@ pub(crate) struct GeometryContext<'a> {
 }
 
 impl GeometryContext<'_> {
-    /// Whether depth is a plane through the corners where they are snapped to,
-    /// instead of where they are. Caps depend on which of two faces that share
-    /// a silhouette is nearer, up to its very edge; what is snapped is still
-    /// closed, and says so.
+    /// Whether section planes cut the solid open. Then windings are counted,
+    /// for which hidden triangles matter, too; and depth is a plane through the
+    /// corners where they are snapped to, instead of where they are, so that of
+    /// two faces that share a silhouette the front is the nearer one up to its
+    /// very edge.
     #[inline(always)]
-    pub fn snaps_depth(&self) -> bool {
+    pub fn is_cut(&self) -> bool {
         !self.scene.sections.is_empty()
     }
 
     /// A corner, in sub-pixels, as its triangle's depth takes it.
     pub fn depth_corner(&self, p: DVec3) -> DVec3 {
-        if self.snaps_depth() {
+        if self.is_cut() {
             DVec3::new(p.x.round_ties_even(), p.y.round_ties_even(), p.z)
         } else {
             p
@@ -131,7 +132,7 @@ impl Kernel for SetUpClusters<'_> {
         let mut found = SetUp::default();
         for &(depth, index) in self.clusters {
             let cluster = &self.context.scene.clusters[index as usize];
-            if hidden(cluster, depth, &self.context) {
+            if !self.context.is_cut() && hidden(cluster, depth, &self.context) {
                 self.bins.counts.clusters_hidden += 1;
                 continue;
             }
@@ -359,7 +360,7 @@ fn clip_and_set_up(
             divided(&polygon[k - 1]),
             divided(&polygon[k]),
         ];
-        let plane = if context.snaps_depth() {
+        let plane = if context.is_cut() {
             corner_plane(fan.map(|p| context.depth_corner(p)))
         } else {
             whole

@@ -140,7 +140,8 @@ impl Renderer {
         let columns = (width as usize).div_ceil(TILE);
         let rows = (height as usize).div_ceil(TILE);
         let samples = options.anti_aliasing.samples().len();
-        self.tiles.begin(columns * rows, samples);
+        let windings = !scene.sections.is_empty();
+        self.tiles.begin(columns * rows, samples, windings);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,

@@ -4,20 +4,21 @@
 //! What all planes keep is convex: a ray enters it through planes that have
 //! the viewer on the side cut away, the last of which is its *entry*, and
 //! leaves it through others. What lies before the entry is cut off. If the
-//! first face after it turns its back, the ray has entered solid matter
-//! through the cut: the sample becomes part of the cap, at the depth of the
-//! entry. That first face may lie where the ray has already left what is kept
-//! through another plane, so faces beyond such planes are drawn as well: they
-//! decide about caps, and are not shown themselves. This needs no
+//! faces after it turn their backs more often than their fronts, the ray has
+//! entered solid matter through the cut: the sample becomes part of the cap, at
+//! the depth of the entry. The ray may meet faces where it has already left
+//! what is kept through another plane, so faces beyond such planes are drawn
+//! as well: they decide about caps, and are not shown themselves. This needs no
 //! triangulation of the cut and is right for every closed mesh and every
-//! sample, if the far plane is behind the whole mesh; but for samples that a
-//! silhouette of the mesh, cut away or not, passes as near as corners are
-//! snapped.
+//! sample, if the far plane is behind the whole mesh: which faces a sample
+//! meets is found exactly, and a mesh whose corners are snapped is still
+//! closed, so that their number does not depend on which of two faces that
+//! meet at a silhouette is the nearer one.
 
 use std::collections::HashMap;
 
 use csg::Mesh;
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
 
 use crate::RasterError;
 use crate::deferred::ShadeContext;
@@ -371,7 +372,7 @@ struct Entry {
     kept: bool,
 }
 
-/// Turns the samples of a tile that show the back of a face into cap, and
+/// Turns the samples of a tile whose rays enter through a cut into cap, and
 /// clears those that show what is cut away.
 pub(crate) fn cap_tile(
     buffer: &mut TileBuffer,
@@ -383,68 +384,43 @@ pub(crate) fn cap_tile(
     if !buffer.tile.drawn {
         return;
     }
-    let mut last = (NO_TRIANGLE, false);
-    for ((depths, numbers), sample) in buffer.planes().zip(samples) {
-        for block in 0..BLOCKS * BLOCKS {
-            for lane in 0..BLOCK_PIXELS {
-                let id = numbers[block][lane];
-                if id == NO_TRIANGLE {
-                    continue;
-                }
-                if id != last.0 {
-                    last = (id, faces_away(scene, matrix, id as usize));
-                }
-                let back = last.1;
-                let cut_away = id as usize >= scene.kept_triangles;
-                if !back && !cut_away {
-                    continue;
-                }
-                let column = block % BLOCKS * BLOCK + lane % BLOCK;
-                let row = block / BLOCKS * BLOCK + lane / BLOCK;
-                let at = |pixel: usize, axis: usize| {
-                    let sub = (pixel as i32 + origin[axis]) * 256 + sample[axis];
-                    f64::from(sub - matrix.middle[axis])
-                };
-                let depth = &mut depths[block][lane];
-                let (x, y) = (at(column, 0), at(row, 1));
-                let entry = if back {
-                    caps.entry(&scene.sections, x, y)
-                } else {
-                    None
-                };
-                // The back of a face that is kept proves that what is before
-                // it is kept as well, up to rounding.
-                if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
-                    *depth = entry.depth;
-                    numbers[block][lane] = capped(id, entry.plane);
-                } else if cut_away {
-                    *depth = 0.0;
-                    numbers[block][lane] = NO_TRIANGLE;
-                }
+    for (plane, sample) in buffer.planes().zip(samples) {
+        let Some(windings) = plane.winding else {
+            return;
+        };
+        let depths = plane.depth.as_flattened_mut();
+        let numbers = plane.triangle.as_flattened_mut();
+        let here = depths.iter_mut().zip(numbers).zip(windings.as_flattened());
+        for (index, ((depth, number), &winding)) in here.enumerate() {
+            if *number == NO_TRIANGLE {
+                continue;
+            }
+            let in_matter = winding > 0;
+            let cut_away = *number as usize >= scene.kept_triangles;
+            if !in_matter && !cut_away {
+                continue;
+            }
+            let (block, lane) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
+            let column = block % BLOCKS * BLOCK + lane % BLOCK;
+            let row = block / BLOCKS * BLOCK + lane / BLOCK;
+            let at = |pixel: usize, axis: usize| {
+                let sub = (pixel as i32 + origin[axis]) * 256 + sample[axis];
+                f64::from(sub - matrix.middle[axis])
+            };
+            let entry = if in_matter {
+                caps.entry(&scene.sections, at(column, 0), at(row, 1))
+            } else {
+                None
+            };
+            // A face that is kept proves that the matter before it is kept as
+            // well, up to rounding.
+            if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
+                *depth = entry.depth;
+                *number = capped(*number, entry.plane);
+            } else if cut_away {
+                *depth = 0.0;
+                *number = NO_TRIANGLE;
             }
         }
     }
-}
-
-/// Whether a triangle shows its back: as it was filled, its corners snapped;
-/// where it was clipped, by the side of its plane the viewer is on.
-fn faces_away(scene: &Scene, matrix: &FrameMatrix, triangle: usize) -> bool {
-    let Some(corners) = scene.corners(triangle) else {
-        return false;
-    };
-    let snapped = corners.map(|p| {
-        let inverse = 1.0 / matrix.precise_row(3, p);
-        let at = |row| (matrix.precise_row(row, p) * inverse).round_ties_even();
-        (inverse > 0.0).then(|| DVec2::new(at(0), at(1)))
-    });
-    if let [Some(a), Some(b), Some(c)] = snapped {
-        let area = (c - a).perp_dot(b - a);
-        if area != 0.0 {
-            return area * f64::from(matrix.orientation) < 0.0;
-        }
-    }
-    let [a, b, c] = corners.map(Vec3::as_dvec3);
-    let viewer = matrix.viewer.as_dvec4();
-    let normal = (b - a).cross(c - a);
-    normal.dot(viewer.truncate() - a * viewer.w) < 0.0
 }

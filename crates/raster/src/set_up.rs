@@ -15,7 +15,7 @@ use crate::tile::TILE_BITS;
 /// Triangles whose boxes have at most so many pixels either way are filled at
 /// once, 16 triangles and one pixel of each at a time; there is less to do
 /// than to prepare 16 pixels of one triangle. (With several samples a pixel
-/// they are filled like all others.)
+/// they are filled like all others, and so are those that count windings.)
 const TINY: i32 = 4;
 
 /// Triangles of so many sub-pixels or more either way are set up one by one:
@@ -141,11 +141,11 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             dx.store(&mut found.down[k]);
         }
         // Depth is a plane through the corners where they are, not where they
-        // were snapped to (but see `GeometryContext::snaps_depth`); unless a
+        // were snapped to (but see `GeometryContext::is_cut`); unless a
         // sliver has no area there. In double precision: steep faces turn
         // little errors of positions into large ones of depth.
         let z = triple!(|K| s.load_f(&corners.z[K]));
-        let (x, y) = if context.snaps_depth() {
+        let (x, y) = if context.is_cut() {
             (
                 triple!(|K| snapped_x[K].to_double()),
                 triple!(|K| snapped_y[K].to_double()),
@@ -187,7 +187,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
         px1.store(&mut found.range[1]);
         py0.store(&mut found.range[2]);
         py1.store(&mut found.range[3]);
-        if context.sample_range[0] == context.sample_range[1] {
+        if context.sample_range[0] == context.sample_range[1] && !context.is_cut() {
             let tiny = s.i(TINY);
             let tiny = survivors & (px1 - px0).lt(tiny).bits() & (py1 - py0).lt(tiny).bits();
             survivors &= !tiny;
@@ -208,6 +208,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
                 z_low: found.z_range[0][k],
                 z_high: found.z_range[1][k],
                 triangle: (first + k) as i32,
+                winding: if front >> k & 1 != 0 { -1 } else { 1 },
             };
             push(record, context, bins);
         }
@@ -430,6 +431,7 @@ pub(crate) fn set_up_one(
         z_low: (depths[0].min(depths[1]).min(depths[2]) - slack).max(0.0),
         z_high: depths[0].max(depths[1]).max(depths[2]) + slack,
         triangle: triangle as i32,
+        winding: if front { -1 } else { 1 },
     };
     push(record, context, bins);
 }

@@ -50,11 +50,14 @@ pub(crate) struct Tiles {
     depth: Vec<OfPixels<f32>>,
     /// The triangle's number, likewise.
     triangle: Vec<OfPixels<i32>>,
+    /// The winding, likewise, where it is counted.
+    winding: Vec<OfPixels<i32>>,
 }
 
 impl Tiles {
-    /// Makes room for so many tiles, none of them drawn.
-    pub fn begin(&mut self, tiles: usize, samples: usize) {
+    /// Makes room for so many tiles, none of them drawn; for windings as well,
+    /// where these are counted.
+    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool) {
         self.of_picture.clear();
         self.of_picture.resize_with(tiles, Tile::default);
         (self.samples, self.used) = (samples, 0);
@@ -62,6 +65,10 @@ impl Tiles {
             // Zeros from the system, which the threads that draw touch first.
             self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
             self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
+        }
+        let counted = if winding { tiles * samples } else { 0 };
+        if self.winding.len() != counted {
+            self.winding = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; counted];
         }
     }
 
@@ -71,7 +78,9 @@ impl Tiles {
         let samples = self.samples.max(1);
         let depth = self.depth.chunks_mut(samples);
         let triangle = self.triangle.chunks_mut(samples);
-        let mut planes: Vec<_> = depth.zip(triangle).collect();
+        let winding = self.winding.chunks_mut(samples).map(Some);
+        let winding = winding.chain(std::iter::repeat_with(|| None));
+        let mut planes: Vec<_> = depth.zip(triangle).zip(winding).collect();
         let used = &mut self.used;
         self.of_picture
             .iter_mut()
@@ -82,11 +91,12 @@ impl Tiles {
                     *used += 1;
                 }
                 let own = tile.slot.and_then(|slot| planes.get_mut(slot));
-                let (depth, triangle) = own.map(std::mem::take).unwrap_or_default();
+                let ((depth, triangle), winding) = own.map(std::mem::take).unwrap_or_default();
                 TileBuffer {
                     tile,
                     depth,
                     triangle,
+                    winding: winding.unwrap_or_default(),
                 }
             })
             .collect()
@@ -140,6 +150,16 @@ pub(crate) struct TileBuffer<'a> {
     pub depth: &'a mut [OfPixels<f32>],
     /// The triangle's number, likewise.
     pub triangle: &'a mut [OfPixels<i32>],
+    /// How many more faces show their backs than their fronts at each sample,
+    /// hidden ones included, likewise; or nothing, where that is not counted.
+    pub winding: &'a mut [OfPixels<i32>],
+}
+
+/// One sample of each pixel of a tile.
+pub(crate) struct Plane<'a> {
+    pub depth: &'a mut OfPixels<f32>,
+    pub triangle: &'a mut OfPixels<i32>,
+    pub winding: Option<&'a mut OfPixels<i32>>,
 }
 
 impl TileBuffer<'_> {
@@ -151,6 +171,7 @@ impl TileBuffer<'_> {
             let numbers = self.triangle.as_flattened_mut();
             numbers.fill([NO_TRIANGLE; BLOCK_PIXELS]);
         }
+        self.winding.as_flattened_mut().fill([0; BLOCK_PIXELS]);
         *self.tile = Tile {
             slot: self.tile.slot,
             drawn: true,
@@ -158,9 +179,16 @@ impl TileBuffer<'_> {
         };
     }
 
-    /// Depth and number planes, sample by sample.
-    pub fn planes(&mut self) -> impl Iterator<Item = (&mut OfPixels<f32>, &mut OfPixels<i32>)> {
-        self.depth.iter_mut().zip(self.triangle.iter_mut())
+    /// The planes, sample by sample.
+    #[inline(always)]
+    pub fn planes(&mut self) -> impl Iterator<Item = Plane<'_>> {
+        let mut winding = self.winding.iter_mut();
+        let planes = self.depth.iter_mut().zip(self.triangle.iter_mut());
+        planes.map(move |(depth, triangle)| Plane {
+            depth,
+            triangle,
+            winding: winding.next(),
+        })
     }
 
     /// Brings the hierarchical depth up to date.

@@ -228,3 +228,69 @@ proptest! {
         check(&solid, &view(&solid.mesh(), direction, lens));
     }
 }
+
+/// A tetrahedron with the outside of its faces on the right side.
+fn tetrahedron(corners: [DVec3; 4]) -> Mesh {
+    let mut triangles = vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+    let [a, b, c, d] = corners;
+    if (b - a).cross(c - a).dot(d - a) > 0.0 {
+        for triangle in &mut triangles {
+            triangle.swap(1, 2);
+        }
+    }
+    Mesh::new(corners.to_vec(), triangles)
+}
+
+/// How far a point is outside of the plane of a convex mesh's face, at most.
+fn outside(mesh: &Mesh, point: DVec3) -> f64 {
+    let planes = (0..mesh.triangles.len()).map(|face| {
+        let [a, b, c] = mesh.corners(face);
+        (b - a).cross(c - a).normalize().dot(point - a)
+    });
+    planes.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The middle of a pixel, at some depth.
+fn on_sample() -> impl Strategy<Value = DVec3> {
+    let last = f64::from(SIZE) / 2.0;
+    (2..SIZE - 2, 2..SIZE - 2, -20.0..20.0f64).prop_map(move |(x, y, z)| {
+        let [x, y] = [x, y].map(|pixel| f64::from(pixel) + 0.5 - last);
+        DVec3::new(x, y, z)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    /// Silhouettes whose ends lie exactly on samples pass exactly through
+    /// others, where the front and the back of the solid are at one depth. What
+    /// is seen there is a point of the solid, not of the plane beside it.
+    #[test]
+    fn no_cap_beside_silhouettes_that_pass_through_samples(
+        corners in proptest::array::uniform4(on_sample()),
+        normal in vector().prop_map(|v| DVec3::new(v.x, v.y, v.z.abs() + 0.5)),
+        share in 0.1..0.9f64,
+    ) {
+        let [a, b, c, d] = corners;
+        prop_assume!((b - a).cross(c - a).dot(d - a).abs() > 50.0);
+        let mesh = tetrahedron(corners);
+        let plane = SectionPlane { normal, point: a.lerp(b, share) };
+        let scene = Scene::with_sections(&mesh, &[plane]).unwrap();
+        let camera = Camera {
+            eye: DVec3::Z * 100.0,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            lens: Lens::Orthographic { height: f64::from(SIZE) },
+            near: 1.0,
+            far: 200.0,
+        };
+        let view = camera.view(SIZE, SIZE).unwrap();
+        let (renderer, _) = draw(Level::default(), &scene, &view, &RenderOptions::default());
+        for (x, y) in (0..SIZE * SIZE).map(|k| (k % SIZE, k / SIZE)) {
+            if let Some(pick) = renderer.pick(&scene, &view, x, y) {
+                let away = outside(&mesh, pick.point);
+                prop_assert!(away < 0.05, "({x}, {y}) shows {} at {away}", pick.point);
+            }
+        }
+    }
+}
