@@ -20,7 +20,9 @@ const MOST_DIGITS: usize = 19;
 
 /// The number that `text` begins with, rounded to nearest, and how many bytes
 /// it takes. `None` where there is none, or one that is seldom seen (a plus
-/// sign, more than 19 digits, beyond about 1e±19): [`str::parse`] knows all.
+/// sign in front, more than 19 digits, or an exponent that moves the point
+/// beyond the last of them or by more than 19 places to the left):
+/// [`str::parse`] knows all.
 #[inline]
 pub(crate) fn number(text: &[u8]) -> Option<(f64, usize)> {
     let negative = text.first() == Some(&b'-');
@@ -46,8 +48,9 @@ pub(crate) fn number(text: &[u8]) -> Option<(f64, usize)> {
         return None;
     }
     if let Some(b'e' | b'E') = text.get(at) {
-        let negative = text.get(at + 1) == Some(&b'-');
-        at += 1 + usize::from(negative);
+        let sign = text.get(at + 1);
+        let negative = sign == Some(&b'-');
+        at += 1 + usize::from(negative || sign == Some(&b'+'));
         let mut exponent = 0;
         if !(1..=4).contains(&append_digits(text, &mut at, &mut exponent)) {
             return None;
@@ -173,6 +176,13 @@ mod tests {
             "1.7976931348623157e-3",
             "8.5065080835204e-05",
             "18014398509481986e-1",
+            "1.234560e+00",
+            "-12.5E+1",
+            "0.000000000000000001",
+            ".0000000000000000001",
+            "9999999999999999999",
+            "9999999999999999999e-19",
+            "4e-0019",
         ];
         for case in cases {
             let text = case.trim_end_matches('x');
@@ -199,7 +209,11 @@ mod tests {
             "x1",
             "1e",
             "1e-",
+            "1e+",
+            "1e+-1",
+            "1e400",
             "1e30",
+            "5e-324",
             "1e-20",
             "e5",
             "12345678901234567890",

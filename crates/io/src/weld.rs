@@ -61,11 +61,17 @@ pub(crate) fn weld<P: Place, E: Send>(
             table.reserve(hashes / shares + hashes / 16, |key| {
                 blocks[(key >> PLACE_BITS) as usize].hash(key)
             });
+            let mut own: Vec<(u64, u32)> = Vec::new();
             for (block, first) in blocks.iter().zip((0u32..).step_by(1 << PLACE_BITS)) {
+                // (Picked out first: a branch that nobody foresees would keep
+                // the processor from looking up several at once.)
+                own.resize(block.hashes.len(), (0, 0));
+                let mut count = 0;
                 for (&hash, key) in block.hashes.iter().zip(first..) {
-                    if hash as usize % shares != share {
-                        continue;
-                    }
+                    own[count] = (hash, key);
+                    count += usize::from(hash as usize % shares == share);
+                }
+                for &(hash, key) in &own[..count] {
                     let at = place(key);
                     let same = |other: u32| place(other) == at;
                     let hash_of = |key: u32| blocks[(key >> PLACE_BITS) as usize].hash(key);

@@ -139,6 +139,9 @@ fn other_programs_files_are_read() {
     assert!(mesh.corner_normals.is_empty(), "one face has no normals");
     for (text, words) in [
         ("v 1 2", "line 1: v needs three"),
+        ("v 1-2 3\n", "line 1: v needs three"),
+        ("v 1.5.5 2\n", "line 1: v needs three"),
+        ("v 1 2 1e400\n", "line 1: v needs three"),
         (
             "v 0 0 0\nf 1 1 2",
             "line 2: \"2\" names none of the 1 vertices",

@@ -269,7 +269,11 @@ enum WrongFace {
 fn quick_vector(text: &[u8]) -> Option<(DVec3, usize)> {
     let mut at = 0;
     let mut vector = [0.0; 3];
-    for number in &mut vector {
+    for (axis, number) in vector.iter_mut().enumerate() {
+        // (What else ends a number, such as another sign or point, is wrong.)
+        if axis > 0 && text.get(at) != Some(&b' ') {
+            return None;
+        }
         while text.get(at) == Some(&b' ') {
             at += 1;
         }
