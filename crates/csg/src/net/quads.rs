@@ -22,7 +22,7 @@ pub(super) struct Corner {
 
 /// A side of a surface.
 #[derive(Clone, Copy)]
-pub(super) struct Side<'a> {
+pub(super) struct SurfaceSide<'a> {
     pub surface: &'a Surface,
     /// Whether the surface's gradient points into the solid.
     pub reversed: bool,
@@ -76,7 +76,7 @@ impl Quads {
     pub fn judge<S: Simd>(
         &mut self,
         simd: S,
-        side: Side<'_>,
+        side: SurfaceSide<'_>,
         least_area: f64,
         count: usize,
     ) -> bool {
@@ -93,7 +93,7 @@ impl Quads {
     fn judge_on<const PLANE: bool, S: Simd>(
         &mut self,
         simd: S,
-        side: Side<'_>,
+        side: SurfaceSide<'_>,
         least_area: f64,
         vectors: usize,
     ) {
@@ -295,7 +295,12 @@ mod tests {
                     quads.set(lane, corners.each_ref());
                 }
                 let least_area = 1e-4;
-                quads.judge(pulp::Scalar, Side { surface, reversed }, least_area, LANES);
+                quads.judge(
+                    pulp::Scalar,
+                    SurfaceSide { surface, reversed },
+                    least_area,
+                    LANES,
+                );
                 for lane in 0..LANES {
                     let corners = [0, 1, 2, 3].map(|i| positions[4 * lane + i]);
                     let Some(expected) = plain(corners, surface, sign, least_area) else {

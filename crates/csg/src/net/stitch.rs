@@ -14,7 +14,7 @@ use super::assembly::Output;
 use super::lattice::CELLS;
 use super::loops;
 use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
-use super::quads::{Corner, LANES, Quads, Side};
+use super::quads::{Corner, LANES, Quads, SurfaceSide};
 use crate::pages::Room;
 use crate::program::Surface;
 
@@ -230,7 +230,7 @@ impl Stitcher<'_> {
                 quads.set(lane, around.map(|corner| &table.corners[corner as usize]));
             }
             let reversed = codes[0].is_reversed();
-            let side = Side {
+            let side = SurfaceSide {
                 surface: run.surface,
                 reversed,
             };
