@@ -253,6 +253,7 @@ impl Mesher {
             )));
         }
         Ok(Some(Goal {
+            tight: rustc_hash::FxHashMap::default(),
             tolerance,
             promised: tolerance,
             angle: self.angle,

@@ -18,7 +18,7 @@ use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::{Mesh, MeshSurface};
 use crate::net;
-use crate::program::{Bounds, Program};
+use crate::program::{Bounds, Program, Surface};
 use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
 use crate::report::Report;
 
@@ -40,8 +40,6 @@ pub(super) struct Run<'a> {
 struct Refined {
     surfaced: Surfaced,
     outcome: Outcome,
-    /// What kept it from being made anew with a smaller tolerance.
-    reached: Option<LimitReached>,
 }
 
 impl<'a> Run<'a> {
@@ -387,61 +385,71 @@ impl<'a> Run<'a> {
             report.add_fallback(reason.describe(), place + task.origin);
         }
         report.limits_reached.extend(reached);
-        report.limits_reached.extend(refined.reached);
         report.end_stage("refine", start);
         Ok(())
     }
 
-    /// A mesh to a tolerance, and, if it is to be checked, to so much less that
-    /// it does not run through itself.
+    /// A mesh to a tolerance, and to so much less where it would run through
+    /// itself or fold that it does not.
     fn refine_to(
         &self,
         coarse: &Surfaced,
         task: &Task<'_>,
         mut goal: Goal,
     ) -> Result<Refined, Error> {
-        const MOST_TRIES: u32 = 4;
-        let mut crossing: Option<Refined> = None;
-        let mut tries = 0;
-        loop {
-            tries += 1;
-            let control = self.control.again(Demand::Tolerance(goal.tolerance));
+        const MOST_TRIES: u32 = 7;
+        const FINER: f64 = 0.4;
+        let control = self.control.again(Demand::Tolerance(goal.tolerance));
+        let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
-            let result = refine::to_tolerance(&mut surfaced, &task.surfaces, &goal, &control);
-            let mut outcome = match (result, crossing) {
-                // Better one that runs through itself than none.
-                (Err(Error::LimitReached(reached)), Some(last)) if self.mesher.limits.partial => {
-                    return Ok(Refined {
-                        reached: Some(LimitReached {
-                            kept: Some(2.0 * goal.tolerance),
-                            ..reached
-                        }),
-                        ..last
-                    });
+            let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
+            let mut narrow = surfaces_of_folds(&outcome, &task.surfaces, task.size.length());
+            if self.mesher.check {
+                for (place, surfaces) in crossings_of(&mut surfaced) {
+                    outcome.unkept.push((Unkept::Crossing, place));
+                    narrow.extend(surfaces);
                 }
-                (result, _) => result?,
-            };
-            let places = if self.mesher.check {
-                crossings_of(&mut surfaced)
-            } else {
-                Vec::new()
-            };
-            let crosses = !places.is_empty();
-            let unkept = places.into_iter().map(|place| (Unkept::Crossing, place));
-            outcome.unkept.extend(unkept);
-            let refined = Refined {
-                surfaced,
-                outcome,
-                reached: None,
-            };
-            if !crosses || tries == MOST_TRIES {
-                return Ok(refined);
             }
-            crossing = Some(refined);
-            // Faces that run close by each other need smaller triangles.
-            goal.tolerance *= 0.5;
+            narrow.sort_unstable();
+            narrow.dedup();
+            Ok((Refined { surfaced, outcome }, narrow))
+        };
+        let (mut best, mut narrow) = attempt(&goal)?;
+        for _ in 1..MOST_TRIES {
+            if narrow.is_empty() {
+                break;
+            }
+            for &surface in &narrow {
+                *goal.tight.entry(surface).or_insert(1.0) *= FINER;
+            }
+            let refined = match attempt(&goal) {
+                // Better one that runs through itself than none.
+                Err(error) if is_too_much(&error).is_some() => break,
+                result => result?,
+            };
+            narrow = refined.1;
+            if refined.0.outcome.unkept.len() < best.outcome.unkept.len() {
+                best = refined.0;
+            }
         }
+        Ok(best)
     }
+}
+
+/// The surfaces on which a vertex could not be put.
+fn surfaces_of_folds(outcome: &Outcome, surfaces: &[Surface], size: f64) -> Vec<u32> {
+    const ON: f64 = 1e-9;
+    let folds = outcome.unkept.iter();
+    let folds = folds.filter(|(reason, _)| *reason == Unkept::Folded);
+    let near = |&(_, place): &(Unkept, DVec3)| {
+        let is_near =
+            move |s: &Surface| s.value(place).abs() <= ON * size * s.gradient(place).length();
+        (0u32..)
+            .zip(surfaces)
+            .filter(move |(_, s)| is_near(s))
+            .map(|(index, _)| index)
+    };
+    folds.flat_map(near).collect()
 }
 
 fn is_too_late(error: &Error) -> bool {
@@ -481,14 +489,22 @@ fn crossings(mesh: &Mesh) -> Vec<DVec3> {
         .collect()
 }
 
-/// The same of a mesh whose triangles know their surfaces.
-fn crossings_of(surfaced: &mut Surfaced) -> Vec<DVec3> {
+/// The same of a mesh whose triangles know their surfaces, with those of both
+/// triangles.
+fn crossings_of(surfaced: &mut Surfaced) -> Vec<(DVec3, [u32; 2])> {
     let mesh = Mesh {
         positions: std::mem::take(&mut surfaced.positions),
         triangles: std::mem::take(&mut surfaced.triangles),
         ..Mesh::default()
     };
-    let places = crossings(&mesh);
+    let surface = |triangle: u32| {
+        let group = surfaced.groups[triangle as usize];
+        surfaced.surface_of_group[group as usize]
+    };
+    let pairs = mesh.self_intersections().into_iter();
+    let places = pairs
+        .map(|pair| (mesh.corners(pair[0] as usize)[0], pair.map(surface)))
+        .collect();
     surfaced.positions = mesh.positions;
     surfaced.triangles = mesh.triangles;
     places

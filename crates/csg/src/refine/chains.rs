@@ -101,6 +101,11 @@ pub(super) fn divide(
     let starts = chain.iter().map(|&half| mesh.at(mesh.origin(half)));
     let end = mesh.at(mesh.target(chain[chain.len() - 1]));
     let vertices: Vec<DVec3> = starts.chain([end]).collect();
+    let on = |half| goal.tolerance_on(mesh.surface_index(half));
+    let goal = &Goal {
+        tolerance: on(chain[0]).min(on(mesh.twin(chain[0]))),
+        ..goal.clone()
+    };
     if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {
         let plane = course.plane();
         return divide_course(&course, &vertices, goal)

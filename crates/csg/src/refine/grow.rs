@@ -231,9 +231,9 @@ impl<'m, 's> Grower<'m, 's> {
         // Across a developable face edges are as long as the chords of curves,
         // which are the longest that the tolerance allows.
         let aim = if developable {
-            self.goal.tolerance
+            self.goal.tolerance_on(region.surface)
         } else {
-            self.goal.aim()
+            self.goal.aim_on(region.surface)
         };
         let for_distance = (sag / (aim * gradient)).sqrt();
         match self.goal.angle {
@@ -383,7 +383,7 @@ impl<'m, 's> Grower<'m, 's> {
             return false;
         }
         let corners = self.mesh.corners(triangle);
-        let tolerance = self.goal.tolerance;
+        let tolerance = self.goal.tolerance_on(region.surface);
         !deviation::is_within(surface, corners, tolerance)
             && deviation::of_triangle(surface, corners) > tolerance
     }

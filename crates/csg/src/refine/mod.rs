@@ -29,6 +29,7 @@ mod smooth;
 mod tessellate;
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use self::conics::Planes;
 use self::grow::Grower;
@@ -40,7 +41,7 @@ use crate::error::Error;
 use crate::program::Surface;
 
 /// What is asked of a mesh.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Goal {
     /// The largest distance between mesh and boundary, both ways.
     pub tolerance: f64,
@@ -48,6 +49,9 @@ pub(crate) struct Goal {
     pub promised: f64,
     /// The largest angle that a surface may turn along an edge, in radians.
     pub angle: Option<f64>,
+    /// For every surface that needs a smaller tolerance the share that it gets:
+    /// where faces run close to each other.
+    pub tight: FxHashMap<u32, f64>,
 }
 
 impl Goal {
@@ -58,14 +62,19 @@ impl Goal {
             angle: self
                 .angle
                 .map(|angle| (factor.sqrt() * angle).min(std::f64::consts::PI)),
-            ..*self
+            ..self.clone()
         }
     }
 
-    /// The distance to aim for, so that what is found by curvature meets the
-    /// tolerance as it is bounded.
-    fn aim(&self) -> f64 {
-        0.98 * self.tolerance
+    /// The tolerance on a surface.
+    pub fn tolerance_on(&self, surface: u32) -> f64 {
+        self.tolerance * self.tight.get(&surface).unwrap_or(&1.0)
+    }
+
+    /// The distance to aim for on a surface, so that what is found by curvature
+    /// meets the tolerance as it is bounded.
+    fn aim_on(&self, surface: u32) -> f64 {
+        0.98 * self.tolerance_on(surface)
     }
 }
 

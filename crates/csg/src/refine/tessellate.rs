@@ -298,7 +298,7 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let (estimate, _) = deviation::estimate(surface, corners);
     /// The surface over a triangle is larger than the triangle.
     const CURVED: f64 = 1.05;
-    let for_distance = (estimate / goal.aim()).sqrt();
+    let for_distance = (estimate / goal.aim_on(mesh.surface_index(3 * triangle))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
         let turn = a
