@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use self::run::Run;
 pub(crate) use self::task::Task;
+use rustc_hash::FxHashMap;
+
 use crate::control::{Caller, CancelToken};
 use crate::error::Error;
 use crate::evaluation;
@@ -253,7 +255,7 @@ impl Mesher {
             )));
         }
         Ok(Some(Goal {
-            tight: rustc_hash::FxHashMap::default(),
+            tight: FxHashMap::default(),
             tolerance,
             promised: tolerance,
             angle: self.angle,

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 
 use super::Scene;
 use super::cells::Block;
-use super::curve::{Branch, Curve, Meets};
+use super::curve::{Branch, Curve, Meets, Samples};
 use super::frame::Frame;
 use super::lines::{Piece, emit};
 use super::pairs::{Unknown, curves};
@@ -60,6 +60,7 @@ pub(super) struct ArcTracer {
     sectors: Sectors,
     events: Vec<Event>,
     roots: Roots,
+    samples: Samples,
     /// Positions of all surfaces of the cell through the curve.
     through: SmallVec<[u32; 4]>,
 }
@@ -167,6 +168,7 @@ impl ArcTracer {
             ..
         } = *arc;
         let tolerances = [scene.on_plane, scene.near];
+        self.samples = curve.samples(range);
         self.events.clear();
         self.through.clear();
         self.sectors.inside.clear();
@@ -175,7 +177,8 @@ impl ArcTracer {
             let surface = &scene.surfaces[id as usize];
             self.roots.clear();
             let is_through = pair.contains(&position)
-                || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
+                || curve.meet(surface, range, &self.samples, tolerances, &mut self.roots)
+                    == Meets::Curve;
             if is_through {
                 if position < pair[1] && position != pair[0] {
                     return Some(false);
@@ -228,7 +231,10 @@ impl ArcTracer {
     fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
         let tolerances = [arc.scene.on_plane, arc.scene.near];
         self.roots.clear();
-        if arc.curve.meet(plane, range, tolerances, &mut self.roots) == Meets::Points {
+        let meets = arc
+            .curve
+            .meet(plane, range, &self.samples, tolerances, &mut self.roots);
+        if meets == Meets::Points {
             self.roots.touching.clear();
             self.take(Ends::Plane(*plane), Ends::Touch);
         }

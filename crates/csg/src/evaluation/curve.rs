@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::Roots;
+use super::roots::{Roots, Sample};
 use super::rulings::Rulings;
 use super::trig::Trig;
 use crate::program::Surface;
@@ -87,6 +87,12 @@ pub(super) fn polar(surface: &Surface, u: DVec3, v: DVec3) -> f64 {
         + (yy * u.y + 0.5 * (xy * u.x + yz * u.z)) * v.y
         + (zz * u.z + 0.5 * (zx * u.x + yz * u.y)) * v.z
 }
+
+/// Stretches between points that are found beforehand.
+const SAMPLES: usize = 48;
+
+/// Places on a curve, with their points and how far these are from infinity.
+pub(super) type Samples = Vec<(f64, (DVec3, f64))>;
 
 /// How a surface lies to a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,11 +243,12 @@ impl Curve {
 
     /// Adds where a surface crosses the curve between two places. Distances
     /// below `on` are rounding, and closer than `near` without crossing is
-    /// touching.
+    /// touching. The samples are of the same stretch.
     pub(super) fn meet(
         &self,
         surface: &Surface,
         [start, end]: [f64; 2],
+        samples: &Samples,
         [on, near]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
@@ -323,26 +330,37 @@ impl Curve {
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
             Self::Rulings(rulings) => {
-                // In homogeneous coordinates, where nothing is infinite; the
-                // second derivative as it is found at many places.
-                const SAMPLES: u32 = 48;
-                let power = if surface.is_plane() { 1 } else { 2 };
-                let scale = |t: f64| rulings.weight(t).powi(power);
-                let value = |t: f64| surface.value(rulings.at(t)) * scale(t);
-                let step = (end - start) / f64::from(SAMPLES);
-                let places = (0..=SAMPLES).map(|k| start + f64::from(k) * step);
-                let values: SmallVec<[f64; 64]> = places.clone().map(value).collect();
-                let bends = values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs());
-                let bend = 2.0 * bends.fold(0.0, f64::max) / (step * step);
-                let slopes = places.map(|t| surface.gradient(rulings.at(t)).length() * scale(t));
-                let slope = slopes.fold(0.0, f64::max);
                 if self.lies_in(surface, [start, end], on) {
                     return Meets::Curve;
                 }
-                roots.find([start, end], value, |_, _| bend, near * slope);
+                // In homogeneous coordinates, where nothing is infinite.
+                let power = if surface.is_plane() { 1 } else { 2 };
+                let weigh = |(at, weight): (DVec3, f64)| surface.value(at) * weight.powi(power);
+                let values: Vec<Sample> = samples.iter().map(|&(t, at)| (t, weigh(at))).collect();
+                // The second derivative as it is found there.
+                let bends = values
+                    .windows(3)
+                    .map(|v| (v[0].1 - 2.0 * v[1].1 + v[2].1).abs());
+                let step = (end - start) / SAMPLES as f64;
+                let bend = 2.0 * bends.fold(0.0, f64::max) / (step * step);
+                let slope =
+                    |(at, weight): (DVec3, f64)| surface.gradient(at).length() * weight.powi(power);
+                let slope = samples.iter().map(|s| slope(s.1)).fold(0.0, f64::max);
+                let value = |t: f64| weigh(rulings.weighted(t));
+                roots.find_between(&values, value, |_, _| bend, near * slope);
                 Meets::Points
             }
         }
+    }
+
+    /// Points along a curve of degree four, and how far they are from infinity.
+    pub(super) fn samples(&self, [start, end]: [f64; 2]) -> Samples {
+        let Self::Rulings(rulings) = self else {
+            return Samples::new();
+        };
+        let step = (end - start) / SAMPLES as f64;
+        let places = (0..=SAMPLES).map(|k| start + k as f64 * step);
+        places.map(|t| (t, rulings.weighted(t))).collect()
     }
 
     fn find(

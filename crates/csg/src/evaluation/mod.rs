@@ -67,6 +67,13 @@ use crate::mesher::Task;
 use crate::program::{Origin, Program, Surface};
 use crate::report::Report;
 
+/// By how much chords turn at most, in radians; less where faces cannot be cut
+/// into triangles so.
+pub(crate) const LONG_CHORDS: [f64; 3] = [0.5, 0.2, 0.06];
+
+/// The same where faces are so narrow that long chords are in each other's way.
+pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
+
 /// Points nearer to each other than this share of the scene are one vertex.
 const WELD: f64 = 3e-11;
 
@@ -161,11 +168,17 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 /// with as few triangles as its faces' corners and holes permit; else one whose
 /// vertices are on their surfaces, of the right topology, to be refined.
 ///
+/// Chords turn by no more than about the first of `turns` that will do.
+///
 /// None where surfaces meet at so small angles, or so nearly in one point, that
 /// rounding leaves contours open, or where their curves are not known. Takes
 /// about a microsecond a triangle, and where surfaces are curved one for every
 /// three of them in a block.
-pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>, Error> {
+pub(crate) fn mesh(
+    task: &Task<'_>,
+    turns: &[f64],
+    report: &mut Report,
+) -> Result<Option<Mesh>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
@@ -198,7 +211,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Option<Mesh>,
         });
         mesh_of(&scene, task, pieces, report, start)?
     } else {
-        mesh_of_curved(&scene, task, &blocks, report)?
+        mesh_of_curved(&scene, task, &blocks, turns, report)?
     };
     if let Some(mesh) = mesh.as_ref().filter(|_| is_polyhedral(task.program)) {
         let (deviation, farthest) = deviation(&scene, mesh);
@@ -214,18 +227,16 @@ fn mesh_of_curved(
     scene: &Scene<'_>,
     task: &Task<'_>,
     blocks: &[Block],
+    turns: &[f64],
     report: &mut Report,
 ) -> Result<Option<Mesh>, Error> {
-    /// Chords turn by no more than about this, in radians; less where faces
-    /// cannot be cut into triangles so.
-    const TURNS: [f64; 3] = [0.5, 0.2, 0.06];
     /// Of so many curves some nearly touch another one: cells do better, and take
     /// no longer.
     const MOST_BLOCKS: usize = 256;
     if blocks.len() > MOST_BLOCKS {
         return Ok(None);
     }
-    for turn in TURNS {
+    for &turn in turns {
         let start = Instant::now();
         let pieces = trace(
             scene,

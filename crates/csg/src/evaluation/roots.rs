@@ -8,7 +8,7 @@
 use smallvec::SmallVec;
 
 /// A place and the function's value there.
-type Sample = (f64, f64);
+pub(super) type Sample = (f64, f64);
 
 /// A function that is next to 0 on more than this share of an interval is on
 /// all of it.
@@ -43,25 +43,36 @@ impl Roots {
         bend: impl Fn(f64, f64) -> f64,
         tolerance: f64,
     ) {
-        /// Intervals to begin with.
         const PARTS: u32 = 8;
-        /// Halvings until roots that are still together are one.
-        const MOST_HALVINGS: u32 = 40;
-        /// Intervals after which there are too many places next to 0.
-        const MOST_INTERVALS: u32 = 1 << 14;
         let at = |k: u32| {
             let t = start + f64::from(k) / f64::from(PARTS) * (end - start);
             let t = if k == PARTS { end } else { t };
             (t, value(t))
         };
+        let samples: [Sample; PARTS as usize + 1] = std::array::from_fn(|k| at(k as u32));
+        self.find_between(&samples, value, bend, tolerance);
+    }
+
+    /// The same where values are known at some places in order, from the start
+    /// to the end.
+    pub fn find_between(
+        &mut self,
+        samples: &[Sample],
+        value: impl Fn(f64) -> f64,
+        bend: impl Fn(f64, f64) -> f64,
+        tolerance: f64,
+    ) {
+        /// Halvings until roots that are still together are one.
+        const MOST_HALVINGS: u32 = 40;
+        /// Intervals after which there are too many places next to 0.
+        const MOST_INTERVALS: u32 = 1 << 14;
+        let range = match samples {
+            [first, .., last] => last.0 - first.0,
+            _ => return,
+        };
         // The first on top, so that intervals are met in order.
-        let mut pending: SmallVec<[(Sample, Sample, u32); 32]> = SmallVec::new();
-        let mut to = at(PARTS);
-        for k in (0..PARTS).rev() {
-            let from = at(k);
-            pending.push((from, to, 0));
-            to = from;
-        }
+        let mut pending: SmallVec<[(Sample, Sample, u32); 64]> = SmallVec::new();
+        pending.extend(samples.windows(2).rev().map(|w| (w[0], w[1], 0)));
         let mut near: Option<[Sample; 2]> = None;
         let mut intervals = 0;
         while let Some((from, to, halvings)) = pending.pop() {
@@ -102,7 +113,7 @@ impl Roots {
                         stretch
                     }
                 });
-                if near.is_some_and(|[first, last]| last.0 - first.0 > LONG * (end - start)) {
+                if near.is_some_and(|[first, last]| last.0 - first.0 > LONG * range) {
                     self.is_lost = true;
                     return;
                 }

@@ -96,41 +96,33 @@ fn on_conic([one, cos, sin]: &Round, (s, c): (f64, f64)) -> DVec4 {
 }
 
 impl Rulings {
-    fn angle(&self, t: f64) -> f64 {
-        match self.part {
-            Part::Between { middle, half, .. } => middle - half * (t + BEGIN).cos(),
-            _ => t + BEGIN,
-        }
-    }
-
-    /// √(b² - ac) with the sign that tells the two points on a line apart.
-    fn root(&self, t: f64, angle: f64, [a, b, c]: [f64; 3]) -> f64 {
-        match &self.part {
-            Part::Touching | Part::Once => 0.0,
-            Part::Around { is_plus } => {
-                let root = (b * b - a * c).max(0.0).sqrt();
-                if *is_plus { root } else { -root }
-            }
-            Part::Between { half, rest, .. } => {
-                // cos φ - cos h = 2 sin((h + φ) / 2) sin((h - φ) / 2), and
-                // φ = -h cos u.
-                let (sin, cos) = (0.5 * (t + BEGIN)).sin_cos();
-                let factors = 2.0 * (half * sin * sin).sin() * (half * cos * cos).sin();
-                let root = (factors * rest.value(angle)).max(0.0).sqrt();
-                root.copysign(sin * cos)
-            }
-        }
-    }
-
     /// The point at a place in homogeneous coordinates, of length 1, the last of
     /// them not negative.
     fn homogeneous(&self, t: f64) -> DVec4 {
-        let angle = self.angle(t);
-        let turn = angle.sin_cos();
+        let t = t + BEGIN;
+        // The sine and the cosine of the line's angle, and √(b² - ac) with the
+        // sign that tells the two points on a line apart.
+        let on = &self.on_lines;
+        let (turn, root) = match &self.part {
+            Part::Touching | Part::Once => (t.sin_cos(), 0.0),
+            Part::Around { is_plus } => {
+                let turn = t.sin_cos();
+                let [a, b, c] = [&on.a, &on.b, &on.c].map(|f| f.value_at(turn));
+                let root = (b * b - a * c).max(0.0).sqrt();
+                (turn, if *is_plus { root } else { -root })
+            }
+            Part::Between { middle, half, rest } => {
+                // The angle is middle + φ, φ = -half cos t, and
+                // cos φ - cos half = 2 sin((half + φ) / 2) sin((half - φ) / 2).
+                let (sin, cos) = (0.5 * t).sin_cos();
+                let turn = (middle - half * (cos * cos - sin * sin)).sin_cos();
+                let factors = 2.0 * (half * sin * sin).sin() * (half * cos * cos).sin();
+                let root = (factors * rest.value_at(turn)).max(0.0).sqrt();
+                (turn, root.copysign(sin * cos))
+            }
+        };
+        let [a, b, c] = [&on.a, &on.b, &on.c].map(|f| f.value_at(turn));
         let [p, q] = [&self.lines.p, &self.lines.q].map(|v| on_conic(v, turn));
-        let OnLines { a, b, c } = &self.on_lines;
-        let [a, b, c] = [a, b, c].map(|f| f.value(angle));
-        let root = self.root(t, angle, [a, b, c]);
         let [alpha, beta] = if matches!(self.part, Part::Once) {
             [-2.0 * b, a]
         } else {
@@ -139,19 +131,22 @@ impl Rulings {
             let size = |[alpha, beta]: [f64; 2]| alpha.abs().max(beta.abs());
             ratios[usize::from(size(ratios[1]) > size(ratios[0]))]
         };
-        let point = alpha * p + beta * q;
-        let point = point.normalize_or_zero();
+        let point = (alpha * p + beta * q).normalize_or_zero();
         if point.w < 0.0 { -point } else { point }
     }
 
     pub fn at(&self, t: f64) -> DVec3 {
-        let point = self.homogeneous(t);
-        self.origin + self.unit / point.w * point.truncate()
+        self.weighted(t).0
     }
 
-    /// Next to 0 where the point is next to infinity, and else about 1.
-    pub fn weight(&self, t: f64) -> f64 {
-        self.homogeneous(t).w
+    /// The point at a place, with a number that is next to 0 where it is next to
+    /// infinity, and else about 1.
+    pub fn weighted(&self, t: f64) -> (DVec3, f64) {
+        let point = self.homogeneous(t);
+        (
+            self.origin + self.unit / point.w * point.truncate(),
+            point.w,
+        )
     }
 
     /// The places of a point of the curve on the line at an angle, of the two

@@ -63,7 +63,11 @@ impl Trig {
     }
 
     pub fn value(&self, t: f64) -> f64 {
-        let (sin, cos) = t.sin_cos();
+        self.value_at(t.sin_cos())
+    }
+
+    /// The value where the sine and the cosine are known.
+    pub fn value_at(&self, (sin, cos): (f64, f64)) -> f64 {
         // Horner's rule.
         let [mut re, mut im] = [0.0; 2];
         for k in (1..=self.degree).rev() {

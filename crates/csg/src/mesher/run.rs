@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
         let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(mut mesh) = evaluation::mesh(&task, report)? else {
+        let Some(mut mesh) = evaluation::mesh(&task, &evaluation::LONG_CHORDS, report)? else {
             return Ok(None);
         };
         self.check_size(&mesh, &control)?;
@@ -318,19 +318,38 @@ impl<'a> Run<'a> {
         if self.smallest.is_none() || self.mesher.bounds.is_some() || is_tried {
             return Ok(None);
         }
-        let mut report = report.clone();
-        report.method = "boundary";
         let control = self.control.again(Demand::ExactBoundary);
         let task = task.with(&control);
-        let mut mesh = match evaluation::mesh(&task, &mut report) {
-            Ok(Some(mesh)) => mesh,
-            Ok(None) => return Ok(None),
-            // Cells may be larger.
-            Err(error) if is_too_much(&error).is_some() => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
-        Ok(Some((mesh, report)))
+        let mut best: Option<(Mesh, Report)> = None;
+        for turns in [&evaluation::LONG_CHORDS[..], &evaluation::SHORT_CHORDS] {
+            let mut report = report.clone();
+            report.method = "boundary";
+            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|mesh| {
+                let Some(mut mesh) = mesh else {
+                    return Ok(None);
+                };
+                self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
+                Ok(Some(mesh))
+            });
+            let mesh = match attempt {
+                Ok(Some(mesh)) => mesh,
+                Ok(None) => break,
+                // Cells may be larger.
+                Err(error) if is_too_much(&error).is_some() => break,
+                Err(error) => return Err(error),
+            };
+            let complaints = report.complaints();
+            if best
+                .as_ref()
+                .is_none_or(|best| complaints < best.1.complaints())
+            {
+                best = Some((mesh, report));
+            }
+            if complaints == 0 {
+                break;
+            }
+        }
+        Ok(best)
     }
 
     /// Whether a finished mesh is within the limits, with what it still gets.
@@ -398,6 +417,8 @@ impl<'a> Run<'a> {
         mut goal: Goal,
     ) -> Result<Refined, Error> {
         const MOST_TRIES: u32 = 7;
+        /// In a row, that were no better.
+        const MOST_IN_VAIN: u32 = 3;
         const FINER: f64 = 0.4;
         let control = self.control.again(Demand::Tolerance(goal.tolerance));
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
@@ -415,8 +436,9 @@ impl<'a> Run<'a> {
             Ok((Refined { surfaced, outcome }, narrow))
         };
         let (mut best, mut narrow) = attempt(&goal)?;
+        let mut in_vain = 0;
         for _ in 1..MOST_TRIES {
-            if narrow.is_empty() {
+            if narrow.is_empty() || in_vain == MOST_IN_VAIN {
                 break;
             }
             for &surface in &narrow {
@@ -428,8 +450,10 @@ impl<'a> Run<'a> {
                 result => result?,
             };
             narrow = refined.1;
+            in_vain += 1;
             if refined.0.outcome.unkept.len() < best.outcome.unkept.len() {
                 best = refined.0;
+                in_vain = 0;
             }
         }
         Ok(best)

@@ -377,7 +377,7 @@ mod tests {
             ),
         ];
         let goal = Goal {
-            tight: rustc_hash::FxHashMap::default(),
+            tight: FxHashMap::default(),
             tolerance: 1e-4,
             promised: 1e-4,
             angle: None,
