@@ -1,6 +1,7 @@
 //! Solids with curved surfaces, meshed from the curves in which surfaces meet.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::{csg, scenes};
@@ -14,6 +15,19 @@ fn mesh(solid: &Solid) -> (Program, Meshed) {
     let program = Program::lower(solid).expect("a valid solid");
     let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
     (program, meshed.expect("a mesh"))
+}
+
+/// By Simpson's rule.
+fn integral(range: Range<f64>, value: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 1000;
+    let step = (range.end - range.start) / f64::from(STEPS);
+    let weigh = |k: u32| match k {
+        0 | STEPS => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    let at = |k: u32| value(range.start + f64::from(k) * step);
+    (0..=STEPS).map(|k| weigh(k) * at(k)).sum::<f64>() * step / 3.0
 }
 
 /// Name, solid, volume, area at most, genus.
@@ -60,6 +74,55 @@ fn solids() -> Vec<(&'static str, Solid, f64, f64, i64)> {
             PI / 2.0,
             12.0,
             0,
+        ),
+        // The wall touches the waist, and cuts it in two lines that cross there.
+        (
+            "hyperboloid by a wall",
+            Solid::hyperboloid_one_sheet([1.0, 1.0, 1.0])
+                & Solid::cuboid([6.0, 6.0, 2.0])
+                & Solid::cuboid([6.0, 6.0, 6.0]).translate([-2.0, 0.0, 0.0]),
+            integral(-1.0..1.0, |z| {
+                let square = 1.0 + z * z;
+                square * (PI - square.sqrt().recip().acos()) + z.abs()
+            }),
+            27.0,
+            0,
+        ),
+        // The cone's tip is on the ball, whose points are at 2 cos of the angle at
+        // which they are seen from there.
+        (
+            "ball and a cone from its pole",
+            ball()
+                & Solid::infinite_cone(0.5)
+                    .rotate_xyz(PI, 0.0, 0.0)
+                    .translate([0.0, 0.0, 1.0]),
+            4.0 / 3.0 * PI * (1.0 - 0.5f64.cos().powi(4)),
+            9.0,
+            0,
+        ),
+        // Viviani's curve passes through itself where the two touch.
+        (
+            "Viviani",
+            ball() & Solid::cylinder(0.5, -2.0..2.0).translate([0.5, 0.0, 0.0]),
+            2.0 / 3.0 * PI - 8.0 / 9.0,
+            9.0,
+            0,
+        ),
+        // No cylinder or cone among them, nor a common plane.
+        (
+            "ball less a hyperboloid",
+            ball() - Solid::hyperboloid_one_sheet([0.2, 0.5, 0.6]).rotate_xyz(0.3, 0.5, 0.7),
+            // By slices, in polar coordinates.
+            4.0 / 3.0 * PI
+                - integral(-1.0..1.0, |z| {
+                    integral(0.0..TAU, |angle| {
+                        let (sin, cos) = angle.sin_cos();
+                        let ellipse = (cos / 0.2).powi(2) + (sin / 0.5).powi(2);
+                        0.5 * ((1.0 + (z / 0.6).powi(2)) / ellipse).min(1.0 - z * z)
+                    })
+                }),
+            17.0,
+            1,
         ),
         // The ball touches the rod all around.
         (

@@ -273,7 +273,7 @@ fn cut_apexes_are_kept_or_named() {
             0,
         ),
     ];
-    assert_kept_or_named(&cases, &[1e-2, 1e-3, 1e-4], 28);
+    assert_kept_or_named(&cases, &[1e-2, 1e-3, 1e-4], 30);
 }
 
 #[test]
@@ -316,7 +316,7 @@ fn surfaces_that_touch_are_kept_or_named() {
             0,
         ),
     ];
-    assert_kept_or_named(&cases, &[1e-3], 7);
+    assert_kept_or_named(&cases, &[1e-3], 9);
 }
 
 /// What is smaller than what is looked for is in the mesh or in the report, at

@@ -11,11 +11,13 @@
 //!    are solid, and hence which faces meet there ([`sectors`], [`lines`]). All
 //!    planes through one line are taken together.
 //! 3. If there are curved surfaces, the same is done with the curves in which
-//!    any two meet ([`pairs`], [`curve`], [`roots`], [`arcs`]), as chains of chords. Their
-//!    faces are cut into patches along seams, so that each can be seen from one
-//!    side ([`frame`]).
+//!    any two meet ([`pairs`], [`pencil`], [`curve`], [`rulings`]) and the points
+//!    where others cross them ([`roots`], [`trig`]), as chains of chords
+//!    ([`arcs`]). Their faces are cut into patches along seams, so that each can
+//!    be seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`]), and these
-//!    cut into triangles ([`triangulate`]).
+//!    cut into triangles ([`mod@triangulate`]), with more chords where they would
+//!    run across each other ([`crossings`]).
 //!
 //! This is the boundary evaluation of classical solid modelling (Requicha and
 //! Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and
@@ -23,9 +25,8 @@
 //! membership tests. Walls and gaps must be thicker than [`WELD`] of the scene,
 //! between curved surfaces than [`NEAR`].
 //!
-//! Not all pairs of quadrics have curves of a closed form here, and where
-//! several surfaces nearly touch rounding may leave contours open: then there
-//! is no result, and cells must do.
+//! Where quadrics have a straight line in common besides other curves, or several
+//! surfaces nearly touch, there may be no result: then cells must do.
 
 mod arcs;
 mod boundary;
