@@ -234,3 +234,32 @@ fn faceted_boundaries_are_exact() {
         );
     }
 }
+
+/// Curved trees to a tolerance of a thousandth of their size: none runs through
+/// itself, nor is anything else reported.
+#[test]
+fn smooth_boundaries_are_near() {
+    const SHARE: f64 = 1e-3;
+    for tree in corpus().iter().filter(|tree| tree.core) {
+        let name = tree.path.display();
+        let program = program(tree, false);
+        let Some(bounds) = program.bounds().expect("a bounded solid") else {
+            panic!("{name} is empty");
+        };
+        let tolerance = SHARE * bounds.size().max_element();
+        let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+        let meshed = meshed.unwrap_or_else(|e| panic!("{name}: {e}"));
+        let report = &meshed.report;
+        assert!(report.check.is_manifold(), "{name}: {}", report.check);
+        assert_eq!(report.fallbacks, [], "{name}");
+        assert_eq!(meshed.mesh.self_intersections().len(), 0, "{name}");
+        assert!(report.deviation.expect("a bound") <= tolerance, "{name}");
+        let (wanted, precision) = tree.reference(false);
+        let off = (meshed.mesh.volume() - wanted).abs();
+        let allowed = meshed.mesh.area() * tolerance + precision * wanted;
+        assert!(
+            off <= allowed,
+            "{name}: off by {off:e}, allowed {allowed:e}"
+        );
+    }
+}
