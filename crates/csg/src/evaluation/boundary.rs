@@ -235,6 +235,11 @@ impl Boundary {
         }
     }
 
+    /// The faces on both sides of an edge.
+    pub fn faces_of(&self, half_edge: u32) -> [u32; 2] {
+        [half_edge, self.at(half_edge).twin].map(|h| self.at(h).face)
+    }
+
     /// The surfaces on whose curve an edge is; none for borders of looks.
     pub fn surfaces_of<'a>(
         &self,

@@ -233,7 +233,7 @@ fn mesh_of_curved(
 ) -> Result<Option<Mesh>, Error> {
     /// Of so many curves some nearly touch another one: cells do better, and take
     /// no longer.
-    const MOST_BLOCKS: usize = 256;
+    const MOST_BLOCKS: usize = 1024;
     if blocks.len() > MOST_BLOCKS {
         return Ok(None);
     }
@@ -347,29 +347,38 @@ fn trace<T>(
 fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Option<Mesh> {
     /// Times that edges of faces that cannot be cut are split.
     const ROUNDS: u32 = 12;
-    let mut cut = Cut::faces(scene, boundary);
-    for _ in 0..ROUNDS {
-        if cut.failed.is_empty() {
+    let mut cut = Cut::default();
+    let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
+    for round in 0..=ROUNDS {
+        cut.cut_faces(scene, boundary, &faces);
+        let failed = |&face: &u32| cut.triangles[face as usize].is_none();
+        let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
+        if failed.is_empty() {
             break;
         }
+        scene.control.check().ok()?;
         let mut crossing = Vec::new();
-        for &face in &cut.failed {
+        for face in failed {
             let contours = &cut.contours[face as usize];
             boundary.crossing_edges(scene, face, contours, &mut crossing);
         }
         crossing.sort_unstable();
         crossing.dedup();
-        if crossing.is_empty() || !boundary.split(scene, &crossing) {
+        if round == ROUNDS || crossing.is_empty() || !boundary.split(scene, &crossing) {
             return None;
         }
-        scene.control.check().ok()?;
-        cut = Cut::faces(scene, boundary);
+        // The faces on both sides have more corners.
+        let sides = crossing.iter().flat_map(|&edge| boundary.faces_of(edge));
+        faces = sides.collect();
+        faces.sort_unstable();
+        faces.dedup();
     }
     let mut mesh = Mesh {
         positions: cut.positions,
         ..Mesh::default()
     };
-    let mut triangles = cut.failed.is_empty().then_some(cut.triangles)?;
+    let triangles: Option<Vec<_>> = cut.triangles.into_iter().collect();
+    let mut triangles = triangles?;
     part_common_diagonals(scene, &boundary.faces, &mut triangles, &mut mesh.positions);
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
     for (side, triangles) in boundary.faces.iter().zip(triangles) {
@@ -388,53 +397,47 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Opti
 }
 
 /// Faces cut into triangles.
+#[derive(Default)]
 struct Cut {
     positions: Vec<DVec3>,
     /// Of each face its half-edges.
     contours: Vec<Vec<Vec<u32>>>,
-    /// Of each face.
-    triangles: Vec<Vec<[u32; 3]>>,
-    /// Faces that could not be cut.
-    failed: Vec<u32>,
+    /// Of each face; none where it could not be cut.
+    triangles: Vec<Option<Vec<[u32; 3]>>>,
 }
 
 impl Cut {
-    fn faces(scene: &Scene<'_>, boundary: &Boundary) -> Self {
+    /// Cuts some faces, for the first time or once more. Vertices keep their
+    /// numbers when edges are split.
+    fn cut_faces(&mut self, scene: &Scene<'_>, boundary: &Boundary, faces: &[u32]) {
         const MANY_FACES: usize = 64;
         let (fan_of, point_of) = boundary.fans();
         let points = point_of.iter().map(|&p| boundary.points[p as usize]);
-        let positions: Vec<DVec3> = points.collect();
-        let contours = boundary.contours();
-        let faces = boundary.faces.len();
-        let stage = scene.control.stage(faces as u64, 0.9, 1.0);
-        let cut_face = |face: usize| {
+        self.positions = points.collect();
+        self.contours = boundary.contours();
+        self.triangles.resize(boundary.faces.len(), None);
+        let stage = scene.control.stage(faces.len() as u64, 0.9, 1.0);
+        let cut_face = |&face: &u32| {
             scene.control.check().ok()?;
             stage.add(1);
-            let side = &boundary.faces[face];
+            let side = &boundary.faces[face as usize];
             let name = |&half_edge: &u32| {
                 let fan = fan_of[half_edge as usize];
-                (scene.flatten(side, positions[fan as usize]), fan)
+                (scene.flatten(side, self.positions[fan as usize]), fan)
             };
-            let flat: Vec<Vec<Named>> = contours[face]
+            let flat: Vec<Vec<Named>> = self.contours[face as usize]
                 .iter()
                 .map(|contour| contour.iter().map(name).collect())
                 .collect();
             triangulate(&flat, scene.weld, scene.control)
         };
-        let triangles: Vec<Option<Vec<[u32; 3]>>> = if faces < MANY_FACES {
-            (0..faces).map(cut_face).collect()
+        let cut: Vec<Option<Vec<[u32; 3]>>> = if faces.len() < MANY_FACES {
+            faces.iter().map(cut_face).collect()
         } else {
-            (0..faces).into_par_iter().map(cut_face).collect()
+            faces.par_iter().map(cut_face).collect()
         };
-        let failed = (0u32..).zip(&triangles).filter(|(_, t)| t.is_none());
-        Self {
-            failed: failed.map(|(face, _)| face).collect(),
-            positions,
-            contours,
-            triangles: triangles
-                .into_iter()
-                .map(Option::unwrap_or_default)
-                .collect(),
+        for (&face, triangles) in faces.iter().zip(cut) {
+            self.triangles[face as usize] = triangles;
         }
     }
 }

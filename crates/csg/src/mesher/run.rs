@@ -262,11 +262,8 @@ impl<'a> Run<'a> {
         let control = self.control.again(Demand::Cells(cell));
         let task = Task::new(self.program, bounds, cell, &control);
         let evaluated = self.evaluated(&task, factor, report)?;
-        // Cells are no better where what was asked for does not fit a limit.
-        let is_final =
-            |report: &Report| report.complaints() == 0 || !report.limits_reached.is_empty();
         let (mut mesh, attempt) = match evaluated {
-            Some(evaluated) if is_final(&evaluated.1) => evaluated,
+            Some((mesh, attempt)) if self.is_final(&mesh, &attempt) => (mesh, attempt),
             other => {
                 let mut attempt = report.clone();
                 let by_cells = self.by_cells_alone(&task, factor, &mut attempt);
@@ -301,6 +298,21 @@ impl<'a> Run<'a> {
             self.refine(&mut mesh, task, &goal.loosened(factor), report)?;
         }
         Ok(mesh)
+    }
+
+    /// Whether a mesh to a tolerance is not to be tried in another way. A mesh
+    /// that is not checked may have a few places to report if it keeps the
+    /// tolerance.
+    fn is_final(&self, mesh: &Mesh, report: &Report) -> bool {
+        /// Triangles for every place.
+        const MANY: usize = 1000;
+        // Where what was asked for does not fit a limit, nothing is better.
+        if report.complaints() == 0 || !report.limits_reached.is_empty() {
+            return true;
+        }
+        let promised = self.goal.as_ref().map_or(0.0, |goal| goal.promised);
+        let is_near = report.deviation.is_some_and(|reached| reached <= promised);
+        !self.mesher.check && is_near && report.complaints() * MANY <= mesh.triangles.len()
     }
 
     /// The mesh to a tolerance without cells, from the curves in which surfaces
@@ -408,8 +420,8 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// A mesh to a tolerance, and to so much less where it would run through
-    /// itself or fold that it does not.
+    /// A mesh to a tolerance, and, if it is to be checked, to so much less where
+    /// it would run through itself or fold that it does not.
     fn refine_to(
         &self,
         coarse: &Surfaced,
@@ -424,8 +436,9 @@ impl<'a> Run<'a> {
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            let mut narrow = surfaces_of_folds(&outcome, &task.surfaces, task.size.length());
+            let mut narrow = Vec::new();
             if self.mesher.check {
+                narrow = surfaces_of_folds(&outcome, &task.surfaces, task.size.length());
                 for (place, surfaces) in crossings_of(&mut surfaced) {
                     outcome.unkept.push((Unkept::Crossing, place));
                     narrow.extend(surfaces);
