@@ -75,6 +75,15 @@ pub(crate) const LONG_CHORDS: [f64; 3] = [0.5, 0.2, 0.06];
 /// The same where faces are so narrow that long chords are in each other's way.
 pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
 
+/// Of the curves of more blocks some nearly touch another one, and it takes
+/// several tries to keep faces apart: cells are faster then, and keep the
+/// tolerance, too.
+pub(crate) const FEW_BLOCKS: usize = 256;
+
+/// Where a mesh is to be checked, it may take longer than with cells if it is
+/// perfect then.
+pub(crate) const MANY_BLOCKS: usize = 1024;
+
 /// Points nearer to each other than this share of the scene are one vertex.
 const WELD: f64 = 3e-11;
 
@@ -169,7 +178,8 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 /// with as few triangles as its faces' corners and holes permit; else one whose
 /// vertices are on their surfaces, of the right topology, to be refined.
 ///
-/// Chords turn by no more than about the first of `turns` that will do.
+/// Chords of curves turn by no more than about the first of `turns` that will
+/// do, if there are no more than `most_blocks`.
 ///
 /// None where surfaces meet at so small angles, or so nearly in one point, that
 /// rounding leaves contours open, or where their curves are not known. Takes
@@ -178,6 +188,7 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 pub(crate) fn mesh(
     task: &Task<'_>,
     turns: &[f64],
+    most_blocks: usize,
     report: &mut Report,
 ) -> Result<Option<Mesh>, Error> {
     let start = Instant::now();
@@ -212,6 +223,9 @@ pub(crate) fn mesh(
         });
         mesh_of(&scene, task, pieces, report, start)?
     } else {
+        if blocks.len() > most_blocks {
+            return Ok(None);
+        }
         mesh_of_curved(&scene, task, &blocks, turns, report)?
     };
     if let Some(mesh) = mesh.as_ref().filter(|_| is_polyhedral(task.program)) {
@@ -231,12 +245,6 @@ fn mesh_of_curved(
     turns: &[f64],
     report: &mut Report,
 ) -> Result<Option<Mesh>, Error> {
-    /// Of so many curves some nearly touch another one: cells do better, and take
-    /// no longer.
-    const MOST_BLOCKS: usize = 1024;
-    if blocks.len() > MOST_BLOCKS {
-        return Ok(None);
-    }
     for &turn in turns {
         let start = Instant::now();
         let pieces = trace(

@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
         let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(mut mesh) = evaluation::mesh(&task, &evaluation::LONG_CHORDS, report)? else {
+        let Some(mut mesh) = evaluation::mesh(&task, &[], 0, report)? else {
             return Ok(None);
         };
         self.check_size(&mesh, &control)?;
@@ -263,7 +263,7 @@ impl<'a> Run<'a> {
         let task = Task::new(self.program, bounds, cell, &control);
         let evaluated = self.evaluated(&task, factor, report)?;
         let (mut mesh, attempt) = match evaluated {
-            Some((mesh, attempt)) if self.is_final(&mesh, &attempt) => (mesh, attempt),
+            Some(evaluated) if is_final(&evaluated.1) => evaluated,
             other => {
                 let mut attempt = report.clone();
                 let by_cells = self.by_cells_alone(&task, factor, &mut attempt);
@@ -300,21 +300,6 @@ impl<'a> Run<'a> {
         Ok(mesh)
     }
 
-    /// Whether a mesh to a tolerance is not to be tried in another way. A mesh
-    /// that is not checked may have a few places to report if it keeps the
-    /// tolerance.
-    fn is_final(&self, mesh: &Mesh, report: &Report) -> bool {
-        /// Triangles for every place.
-        const MANY: usize = 1000;
-        // Where what was asked for does not fit a limit, nothing is better.
-        if report.complaints() == 0 || !report.limits_reached.is_empty() {
-            return true;
-        }
-        let promised = self.goal.as_ref().map_or(0.0, |goal| goal.promised);
-        let is_near = report.deviation.is_some_and(|reached| reached <= promised);
-        !self.mesher.check && is_near && report.complaints() * MANY <= mesh.triangles.len()
-    }
-
     /// The mesh to a tolerance without cells, from the curves in which surfaces
     /// meet, and its report; none where they are not known.
     fn evaluated(
@@ -332,17 +317,23 @@ impl<'a> Run<'a> {
         }
         let control = self.control.again(Demand::ExactBoundary);
         let task = task.with(&control);
+        let most_blocks = if self.mesher.check {
+            evaluation::MANY_BLOCKS
+        } else {
+            evaluation::FEW_BLOCKS
+        };
         let mut best: Option<(Mesh, Report)> = None;
         for turns in [&evaluation::LONG_CHORDS[..], &evaluation::SHORT_CHORDS] {
             let mut report = report.clone();
             report.method = "boundary";
-            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|mesh| {
-                let Some(mut mesh) = mesh else {
-                    return Ok(None);
-                };
-                self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
-                Ok(Some(mesh))
-            });
+            let attempt =
+                evaluation::mesh(&task, turns, most_blocks, &mut report).and_then(|mesh| {
+                    let Some(mut mesh) = mesh else {
+                        return Ok(None);
+                    };
+                    self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
+                    Ok(Some(mesh))
+                });
             let mesh = match attempt {
                 Ok(Some(mesh)) => mesh,
                 Ok(None) => break,
@@ -487,6 +478,12 @@ fn surfaces_of_folds(outcome: &Outcome, surfaces: &[Surface], size: f64) -> Vec<
             .map(|(index, _)| index)
     };
     folds.flat_map(near).collect()
+}
+
+/// Whether a mesh to a tolerance is not to be tried in another way: nothing is to
+/// be reported, or what was asked for does not fit a limit.
+fn is_final(report: &Report) -> bool {
+    report.complaints() == 0 || !report.limits_reached.is_empty()
 }
 
 fn is_too_late(error: &Error) -> bool {
