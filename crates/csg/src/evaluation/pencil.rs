@@ -281,6 +281,9 @@ impl<'a> Pencil<'a> {
 
     /// The curves of quadrics that touch at a point.
     fn through_contact(&self, start: DVec3, near: f64) -> Result<Branches, Unknown> {
+        /// Eigenvalues below this share of the largest are none: a contact is not
+        /// found to the last digit.
+        const SMALL: f64 = 1e-6;
         let [a, b] = self.surfaces;
         let at = contact(a, b, start);
         let [p, q] = [a, b].map(|s| s.gradient(at));
@@ -294,56 +297,48 @@ impl<'a> Pencil<'a> {
             *sum -= factor * value;
         }
         let (values, axes) = eigen_symmetric(member);
-        let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
-        let [low, middle, high] = order.map(|k| values[k]);
-        let [low_axis, middle_axis, high_axis] = order.map(|k| axes[k]);
-        let largest = high.max(-low);
-        if low < 0.0 && high > 0.0 && middle.abs() <= 1e-6 * largest {
-            let sides = [1.0, -1.0].map(|sign| {
-                let normal = (-low).sqrt() * low_axis + sign * high.sqrt() * high_axis;
-                Surface {
+        let values = order.map(|k| values[k]);
+        let axes = order.map(|k| axes.col(k));
+        let largest = values[2].max(-values[0]);
+        let is_small = |value: f64| value.abs() <= SMALL * largest;
+        let sign = |value: f64| if is_small(value) { 0.0 } else { value.signum() };
+        // 0 along a line: it meets the surfaces in points if it is not on them.
+        let along = |axis: DVec3| {
+            if is_small(0.5 * a.curvature_along(axis)) {
+                Err(Unknown::NoForm)
+            } else {
+                Err(Unknown::Touch)
+            }
+        };
+        match values.map(sign) {
+            [-1.0, 0.0, 1.0] => {
+                let [low, high] = [values[0], values[2]].map(|v| v.abs().sqrt());
+                let sides = [1.0, -1.0].map(|sign| Surface {
                     anchor: at,
                     quadratic: [0.0; 6],
-                    linear: normal.normalize_or_zero(),
+                    linear: (low * axes[0] + sign * high * axes[2]).normalize_or_zero(),
                     constant: 0.0,
-                }
-            });
-            return conics(&sides, middle_axis, a, near);
+                });
+                conics(&sides, axes[1], a, near)
+            }
+            // A cone with its apex there.
+            [-1.0, middle, 1.0] => {
+                let scaled = |k: usize| (axes[k] / values[k].abs().sqrt()).extend(0.0);
+                let odd = if middle > 0.0 { 0 } else { 2 };
+                let apex = ((at - self.origin) / self.unit).extend(1.0);
+                let lines = Lines {
+                    p: [scaled(odd), scaled((odd + 1) % 3), scaled((odd + 2) % 3)],
+                    q: [apex, DVec4::ZERO, DVec4::ZERO],
+                };
+                self.on_cone(&lines, &self.matrices[1], near)
+            }
+            [1.0, 1.0, 1.0] | [-1.0, -1.0, -1.0] => Err(Unknown::Touch),
+            [0.0, 1.0, 1.0] => along(axes[0]),
+            [-1.0, -1.0, 0.0] => along(axes[2]),
+            _ => Err(Unknown::NoForm),
         }
-        // Without two signs it is 0 in a point, or along a line that meets the
-        // surfaces in points if it does not lie in them.
-        let is_small = |value: f64| value.abs() <= 1e-6 * largest;
-        let ends = if high >= -low {
-            (low, low_axis)
-        } else {
-            (high, high_axis)
-        };
-        let has_one_sign = (ends.0 > 0.0) == (high >= -low) || is_small(ends.0);
-        if has_one_sign && !is_small(middle) {
-            let crosses = !is_small(0.5 * a.curvature_along(ends.1));
-            let is_point = !is_small(ends.0) || crosses;
-            return Err(if is_point {
-                Unknown::Touch
-            } else {
-                Unknown::NoForm
-            });
-        }
-        if [low, middle, high].into_iter().any(is_small) {
-            return Err(Unknown::NoForm);
-        }
-        // A cone with its apex there.
-        let odd = if middle > 0.0 { 0 } else { 2 };
-        let point = |d: DVec3| d.extend(0.0);
-        let scaled = |k: usize| point(axes[order[k]] / values[order[k]].abs().sqrt());
-        let local = ((at - self.origin) / self.unit).extend(1.0);
-        let others = [(odd + 1) % 3, (odd + 2) % 3];
-        let lines = Lines {
-            p: [scaled(odd), scaled(others[0]), scaled(others[1])],
-            q: [local, DVec4::ZERO, DVec4::ZERO],
-        };
-        self.on_cone(&lines, &self.matrices[1], near)
     }
 }
 

@@ -341,6 +341,7 @@ impl<'a> Run<'a> {
                 Err(error) if is_too_much(&error).is_some() => break,
                 Err(error) => return Err(error),
             };
+            let is_final = is_final(&report);
             let complaints = report.complaints();
             if best
                 .as_ref()
@@ -348,7 +349,7 @@ impl<'a> Run<'a> {
             {
                 best = Some((mesh, report));
             }
-            if complaints == 0 {
+            if is_final {
                 break;
             }
         }
