@@ -149,10 +149,9 @@ impl Rulings {
         )
     }
 
-    /// The places of a point of the curve on the line at an angle, of the two
-    /// that line may have; none if it is the other branch's. The point is given
-    /// by α and β.
-    pub fn places(&self, angle: f64, [alpha, beta]: [f64; 2]) -> Option<f64> {
+    /// Where on the curve a point of the line at an angle is, given by α and β;
+    /// none if it is the other branch's.
+    pub fn place(&self, angle: f64, [alpha, beta]: [f64; 2]) -> Option<f64> {
         let around = (angle - BEGIN).rem_euclid(TAU);
         // a α + b β = ±root β, b α + c β = ∓root α.
         let OnLines { a, b, c } = &self.on_lines;
@@ -194,7 +193,7 @@ impl Rulings {
         let mut poles: Vec<f64> = Vec::new();
         for &angle in roots.simple.iter().chain(&roots.touching) {
             let point = [q.value(angle), -p.value(angle)];
-            poles.extend(self.places(angle, point));
+            poles.extend(self.place(angle, point));
         }
         poles.sort_by(f64::total_cmp);
         poles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);

@@ -54,15 +54,12 @@ fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
 }
 
 /// The distance of the triangle's farthest point to the surface to first order,
-/// of corners on it, and how much its gradient changes over the triangle,
-/// relative to itself. No bound, but fast.
+/// of corners on it. No bound, but fast.
 #[inline(always)]
-pub(super) fn estimate(surface: &Surface, [p, q, r]: [DVec3; 3]) -> (f64, f64) {
+pub(super) fn estimate(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
     let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
     let largest = largest_on_triangle([quarter(q - p), quarter(r - q), quarter(p - r)]);
-    let slope = surface.gradient((p + q + r) / 3.0).length();
-    let reach = (q - p).abs().max_element() + (r - p).abs().max_element();
-    (largest / slope, hessian_norm(surface) * reach / slope)
+    largest / surface.gradient((p + q + r) / 3.0).length()
 }
 
 /// A bound of the distance of any point of the triangle to the surface; of

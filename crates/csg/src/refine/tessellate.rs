@@ -295,7 +295,7 @@ impl<'m, 's> Tessellator<'m, 's> {
 pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let surface = mesh.surface(3 * triangle);
     let corners = mesh.corners(triangle);
-    let (estimate, _) = deviation::estimate(surface, corners);
+    let estimate = deviation::estimate(surface, corners);
     /// The surface over a triangle is larger than the triangle.
     const CURVED: f64 = 1.05;
     let for_distance = (estimate / goal.aim_on(mesh.surface_index(3 * triangle))).sqrt();
