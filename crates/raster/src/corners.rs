@@ -5,9 +5,8 @@
 //! short loop, so that the waits overlap.
 
 use crate::cluster::CLUSTER_VERTICES;
-use crate::deferred::{Job, ShadeContext, shared};
-use crate::scene::Scene;
-use crate::simd::LANES;
+use crate::deferred::{Job, ShadeContext};
+use crate::simd::{LANES, triple};
 use crate::smooth::ClusterView;
 
 /// The corners of 16 triangles and their normals: by corner, then by triangle
@@ -25,50 +24,40 @@ impl Corners {
     pub fn fetch<'c>(
         &mut self,
         context: &ShadeContext<'c>,
-        cluster: &mut Option<ClusterView<'c>>,
+        cluster: &mut ClusterView<'c>,
         job: &Job,
     ) -> usize {
         let scene = context.scene;
         let mut wanted = job.wanted;
-        let mut material = None;
         while wanted != 0 {
             let lane = wanted.trailing_zeros() as usize % LANES;
             wanted &= wanted - 1;
             let triangle = job.triangles[lane] as usize;
-            if !cluster
-                .as_ref()
-                .is_some_and(|c| c.triangles.contains(&triangle))
-            {
-                *cluster = scene.cluster_view(triangle);
+            // Neighbouring pixels show triangles of few clusters.
+            let local = match cluster.local(triangle) {
+                Some(local) => local,
+                None => match scene.cluster_view(triangle) {
+                    Some(view) => {
+                        *cluster = view;
+                        view.local(triangle).unwrap_or_default()
+                    }
+                    None => continue,
+                },
+            };
+            let vertices = triple!(|K| usize::from(local[K]) % CLUSTER_VERTICES);
+            for (to, vertex) in self.position.iter_mut().zip(vertices) {
+                to[lane] = cluster.positions[vertex];
             }
-            if let Some(cluster) = cluster {
-                self.gather(scene, cluster, triangle, lane);
-            }
-            material = shared(material, context.material(triangle));
-        }
-        material.unwrap_or(0)
-    }
-
-    /// Fetches a triangle from its cluster, where what belongs together lies
-    /// together: neighbouring pixels show triangles of few clusters.
-    #[inline(always)]
-    fn gather(&mut self, scene: &Scene, cluster: &ClusterView, triangle: usize, lane: usize) {
-        let Some(local) = scene.local.get(triangle) else {
-            return;
-        };
-        for (c, vertex) in local[..3].iter().enumerate() {
-            let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
-            self.position[c][lane] = cluster.positions[vertex];
-        }
-        if cluster.smooth {
-            for (c, vertex) in local[..3].iter().enumerate() {
-                let vertex = usize::from(*vertex) % CLUSTER_VERTICES;
-                self.normal[c][lane] = cluster.normals[vertex];
-            }
-        } else if let Some(normals) = scene.normals.get(triangle) {
-            for (to, normal) in self.normal.iter_mut().zip(normals) {
-                to[lane] = normal.extend(0.0).to_array();
+            if cluster.smooth {
+                for (to, vertex) in self.normal.iter_mut().zip(vertices) {
+                    to[lane] = cluster.normals[vertex];
+                }
+            } else if let Some(normals) = scene.normals.get(triangle) {
+                for (to, normal) in self.normal.iter_mut().zip(normals) {
+                    to[lane] = normal.extend(0.0).to_array();
+                }
             }
         }
+        context.material_of(job)
     }
 }

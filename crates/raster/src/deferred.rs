@@ -24,6 +24,7 @@ use crate::shade::{Incident, Interpolation, Light, Material, phong};
 use crate::simd::math::pow;
 use crate::simd::vector::{Triple, Triple16, dot, inverse_sqrt, load, splat, store};
 use crate::simd::{FloatLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
+use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, decode};
 
 /// A light in the coordinates of one frame's scene.
@@ -120,6 +121,22 @@ impl<'a> ShadeContext<'a> {
             .triangle_surfaces
             .get(triangle)
             .map_or(last, |&surface| (surface as usize).min(last))
+    }
+
+    /// The material that the pixels of a job share, or [`MIXED`].
+    #[inline(always)]
+    pub fn material_of(&self, job: &Job) -> usize {
+        if self.materials.len() == 1 {
+            return 0;
+        }
+        let mut wanted = job.wanted;
+        let mut material = None;
+        while wanted != 0 {
+            let lane = wanted.trailing_zeros() as usize % LANES;
+            wanted &= wanted - 1;
+            material = shared(material, self.material(job.triangles[lane] as usize));
+        }
+        material.unwrap_or(0)
     }
 
     /// Index of the material of the caps of sections: the default colour, for
@@ -272,7 +289,7 @@ impl Kernel for InterpolateJobs<'_> {
         let plain =
             context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
         let by_lane = |job: &Job| plain && scattered(&job.triangles);
-        let mut cluster = None;
+        let mut cluster = ClusterView::default();
         let fragments = batch.fragments.chunks_mut(AT_ONCE);
         for (jobs, fragments) in batch.jobs.chunks(AT_ONCE).zip(fragments) {
             let to = batch.corners.iter_mut().zip(fragments.iter_mut());

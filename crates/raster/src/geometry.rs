@@ -16,7 +16,9 @@ use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
-use crate::set_up::{Corners, SetUp, corner_plane, depth_plane, set_up_one, set_up_triangles};
+use crate::set_up::{
+    Corners, MOST_PIXELS, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
+};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
 
@@ -41,8 +43,15 @@ pub(crate) struct Bins {
     pub tiles: Vec<Vec<u32>>,
     /// For each tile, pixels of triangles too small to be worth a record.
     pub pixels: Vec<Vec<PixelOfTriangle>>,
+    /// Pixels on their way to one tile: mostly many in a row are for the same.
+    run: Vec<PixelOfTriangle>,
+    run_length: usize,
+    run_tile: i32,
     pub counts: GeometryCounts,
 }
+
+/// Pixels that wait, at most, for those of another tile.
+const RUN: usize = 4 * MOST_PIXELS;
 
 impl Bins {
     pub fn clear(&mut self, tiles: usize) {
@@ -51,16 +60,36 @@ impl Bins {
         self.tiles.resize_with(tiles, Vec::new);
         self.pixels.iter_mut().for_each(Vec::clear);
         self.pixels.resize_with(tiles, Vec::new);
+        self.run.resize(RUN, PixelOfTriangle::default());
     }
-}
 
-impl Bins {
-    /// Adds pixels of small triangles to a tile.
+    /// Sees to it that those of 16 triangles find room.
     #[inline(always)]
-    pub fn push_pixels(&mut self, tile: i32, pixels: &[PixelOfTriangle]) {
-        if let Some(all) = self.pixels.get_mut(tile as usize) {
-            all.extend_from_slice(pixels);
+    pub fn make_room(&mut self) {
+        if self.run_length > RUN - MOST_PIXELS {
+            self.end_run();
         }
+    }
+
+    /// Adds a pixel of a small triangle to a tile.
+    #[inline(always)]
+    pub fn push_pixel(&mut self, tile: i32, pixel: PixelOfTriangle) {
+        if tile != self.run_tile {
+            self.end_run();
+            self.run_tile = tile;
+        }
+        if let Some(to) = self.run.get_mut(self.run_length) {
+            *to = pixel;
+            self.run_length += 1;
+        }
+    }
+
+    /// Brings the pixels that wait to their tile.
+    pub fn end_run(&mut self) {
+        if let Some(all) = self.pixels.get_mut(self.run_tile as usize) {
+            all.extend_from_slice(&self.run[..self.run_length]);
+        }
+        self.run_length = 0;
     }
 }
 
@@ -129,7 +158,7 @@ impl Kernel for SetUpClusters<'_> {
     fn run<S: Lanes>(self, s: S) {
         let mut work = ClusterWork::default();
         let mut corners = Corners::default();
-        let mut found = SetUp::default();
+        let mut stored = Stored::default();
         for &(depth, index) in self.clusters {
             let cluster = &self.context.scene.clusters[index as usize];
             if !self.context.is_cut() && hidden(cluster, depth, &self.context) {
@@ -142,10 +171,11 @@ impl Kernel for SetUpClusters<'_> {
                 &self.context,
                 &mut work,
                 &mut corners,
-                &mut found,
+                &mut stored,
                 self.bins,
             );
         }
+        self.bins.end_run();
     }
 }
 
@@ -259,7 +289,7 @@ fn set_up_cluster<S: Lanes>(
     context: &GeometryContext,
     work: &mut ClusterWork,
     corners: &mut Corners,
-    found: &mut SetUp,
+    stored: &mut Stored,
     bins: &mut Bins,
 ) {
     let any_outside = transform(s, cluster, context, work);
@@ -285,7 +315,7 @@ fn set_up_cluster<S: Lanes>(
             }
         }
         let present = (1u32 << count) - 1;
-        set_up_triangles(s, corners, start, present & !to_clip, context, found, bins);
+        set_up_triangles(s, corners, start, present & !to_clip, context, stored, bins);
         let mut rest = to_clip & present;
         while rest != 0 {
             let k = rest.trailing_zeros() as usize;

@@ -444,6 +444,7 @@ mod tests {
     use crate::options::RenderOptions;
     use crate::scene::Scene;
     use crate::simd::{Kernel, Level};
+    use crate::smooth::ClusterView;
     use crate::tile::BLOCK;
 
     const SIZE: u32 = 512;
@@ -463,7 +464,7 @@ mod tests {
             let (context, job) = (self.context, &self.job);
             if self.by_lane {
                 let mut corners = Corners::default();
-                to.material = corners.fetch(context, &mut None, job);
+                to.material = corners.fetch(context, &mut ClusterView::default(), job);
                 interpolate_scattered(s, context, &corners, job, &mut to);
             } else {
                 interpolate_few(s, context, &mut Cache::default(), job, &mut to);

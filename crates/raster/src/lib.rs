@@ -131,7 +131,7 @@
 //! # How the fast pipeline works
 //!
 //! 1. A [`Scene`] holds the mesh in single precision around its centre, cut
-//!    into clusters of at most 128 triangles.
+//!    into clusters of at most 256 triangles.
 //! 2. Clusters outside the view volume, facing away or behind what is drawn
 //!    are left out whole; the others are taken front to back in a few
 //!    batches.

@@ -243,7 +243,7 @@ impl Renderer {
                     samples,
                 });
                 if counts.any {
-                    tile.update_farthest();
+                    level.run(UpdateFarthest { tile: &mut tile });
                 }
                 counts
             })
@@ -334,6 +334,19 @@ fn batches(clusters: usize) -> Vec<usize> {
     let mut sizes: Vec<usize> = [8, 8, 8, 8, 4].iter().map(|part| clusters / part).collect();
     sizes.push(clusters - sizes.iter().sum::<usize>());
     sizes
+}
+
+/// Brings the hierarchical depth of one tile up to date.
+struct UpdateFarthest<'a, 'b> {
+    tile: &'a mut TileBuffer<'b>,
+}
+
+impl Kernel for UpdateFarthest<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) {
+        self.tile.update_farthest(s);
+    }
 }
 
 /// Fills the triangles of one batch into one tile.

@@ -49,10 +49,26 @@ pub(crate) struct Corners {
     pub z: [[f32; LANES]; 3],
 }
 
-/// What is stored of 16 triangles before it is sorted into records.
-pub(crate) struct SetUp {
-    /// Pixels of triangles of one tile.
-    pixels: [PixelOfTriangle; MOST],
+/// All pixels that 16 tiny triangles can have.
+pub(crate) const MOST_PIXELS: usize = LANES * (TINY * TINY) as usize;
+
+/// What is found of 16 triangles, as vectors: see [`Record`] for each.
+struct SetUp<S: Lanes> {
+    c: [S::I; 3],
+    right: [S::I; 3],
+    down: [S::I; 3],
+    /// First and last column, first and last row.
+    range: [S::I; 4],
+    anchor: [S::F; 2],
+    z: S::F,
+    slope: [S::F; 2],
+    /// Least and greatest.
+    z_range: [S::F; 2],
+}
+
+/// The same, stored to be taken apart.
+#[derive(Default)]
+pub(crate) struct Stored {
     c: [[i32; LANES]; 3],
     right: [[i32; LANES]; 3],
     down: [[i32; LANES]; 3],
@@ -63,22 +79,23 @@ pub(crate) struct SetUp {
     z_range: [[f32; LANES]; 2],
 }
 
-/// All pixels that 16 tiny triangles can have.
-const MOST: usize = LANES * (TINY * TINY) as usize;
-
-impl Default for SetUp {
-    fn default() -> Self {
-        Self {
-            pixels: [PixelOfTriangle::default(); MOST],
-            c: Default::default(),
-            right: Default::default(),
-            down: Default::default(),
-            range: Default::default(),
-            anchor: Default::default(),
-            z: Default::default(),
-            slope: Default::default(),
-            z_range: Default::default(),
+impl<S: Lanes> SetUp<S> {
+    #[inline(always)]
+    fn store(&self, to: &mut Stored) {
+        for k in 0..3 {
+            self.c[k].store(&mut to.c[k]);
+            self.right[k].store(&mut to.right[k]);
+            self.down[k].store(&mut to.down[k]);
         }
+        for k in 0..4 {
+            self.range[k].store(&mut to.range[k]);
+        }
+        for k in 0..2 {
+            self.anchor[k].store(&mut to.anchor[k]);
+            self.slope[k].store(&mut to.slope[k]);
+            self.z_range[k].store(&mut to.z_range[k]);
+        }
+        self.z.store(&mut to.z);
     }
 }
 
@@ -90,7 +107,7 @@ pub(crate) fn set_up_triangles<S: Lanes>(
     first: usize,
     present: u32,
     context: &GeometryContext,
-    found: &mut SetUp,
+    stored: &mut Stored,
     bins: &mut Bins,
 ) {
     let matrix = context.matrix;
@@ -131,15 +148,13 @@ pub(crate) fn set_up_triangles<S: Lanes>(
         // first pixel.
         let clockwise = zero.lt(area);
         let (from_x, from_y) = (px0.shl::<8>(), py0.shl::<8>());
-        for k in 0..3 {
-            let dx = clockwise.select_i(dx[k], zero - dx[k]);
-            let dy = clockwise.select_i(dy[k], zero - dy[k]);
-            let own = dy.lt(zero) | (dy.eq(zero) & zero.lt(dx));
+        let dx = triple!(|K| clockwise.select_i(dx[K], zero - dx[K]));
+        let dy = triple!(|K| clockwise.select_i(dy[K], zero - dy[K]));
+        let c = triple!(|K| {
+            let own = dy[K].lt(zero) | (dy[K].eq(zero) & zero.lt(dx[K]));
             let bias = own.select_i(zero, s.i(1));
-            (dx * (from_y - vy[k]) - dy * (from_x - vx[k]) - bias).store(&mut found.c[k]);
-            (zero - dy).store(&mut found.right[k]);
-            dx.store(&mut found.down[k]);
-        }
+            dx[K] * (from_y - vy[K]) - dy[K] * (from_x - vx[K]) - bias
+        });
         // Depth is a plane through the corners where they are, not where they
         // were snapped to (but see `GeometryContext::is_cut`); unless a
         // sliver has no area there. In double precision: steep faces turn
@@ -174,39 +189,40 @@ pub(crate) fn set_up_triangles<S: Lanes>(
         let left_y = (y[0] - snapped_y[0].to_double()).to_single();
         // Snapping moves a corner by at most half a sub-pixel each way.
         let slack = right.max(zero_f - right) + down.max(zero_f - down);
-        (z[0] - (right * left_x + down * left_y)).store(&mut found.z);
-        right.store(&mut found.slope[0]);
-        down.store(&mut found.slope[1]);
-        (z[0].min(z[1]).min(z[2]) - slack)
-            .max(zero_f)
-            .store(&mut found.z_range[0]);
-        (z[0].max(z[1]).max(z[2]) + slack).store(&mut found.z_range[1]);
-        (vx[0] - from_x).to_float().store(&mut found.anchor[0]);
-        (vy[0] - from_y).to_float().store(&mut found.anchor[1]);
-        px0.store(&mut found.range[0]);
-        px1.store(&mut found.range[1]);
-        py0.store(&mut found.range[2]);
-        py1.store(&mut found.range[3]);
+        let (z_low, z_high) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+        let found = SetUp::<S> {
+            c,
+            right: triple!(|K| zero - dy[K]),
+            down: dx,
+            range: [px0, px1, py0, py1],
+            anchor: [(vx[0] - from_x).to_float(), (vy[0] - from_y).to_float()],
+            z: z[0] - (right * left_x + down * left_y),
+            slope: [right, down],
+            z_range: [(z_low - slack).max(zero_f), z_high + slack],
+        };
         if context.sample_range[0] == context.sample_range[1] && !context.is_cut() {
             let tiny = s.i(TINY);
             let tiny = survivors & (px1 - px0).lt(tiny).bits() & (py1 - py0).lt(tiny).bits();
             survivors &= !tiny;
-            find_pixels(s, found, first, tiny, context, bins);
+            find_pixels(s, &found, first, tiny, context, bins);
+        }
+        if survivors != 0 {
+            found.store(stored);
         }
         while survivors != 0 {
             let k = (survivors.trailing_zeros() as usize) % LANES;
             survivors &= survivors - 1;
             let record = Record {
-                c: triple!(|K| i64::from(found.c[K][k])),
-                right: triple!(|K| found.right[K][k]),
-                down: triple!(|K| found.down[K][k]),
-                x: [found.range[0][k] as i16, found.range[1][k] as i16],
-                y: [found.range[2][k] as i16, found.range[3][k] as i16],
-                anchor: [found.anchor[0][k], found.anchor[1][k]],
-                z: f64::from(found.z[k]),
-                slope: [0, 1].map(|axis| f64::from(found.slope[axis][k])),
-                z_low: found.z_range[0][k],
-                z_high: found.z_range[1][k],
+                c: triple!(|K| i64::from(stored.c[K][k])),
+                right: triple!(|K| stored.right[K][k]),
+                down: triple!(|K| stored.down[K][k]),
+                x: [stored.range[0][k] as i16, stored.range[1][k] as i16],
+                y: [stored.range[2][k] as i16, stored.range[3][k] as i16],
+                anchor: [stored.anchor[0][k], stored.anchor[1][k]],
+                z: f64::from(stored.z[k]),
+                slope: [0, 1].map(|axis| f64::from(stored.slope[axis][k])),
+                z_low: stored.z_range[0][k],
+                z_high: stored.z_range[1][k],
                 triangle: (first + k) as i32,
                 winding: if front >> k & 1 != 0 { -1 } else { 1 },
             };
@@ -228,26 +244,20 @@ pub(crate) fn set_up_triangles<S: Lanes>(
 #[inline(always)]
 fn find_pixels<S: Lanes>(
     s: S,
-    at: &mut SetUp,
+    found: &SetUp<S>,
     first: usize,
     tiny: u32,
     context: &GeometryContext,
     bins: &mut Bins,
 ) {
     bins.counts.tiny += u64::from(tiny.count_ones());
-    // Pixels of one tile: most triangles of a cluster are in the same one.
-    let pixels_found = &mut at.pixels;
-    let (mut own_tile, mut count) = (0, 0);
+    bins.make_room();
     let zero = s.i(0);
     let half = s.i(SUBPIXELS / 2);
-    let right = triple!(|K| s.load_i(&at.right[K]));
-    let down = triple!(|K| s.load_i(&at.down[K]));
-    let mut row = triple!(|K| (s.load_i(&at.c[K]) + (right[K] + down[K]) * half).shr::<8>());
-    let [slope_x, slope_y] = [s.load_f(&at.slope[0]), s.load_f(&at.slope[1])];
-    let (z, low) = (s.load_f(&at.z), s.load_f(&at.z_range[0]));
-    let high = s.load_f(&at.z_range[1]);
-    let [px0, px1] = [s.load_i(&at.range[0]), s.load_i(&at.range[1])];
-    let [py0, py1] = [s.load_i(&at.range[2]), s.load_i(&at.range[3])];
+    let (right, down) = (found.right, found.down);
+    let mut row = triple!(|K| (found.c[K] + (right[K] + down[K]) * half).shr::<8>());
+    let ([slope_x, slope_y], [low, high]) = (found.slope, found.z_range);
+    let [px0, px1, py0, py1] = found.range;
     let columns = s.i(context.columns as i32);
     let low_bits = s.i(3);
     for j in 0..TINY {
@@ -256,7 +266,7 @@ fn find_pixels<S: Lanes>(
         if in_rows == 0 {
             break;
         }
-        let sub_y = s.f((j * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&at.anchor[1]);
+        let sub_y = s.f((j * SUBPIXELS + SUBPIXELS / 2) as f32) - found.anchor[1];
         let mut e = row;
         for i in 0..TINY {
             let x = px0 + s.i(i);
@@ -269,8 +279,10 @@ fn find_pixels<S: Lanes>(
             if inside == 0 {
                 continue;
             }
-            let sub_x = s.f((i * SUBPIXELS + SUBPIXELS / 2) as f32) - s.load_f(&at.anchor[0]);
-            let depth = (z + (slope_x * sub_x + slope_y * sub_y)).max(low).min(high);
+            let sub_x = s.f((i * SUBPIXELS + SUBPIXELS / 2) as f32) - found.anchor[0];
+            let depth = (found.z + (slope_x * sub_x + slope_y * sub_y))
+                .max(low)
+                .min(high);
             let tile = y.shr::<6>() * columns + x.shr::<6>();
             let block = (y.shr::<2>() & s.i(15)).shl::<4>() | (x.shr::<2>() & s.i(15));
             let lane = (y & low_bits).shl::<2>() | (x & low_bits);
@@ -281,21 +293,16 @@ fn find_pixels<S: Lanes>(
             while inside != 0 {
                 let k = (inside.trailing_zeros() as usize) % LANES;
                 inside &= inside - 1;
-                if tiles[k] != own_tile {
-                    bins.push_pixels(own_tile, &pixels_found[..count]);
-                    (own_tile, count) = (tiles[k], 0);
-                }
-                pixels_found[count % MOST] = PixelOfTriangle {
+                let pixel = PixelOfTriangle {
                     pixel: pixels[k] as u32,
                     depth: depths[k],
                     triangle: (first + k) as i32,
                 };
-                count += 1;
+                bins.push_pixel(tiles[k], pixel);
             }
         }
         row = triple!(|K| row[K] + down[K]);
     }
-    bins.push_pixels(own_tile, &pixels_found[..count]);
 }
 
 /// Sorts a record into the tiles that its box of pixels touches.

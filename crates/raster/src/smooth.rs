@@ -5,8 +5,6 @@
 //! vertex it takes a fifth of the memory, which is what shading many small
 //! triangles waits for.
 
-use std::ops::Range;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -73,7 +71,7 @@ impl Scene {
         if !cluster.smooth {
             return self.normals.get(triangle).copied();
         }
-        let [a, b, c, _] = *self.local.get(triangle)?;
+        let [a, b, c, _] = cluster.local(triangle)?;
         Some([a, b, c].map(|vertex| {
             let [x, y, z, _] = cluster.normals[usize::from(vertex) % CLUSTER_VERTICES];
             Vec3::new(x, y, z)
@@ -87,7 +85,8 @@ impl Scene {
         let cluster = later.find(|c| triangle < (c.first_triangle + c.triangles) as usize)?;
         let first = cluster.first_vertex as usize;
         Some(ClusterView {
-            triangles: cluster.range(),
+            first: cluster.first_triangle as usize,
+            local: self.local.get(cluster.range())?,
             smooth: cluster.smooth,
             positions: self.cluster_vertices.get(first..)?.first_chunk()?,
             normals: self.cluster_normals.get(first..)?.first_chunk()?,
@@ -142,11 +141,36 @@ fn gather(local: &[[u8; 4]], normals: &[[Vec3; 3]], of_vertices: &mut [[f32; 4]]
 }
 
 /// What shading needs of a cluster.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct ClusterView<'a> {
-    pub triangles: Range<usize>,
+    /// Its first triangle.
+    first: usize,
+    local: &'a [[u8; 4]],
     pub smooth: bool,
     /// x, y, z and 0 of its vertices, and of others after them.
     pub positions: &'a [[f32; 4]; CLUSTER_VERTICES],
     /// The same of their normals, where they have one each.
     pub normals: &'a [[f32; 4]; CLUSTER_VERTICES],
+}
+
+impl Default for ClusterView<'_> {
+    /// One without triangles.
+    fn default() -> Self {
+        const NONE: &[[f32; 4]; CLUSTER_VERTICES] = &[[0.0; 4]; CLUSTER_VERTICES];
+        Self {
+            first: 0,
+            local: &[],
+            smooth: false,
+            positions: NONE,
+            normals: NONE,
+        }
+    }
+}
+
+impl ClusterView<'_> {
+    /// The numbers of a triangle's vertices, if it is in the cluster.
+    #[inline(always)]
+    pub fn local(&self, triangle: usize) -> Option<[u8; 4]> {
+        self.local.get(triangle.wrapping_sub(self.first)).copied()
+    }
 }

@@ -1,6 +1,8 @@
 //! Tiles: squares of the picture with a visibility buffer (depth and triangle
 //! for each sample), each worked on by one thread at a time.
 
+use crate::simd::{FloatLanes, Lanes};
+
 /// Width and height of a tile in pixels.
 pub(crate) const TILE: usize = 64;
 /// log2 of [`TILE`].
@@ -193,18 +195,18 @@ impl TileBuffer<'_> {
 
     /// Brings the hierarchical depth up to date.
     #[inline(always)]
-    pub fn update_farthest(&mut self) {
+    pub fn update_farthest<S: Lanes>(&mut self, s: S) {
         for (square, farthest) in self.tile.farthest.iter_mut().enumerate() {
             let (sx, sy) = (square % SQUARES, square / SQUARES);
-            let mut lanes = [f32::INFINITY; BLOCK_PIXELS];
+            let mut least = s.f(f32::INFINITY);
             for plane in self.depth.iter() {
                 for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                     let block = &plane[(sy * 2 + dy) * BLOCKS + sx * 2 + dx];
-                    for (lane, z) in lanes.iter_mut().zip(block) {
-                        *lane = if *z < *lane { *z } else { *lane };
-                    }
+                    least = s.load_f(block).min(least);
                 }
             }
+            let mut lanes = [0.0; BLOCK_PIXELS];
+            least.store(&mut lanes);
             *farthest = lanes.into_iter().fold(f32::INFINITY, f32::min);
         }
         let farthest = self.tile.farthest.iter().copied();
