@@ -440,55 +440,49 @@ impl<'a> Shaver<'a> {
     }
 
     fn shave(&mut self, mut bounds: Bounds) -> Option<Bounds> {
-        // A side near which a point of the solid is known is not tried.
-        let reached = sides_reached(self.surfaces, self.root, bounds);
+        let mut reached = sides_reached(self.surfaces, self.root, bounds);
         if !reached.contains(&true) && self.is_empty(bounds, SLAB_LEVELS / 2) {
             return None;
         }
+        loop {
+            // Mostly the box is as small as it can be, which a point near a side
+            // tells, or else its thinnest slab.
+            let is_open = [0, 1, 2, 3, 4, 5].map(|side| {
+                let slab = slab(bounds, side, FINEST_SLAB).filter(|_| !reached[side]);
+                slab.is_some_and(|(slab, _)| self.is_empty(slab, SLAB_LEVELS))
+            });
+            if !self.shave_sides(&mut bounds, is_open) || self.spent >= SHAVING_BUDGET {
+                return Some(bounds);
+            }
+            reached = sides_reached(self.surfaces, self.root, bounds);
+        }
+    }
+
+    /// Takes slabs off some sides; returns whether there were any.
+    fn shave_sides(&mut self, bounds: &mut Bounds, is_open: [bool; 6]) -> bool {
         // Shares of the box, from coarse to fine: all sides at each before the
         // next, so that a budget that runs out has brought all sides equally
         // far. A box that shrinks is gone over again.
+        let mut any = false;
         let mut share = 0.5;
         while share >= FINEST_SLAB && (share >= COARSEST_SLAB || self.spent < SHAVING_BUDGET) {
             let mut shaved = false;
-            for axis in 0..3 {
-                for upper in [false, true] {
-                    if reached[2 * axis + usize::from(upper)] {
-                        continue;
-                    }
-                    let mut slab = bounds;
-                    let width = share * bounds.size()[axis];
-                    if upper {
-                        slab.min[axis] = bounds.max[axis] - width;
-                    } else {
-                        slab.max[axis] = bounds.min[axis] + width;
-                    }
-                    let inner = if upper {
-                        slab.min[axis]
-                    } else {
-                        slab.max[axis]
-                    };
-                    // Equal when the box is flat as far as doubles can tell.
-                    if !(width > 0.0 && inner > bounds.min[axis] && inner < bounds.max[axis]) {
-                        continue;
-                    }
-                    if self.is_empty(slab, SLAB_LEVELS) {
-                        shaved = true;
-                        if upper {
-                            bounds.max[axis] = inner;
-                        } else {
-                            bounds.min[axis] = inner;
-                        }
-                    }
+            for side in (0..6).filter(|&side| is_open[side]) {
+                if let Some((slab, rest)) = slab(*bounds, side, share)
+                    && self.is_empty(slab, SLAB_LEVELS)
+                {
+                    *bounds = rest;
+                    shaved = true;
                 }
             }
+            any |= shaved;
             if !shaved {
                 share *= 0.5;
             } else if share < 0.5 {
                 share *= 2.0;
             }
         }
-        Some(bounds)
+        any
     }
 
     /// Whether the box is proven empty: by pruning it, or its halves, to the
@@ -523,4 +517,23 @@ impl<'a> Shaver<'a> {
         }
         true
     }
+}
+
+/// A slab of a share of a box along one side (lower x, upper x, lower y, ...),
+/// and the rest; none where the box is flat as far as doubles can tell.
+fn slab(bounds: Bounds, side: usize, share: f64) -> Option<(Bounds, Bounds)> {
+    let axis = side / 2;
+    let (least, most) = (bounds.min[axis], bounds.max[axis]);
+    let width = share * (most - least);
+    let (mut slab, mut rest) = (bounds, bounds);
+    let inner = if side % 2 == 1 {
+        let inner = most - width;
+        (slab.min[axis], rest.max[axis]) = (inner, inner);
+        inner
+    } else {
+        let inner = least + width;
+        (slab.max[axis], rest.min[axis]) = (inner, inner);
+        inner
+    };
+    (inner > least && inner < most).then_some((slab, rest))
 }
