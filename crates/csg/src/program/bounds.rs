@@ -146,6 +146,34 @@ impl Surface {
             self.linear.abs().max_element()
         }
     }
+
+    /// The side on which the quadratic form alone never crosses zero: outside if
+    /// it is positive semidefinite, inside if negative. By the signs of the
+    /// principal minors, allowing for their rounding.
+    pub(crate) fn definiteness(&self) -> Option<Side> {
+        let test = |q: [f64; 6]| {
+            let [xx, yy, zz, xy, yz, zx] = q;
+            let minor = |a: f64, b: f64, c: f64| a * b - 0.25 * c * c;
+            let determinant = xx * minor(yy, zz, yz) - 0.5 * xy * (0.5 * xy * zz - 0.25 * yz * zx)
+                + 0.5 * zx * (0.25 * xy * yz - 0.5 * yy * zx);
+            let least = xx
+                .min(yy)
+                .min(zz)
+                .min(minor(xx, yy, xy))
+                .min(minor(yy, zz, yz))
+                .min(minor(zz, xx, zx))
+                .min(determinant);
+            // Coefficients are at most 1, so their products are this exact.
+            least >= -64.0 * f64::EPSILON
+        };
+        if test(self.quadratic) {
+            Some(Side::Outside)
+        } else if test(self.quadratic.map(|q| -q)) {
+            Some(Side::Inside)
+        } else {
+            None
+        }
+    }
 }
 
 /// A surface near infinity, on one face of the cube of directions: f / s² (or
@@ -181,7 +209,7 @@ impl AtInfinity {
                 definite: None,
             };
         }
-        let definite = definiteness(surface).map(|side| {
+        let definite = surface.definiteness().map(|side| {
             let rest = Surface {
                 anchor: DVec3::ZERO,
                 quadratic: [0.0; 6],
@@ -220,34 +248,6 @@ impl AtInfinity {
             }
             _ => side,
         }
-    }
-}
-
-/// The side on which the quadratic form alone never crosses zero: outside if
-/// it is positive semidefinite, inside if negative. By the signs of the
-/// principal minors, allowing for their rounding.
-fn definiteness(surface: &Surface) -> Option<Side> {
-    let test = |q: [f64; 6]| {
-        let [xx, yy, zz, xy, yz, zx] = q;
-        let minor = |a: f64, b: f64, c: f64| a * b - 0.25 * c * c;
-        let determinant = xx * minor(yy, zz, yz) - 0.5 * xy * (0.5 * xy * zz - 0.25 * yz * zx)
-            + 0.5 * zx * (0.25 * xy * yz - 0.5 * yy * zx);
-        let least = xx
-            .min(yy)
-            .min(zz)
-            .min(minor(xx, yy, xy))
-            .min(minor(yy, zz, yz))
-            .min(minor(zz, xx, zx))
-            .min(determinant);
-        // Coefficients are at most 1, so their products are this exact.
-        least >= -64.0 * f64::EPSILON
-    };
-    if test(surface.quadratic) {
-        Some(Side::Outside)
-    } else if test(surface.quadratic.map(|q| -q)) {
-        Some(Side::Inside)
-    } else {
-        None
     }
 }
 

@@ -17,8 +17,9 @@ pub(super) struct Division {
     /// Which of the points each of the chain's edges ends in, counted from 1;
     /// the last one in none of them, one past all.
     pub ends: Vec<u32>,
-    /// The plane in which the chain's two surfaces meet if neither is one.
-    pub plane: Option<Surface>,
+    /// The largest distance of a chord, a bound; and where.
+    pub deviation: f64,
+    pub farthest: DVec3,
 }
 
 /// Every curve between two different surfaces of which one is curved, from
@@ -107,9 +108,7 @@ pub(super) fn divide(
         ..goal.clone()
     };
     if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {
-        let plane = course.plane();
-        return divide_course(&course, &vertices, goal)
-            .map(|division| Division { plane, ..division });
+        return divide_course(&course, &vertices, goal);
     }
     let course = Stretches::new(surfaces, &vertices, goal, precision)?;
     divide_course(&course, &vertices, goal)
@@ -119,23 +118,21 @@ fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Optio
     const MOST_TRIES: usize = 3;
     let edges = vertices.len() as u32 - 1;
     let mut chords = ((course.chords() - 1e-3).ceil() as u32).max(edges);
-    let mut points = Vec::new();
-    for tries in 1..=MOST_TRIES {
-        points = course.points(chords)?;
+    let mut tries = 1;
+    let (points, deviation, farthest) = loop {
+        let points = course.points(chords)?;
         let (first, last) = (vertices[0], vertices[edges as usize]);
-        let farthest = match points.first() {
-            Some(&point) if course.is_even() => {
-                deviation::of_chord(course.surfaces(), first, point)
-            }
-            _ => farthest(course.surfaces(), [first, last], &points),
-        };
-        let excess = farthest / goal.tolerance;
+        let measured = if course.is_even() { 1 } else { chords };
+        let (deviation, farthest) =
+            farthest(course.surfaces(), [first, last], &points, measured as usize);
+        let excess = deviation / goal.tolerance;
         // Curvature is the whole story only where it hardly changes.
         if excess <= 1.0 || excess > 2.0 || tries == MOST_TRIES {
-            break;
+            break (points, deviation, farthest);
         }
         chords = (f64::from(chords) * excess.sqrt()) as u32 + 1;
-    }
+        tries += 1;
+    };
     // Every vertex goes to the nearest point.
     let mut ends = Vec::with_capacity(edges as usize);
     let mut before = 0;
@@ -148,16 +145,25 @@ fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Optio
     Some(Division {
         points,
         ends,
-        plane: None,
+        deviation,
+        farthest,
     })
 }
 
-/// The largest distance of a chord.
-fn farthest(surfaces: [&Surface; 2], [first, last]: [DVec3; 2], points: &[DVec3]) -> f64 {
+/// The largest distance of one of the first so many chords, and its middle.
+fn farthest(
+    surfaces: [&Surface; 2],
+    [first, last]: [DVec3; 2],
+    points: &[DVec3],
+    chords: usize,
+) -> (f64, DVec3) {
     let mut before = first;
-    let mut farthest = 0.0f64;
-    for &point in points.iter().chain([&last]) {
-        farthest = farthest.max(deviation::of_chord(surfaces, before, point));
+    let mut farthest = (0.0, first);
+    for &point in points.iter().chain([&last]).take(chords) {
+        let bound = deviation::of_chord(surfaces, before, point);
+        if bound > farthest.0 {
+            farthest = (bound, before.midpoint(point));
+        }
         before = point;
     }
     farthest

@@ -11,8 +11,6 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
-use smallvec::SmallVec;
 
 use super::Goal;
 use super::chains::Course;
@@ -35,30 +33,6 @@ const NEAR: f64 = 1e3;
 /// Vertices farther from a conic than this many times the precision are not on
 /// it.
 const ON_CONIC: f64 = 1e2;
-
-/// The planes in which pairs of quadrics meet, as far as they were found.
-#[derive(Default)]
-pub(super) struct Planes(FxHashMap<[u32; 2], SmallVec<[Surface; 2]>>);
-
-impl Planes {
-    pub fn add(&mut self, mut pair: [u32; 2], plane: Surface) {
-        pair.sort_unstable();
-        self.0.entry(pair).or_default().push(plane);
-    }
-
-    /// The one in which two points of a pair's curves lie.
-    pub fn through(
-        &self,
-        mut pair: [u32; 2],
-        points: [DVec3; 2],
-        precision: f64,
-    ) -> Option<&Surface> {
-        pair.sort_unstable();
-        let is_on = |plane: &Surface, p: DVec3| plane.value(p).abs() <= ON_CONIC * precision;
-        let mut planes = self.0.get(&pair)?.iter();
-        planes.find(|plane| points.iter().all(|&p| is_on(plane, p)))
-    }
-}
 
 /// The plane in which two quadrics a and b meet between two points common to
 /// them, if they do.
@@ -134,6 +108,15 @@ impl Conic {
         Some(Self { curve, plane, bend })
     }
 
+    fn is_circle(&self) -> bool {
+        const ALIKE: f64 = 1e-9;
+        let Curve::Ellipse { a, b, .. } = self.curve else {
+            return false;
+        };
+        let (aa, bb) = (a.length_squared(), b.length_squared());
+        (aa - bb).abs().max(a.dot(b).abs()) <= ALIKE * aa
+    }
+
     /// The parameter of a point on it, of an ellipse up to whole turns.
     fn parameter(&self, point: DVec3) -> f64 {
         self.curve.place(point).unwrap_or(f64::NAN)
@@ -177,6 +160,9 @@ pub(super) struct OnConic<'a> {
     /// At each place how many chords there are in a unit of the parameter, and
     /// up to there.
     places: Vec<(f64, f64)>,
+    /// Whether all chords are alike: those of a circle, unless angles ask for more
+    /// here and there.
+    is_even: bool,
 }
 
 impl<'a> OnConic<'a> {
@@ -192,7 +178,12 @@ impl<'a> OnConic<'a> {
         const MOST_STEPS: f64 = 256.0;
         let (conic, stops) = Conic::through(surfaces, vertices, precision)?;
         let (from, to) = (stops[0], stops[stops.len() - 1]);
-        let count = ((to - from).abs() / STEP).ceil().clamp(1.0, MOST_STEPS);
+        let is_even = conic.is_circle() && goal.angle.is_none();
+        let count = if is_even {
+            1.0
+        } else {
+            ((to - from).abs() / STEP).ceil().clamp(1.0, MOST_STEPS)
+        };
         let step = (to - from) / count;
         let mut places: Vec<(f64, f64)> = Vec::with_capacity(count as usize + 1);
         for i in 0..=count as u32 {
@@ -223,13 +214,8 @@ impl<'a> OnConic<'a> {
             stops,
             step,
             places,
+            is_even,
         })
-    }
-
-    /// The plane in which two quadrics meet.
-    pub fn plane(&self) -> Option<Surface> {
-        let meets_plane = self.surfaces.iter().any(|s| s.is_plane());
-        (!meets_plane).then_some(self.conic.plane)
     }
 
     fn point(&self, t: f64) -> Option<DVec3> {
@@ -287,16 +273,8 @@ impl Course for OnConic<'_> {
         Some(points)
     }
 
-    /// Those of a circle are, unless angles ask for more here and there.
     fn is_even(&self) -> bool {
-        const ALIKE: f64 = 1e-9;
-        let Curve::Ellipse { a, b, .. } = self.conic.curve else {
-            return false;
-        };
-        let (aa, bb) = (a.length_squared(), b.length_squared());
-        let density = self.places[0].0;
-        let is_alike = |&(other, _): &(f64, f64)| (other - density).abs() <= ALIKE * density;
-        (aa - bb).abs().max(a.dot(b).abs()) <= ALIKE * aa && self.places.iter().all(is_alike)
+        self.is_even
     }
 
     fn surfaces(&self) -> [&Surface; 2] {
@@ -315,6 +293,7 @@ mod tests {
     use crate::net::solve;
     use crate::refine::deviation;
     use crate::{Program, Solid};
+    use rustc_hash::FxHashMap;
 
     /// The first two surfaces of two solids.
     fn surfaces(solids: [Solid; 2]) -> [Surface; 2] {

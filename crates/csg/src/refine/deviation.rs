@@ -8,7 +8,9 @@
 //! g = |∇f(x)| - L D, where L is the gradient's Lipschitz constant, the norm of
 //! f's Hessian, and D any bound of the way. On fine triangles |f| is of second
 //! order and L D beside the gradient as well, so that the bound is tight but for
-//! a relative error of second order.
+//! a relative error of second order. Where the quadratic form is semidefinite, as
+//! of spheres and cylinders, f or -f is convex: a triangle lies within, and on the
+//! way out of there the gradient only grows (but for rounding), so that L is 0.
 //!
 //! # The other direction
 //! Where the gradient at no point of a triangle is at a right angle to its
@@ -24,6 +26,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::regions::Region;
 use crate::program::Surface;
 
 /// The spectral norm of the Hessian of f, or a little more: its largest sum of
@@ -35,6 +38,16 @@ fn hessian_norm(surface: &Surface) -> f64 {
         .max(2.0 * zz + yz + zx);
     let squares = 4.0 * (xx * xx + yy * yy + zz * zz) + 2.0 * (xy * xy + yz * yz + zx * zx);
     rows.min(squares.sqrt())
+}
+
+/// How fast the gradient shrinks on the way from a triangle to the surface, at
+/// most: the L of this module's beginning.
+pub(super) fn shrinkage(surface: &Surface) -> f64 {
+    if surface.definiteness().is_some() {
+        0.0
+    } else {
+        hessian_norm(surface)
+    }
 }
 
 /// The largest |Σ 2 b_ij λ_i λ_j| over the triangle λ >= 0, Σ λ = 1, for
@@ -84,16 +97,21 @@ pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
             corner.gradient = gradient;
         }
     }
-    Ratio::new(hessian_norm(surface), &corners, quarters).bound()
+    Ratio::new(shrinkage(surface), &corners, quarters).bound()
 }
 
 /// Whether a triangle is as near to its surface as a distance, by a bound that
 /// is mostly a little looser than [`of_triangle`] and costs half as much: if not,
-/// it may still be.
+/// it may still be. `shrinkage` is that of the surface.
 #[inline]
-pub(super) fn is_within(surface: &Surface, corners: [DVec3; 3], distance: f64) -> bool {
+pub(super) fn is_within(
+    surface: &Surface,
+    shrinkage: f64,
+    corners: [DVec3; 3],
+    distance: f64,
+) -> bool {
     let corners = corners.map(|at| Corner::new(surface, at));
-    let ratio = Ratio::new(hessian_norm(surface), &corners, quarters(surface, &corners));
+    let ratio = Ratio::new(shrinkage, &corners, quarters(surface, &corners));
     ratio.loosely(distance) <= distance
 }
 
@@ -121,16 +139,16 @@ pub(super) struct Judge<'a> {
     surface: &'a Surface,
     /// 1 where the gradient points out of the solid, else -1.
     outward: f64,
-    lipschitz: f64,
+    shrinkage: f64,
     tolerance: f64,
 }
 
 impl<'a> Judge<'a> {
-    pub fn new(surface: &'a Surface, outward: f64, tolerance: f64) -> Self {
+    pub fn new(surface: &'a Surface, region: &Region, tolerance: f64) -> Self {
         Self {
             surface,
-            outward,
-            lipschitz: hessian_norm(surface),
+            outward: region.outward,
+            shrinkage: region.shrinkage,
             tolerance,
         }
     }
@@ -150,7 +168,7 @@ impl<'a> Judge<'a> {
         if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * lengths {
             return None;
         }
-        let ratio = Ratio::new(self.lipschitz, corners, quarters(self.surface, corners));
+        let ratio = Ratio::new(self.shrinkage, corners, quarters(self.surface, corners));
         // Mostly the tolerance itself is a distance that the map shrinks.
         let bound = ratio.of(self.tolerance);
         if bound <= self.tolerance {
@@ -179,7 +197,7 @@ fn quarters(surface: &Surface, [p, q, r]: &[Corner; 3]) -> [f64; 3] {
 /// and Schwarz: in terms of √s_i λ_i their ratio is one of quadratic forms
 /// again.
 struct Ratio {
-    lipschitz: f64,
+    shrinkage: f64,
     slopes: [f64; 3],
     least: f64,
     greatest: f64,
@@ -189,13 +207,13 @@ struct Ratio {
 
 impl Ratio {
     #[inline(always)]
-    fn new(lipschitz: f64, corners: &[Corner; 3], quarters: [f64; 3]) -> Self {
+    fn new(shrinkage: f64, corners: &[Corner; 3], quarters: [f64; 3]) -> Self {
         let gradients = corners.map(|corner| corner.gradient);
         // The gradient's component along any direction is linear.
         let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
         let slopes = gradients.map(|gradient| gradient.dot(mean));
         Self {
-            lipschitz,
+            shrinkage,
             slopes,
             least: slopes[0].min(slopes[1]).min(slopes[2]),
             greatest: slopes[0].max(slopes[1]).max(slopes[2]),
@@ -211,7 +229,7 @@ impl Ratio {
     /// The same with the least slope all over the triangle.
     #[inline(always)]
     fn loosely(&self, distance: f64) -> f64 {
-        let least = self.least - self.lipschitz * distance;
+        let least = self.least - self.shrinkage * distance;
         if least <= 0.0 {
             return f64::INFINITY;
         }
@@ -220,7 +238,7 @@ impl Ratio {
 
     #[inline(always)]
     fn of(&self, distance: f64) -> f64 {
-        let less = self.lipschitz * distance;
+        let less = self.shrinkage * distance;
         let least = self.least - less;
         if least <= 0.0 {
             return f64::INFINITY;
@@ -313,9 +331,9 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     let slopes = gradients.map(|gradient| gradient.dot(mean));
     let middle = 0.125 * surface.curvature_along(q - p).abs();
     let at_ends = surface.value(p).abs().max(surface.value(q).abs());
-    let lipschitz = hessian_norm(surface);
+    let shrinkage = shrinkage(surface);
     shrunk(|distance| {
-        let [s, t] = slopes.map(|slope| slope - lipschitz * distance);
+        let [s, t] = slopes.map(|slope| slope - shrinkage * distance);
         if s.min(t) <= 0.0 {
             return f64::INFINITY;
         }

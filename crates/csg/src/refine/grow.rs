@@ -14,13 +14,12 @@
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
-use super::conics::Planes;
 use super::flips::{flip_all, flip_and_note};
 use super::half_edges::{HalfEdges, Kind, NONE, next};
 use super::regions::{Bend, Way};
 use super::shape::faces_out_in_the_middle;
 use super::tessellate::Fine;
-use super::{BYTES_PER_TRIANGLE, Goal, Unkept, deviation};
+use super::{BYTES_PER_TRIANGLE, Goal, Outcome, Unkept, deviation};
 use crate::control::Control;
 use crate::error::Error;
 use crate::program::Surface;
@@ -38,7 +37,6 @@ pub(super) struct Grower<'m, 's> {
     pub(super) goal: &'m Goal,
     /// How near a point must come to its surfaces.
     precision: f64,
-    pub planes: Planes,
     pub(super) pieces: Vec<Piece>,
     /// Edges to be looked at for flipping.
     pub(super) stack: Vec<u32>,
@@ -46,7 +44,7 @@ pub(super) struct Grower<'m, 's> {
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
     pub(super) stuck: Vec<(u32, DVec3)>,
-    pub unkept: Vec<(Unkept, DVec3)>,
+    pub outcome: Outcome,
     /// The triangles of the faces that are done.
     pub fine: Fine,
 }
@@ -61,29 +59,40 @@ impl<'m, 's> Grower<'m, 's> {
             mesh,
             goal,
             precision,
-            planes: Planes::default(),
             pieces: Vec::new(),
             fine: Fine::default(),
             stack: Vec::new(),
             changed: Vec::new(),
             stuck: Vec::new(),
-            unkept: Vec::new(),
+            outcome: Outcome::default(),
         }
     }
 
     pub fn run(&mut self, control: &Control) -> Result<(), Error> {
+        self.measure_straight_edges();
         self.measure_curves();
         self.check_size(control)?;
         self.flip_everything();
         self.finish_curved_faces(control)?;
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
         self.halve_edges(1.0, Self::chords_of_developable);
-        self.cut_triangles(control, Self::is_far)?;
         self.free_stuck();
-        for (vertex, place) in std::mem::take(&mut self.stuck) {
-            // On its surfaces, whatever it folds.
-            self.mesh.positions[vertex as usize] = place;
-            self.unkept.push((Unkept::Folded, place));
+        let mut far = self.cut_far_triangles(control)?;
+        self.free_stuck();
+        if !self.stuck.is_empty() {
+            for (vertex, place) in std::mem::take(&mut self.stuck) {
+                // On its surfaces, whatever it folds.
+                self.mesh.positions[vertex as usize] = place;
+                self.outcome.unkept.push((Unkept::Folded, place));
+            }
+            far = (0..self.mesh.triangle_count()).collect();
+        }
+        for triangle in far {
+            self.measure(triangle);
+        }
+        for part in &self.fine.parts {
+            let promised = self.goal.promised;
+            self.outcome.note(part.deviation, part.farthest, promised);
         }
         Ok(())
     }
@@ -98,6 +107,22 @@ impl<'m, 's> Grower<'m, 's> {
         control.check_memory(BYTES_PER_TRIANGLE * triangles)
     }
 
+    /// Measures the edges between planes, which stay as they are.
+    fn measure_straight_edges(&mut self) {
+        let mesh = &*self.mesh;
+        for half in 0..mesh.halves.len() as u32 {
+            let twin = mesh.twin(half);
+            if half < twin && !mesh.is_gone(half / 3) && mesh.is_feature(half) {
+                let surfaces = [mesh.surface(half), mesh.surface(twin)];
+                let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
+                if surfaces.iter().all(|s| s.is_plane()) {
+                    let bound = deviation::of_chord(surfaces, p, q);
+                    self.outcome.note(bound, p.midpoint(q), self.goal.promised);
+                }
+            }
+        }
+    }
+
     /// Finds the points that every edge along a curve needs.
     fn measure_curves(&mut self) {
         for chain in chains(self.mesh) {
@@ -108,7 +133,11 @@ impl<'m, 's> Grower<'m, 's> {
                 if !self.cut_up(&[half]) {
                     let ends = [self.mesh.origin(half), self.mesh.target(half)];
                     let [p, q] = ends.map(|v| self.mesh.at(v));
-                    self.unkept.push((Unkept::Lost, 0.5 * (p + q)));
+                    let middle = 0.5 * (p + q);
+                    let surfaces = [half, self.mesh.twin(half)].map(|h| self.mesh.surface(h));
+                    let bound = deviation::of_chord(surfaces, p, q);
+                    self.outcome.unkept.push((Unkept::Lost, middle));
+                    self.outcome.note(bound, middle, self.goal.promised);
                 }
             }
         }
@@ -119,14 +148,12 @@ impl<'m, 's> Grower<'m, 's> {
         let Some(division) = divide(self.mesh, chain, self.goal, self.precision) else {
             return false;
         };
-        if let Some(plane) = division.plane {
-            let sides = [chain[0], self.mesh.twin(chain[0])];
-            let pair = sides.map(|side| self.mesh.surface_index(side));
-            self.planes.add(pair, plane);
-        }
         if !move_vertices(self.mesh, chain, &division) {
             return false;
         }
+        let promised = self.goal.promised;
+        self.outcome
+            .note(division.deviation, division.farthest, promised);
         let mut first = self.mesh.positions.len() as u32;
         for &point in &division.points {
             self.mesh.add_vertex(point, Kind::Curve);
@@ -353,21 +380,10 @@ impl<'m, 's> Grower<'m, 's> {
             self.changed.clear();
             for &triangle in &triangles {
                 if !self.mesh.is_gone(triangle) && is_wanted(self, triangle) {
-                    let longest = (3 * triangle..3 * triangle + 3)
-                        .filter(|&side| !self.mesh.is_feature(side))
-                        .max_by(|&a, &b| {
-                            self.chords_of(a, true).total_cmp(&self.chords_of(b, true))
-                        });
-                    if let Some(side) = longest {
-                        self.cut(side, 2.0);
-                    }
+                    self.cut_triangle(triangle);
                 }
             }
-            self.flip();
-            triangles.clear();
-            triangles.extend(self.changed.iter().map(|half| half / 3));
-            triangles.sort_unstable();
-            triangles.dedup();
+            triangles = self.flip_and_take_changed();
             if triangles.is_empty() {
                 break;
             }
@@ -375,17 +391,94 @@ impl<'m, 's> Grower<'m, 's> {
         Ok(())
     }
 
-    /// Whether a triangle is farther from its surface than the tolerance.
-    fn is_far(&self, triangle: u32) -> bool {
-        let surface = self.mesh.surface(3 * triangle);
-        let region = self.mesh.region(3 * triangle);
-        if surface.is_plane() || region.way == Way::Done {
-            return false;
+    /// Cuts a triangle in two at its longest side inside its face.
+    fn cut_triangle(&mut self, triangle: u32) -> bool {
+        let longest = (3 * triangle..3 * triangle + 3)
+            .filter(|&side| !self.mesh.is_feature(side))
+            .max_by(|&a, &b| self.chords_of(a, true).total_cmp(&self.chords_of(b, true)));
+        longest.is_some_and(|side| self.cut(side, 2.0))
+    }
+
+    /// Flips edges; the triangles that changed since that list was empty.
+    fn flip_and_take_changed(&mut self) -> Vec<u32> {
+        self.flip();
+        let mut triangles: Vec<u32> = self.changed.iter().map(|half| half / 3).collect();
+        triangles.sort_unstable();
+        triangles.dedup();
+        triangles
+    }
+
+    /// Cuts triangles that are farther from their surface than the tolerance;
+    /// returns those that could not be cut. All others are measured.
+    fn cut_far_triangles(&mut self, control: &Control) -> Result<Vec<u32>, Error> {
+        let is_far = |grower: &mut Self, triangle: &u32| !grower.note_if_near(*triangle);
+        let mut far: Vec<u32> = (0..self.mesh.triangle_count()).collect();
+        far.retain(|triangle| is_far(self, triangle));
+        let mut stay_far = Vec::new();
+        for _ in 0..MOST_ROUNDS {
+            if far.is_empty() {
+                break;
+            }
+            self.check_size(control)?;
+            self.changed.clear();
+            for triangle in far {
+                // Neighbours may have been cut since.
+                if is_far(self, &triangle) && !self.cut_triangle(triangle) {
+                    stay_far.push(triangle);
+                }
+            }
+            far = self.flip_and_take_changed();
+            far.retain(|triangle| is_far(self, triangle));
         }
+        stay_far.extend(far);
+        Ok(stay_far)
+    }
+
+    /// Whether a triangle is as near to its surface as the tolerance: then it is
+    /// measured, and one that was changed later may have been.
+    fn note_if_near(&mut self, triangle: u32) -> bool {
+        let region = self.mesh.region(3 * triangle);
+        // Those in planes are as near as their edges.
+        if self.mesh.is_gone(triangle) || region.bend == Bend::Flat || region.way == Way::Done {
+            return true;
+        }
+        let surface = &self.mesh.surfaces[region.surface as usize];
         let corners = self.mesh.corners(triangle);
         let tolerance = self.goal.tolerance_on(region.surface);
-        !deviation::is_within(surface, corners, tolerance)
-            && deviation::of_triangle(surface, corners) > tolerance
+        let is_within =
+            |distance| deviation::is_within(surface, region.shrinkage, corners, distance);
+        // Most are nearer than the farthest one so far.
+        if is_within(self.outcome.deviation.min(tolerance)) {
+            return true;
+        }
+        let mut bound = deviation::of_triangle(surface, corners);
+        // Neither proof is the better one everywhere.
+        if bound > tolerance && is_within(tolerance) {
+            bound = tolerance;
+        }
+        if bound <= tolerance {
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            self.outcome.note(bound, middle, self.goal.promised);
+        }
+        bound <= tolerance
+    }
+
+    /// Bounds the distance of a triangle, however far it is.
+    fn measure(&mut self, triangle: u32) {
+        if self.note_if_near(triangle) {
+            return;
+        }
+        let region = self.mesh.region(3 * triangle);
+        let surface = &self.mesh.surfaces[region.surface as usize];
+        let corners = self.mesh.corners(triangle);
+        let promised = self.goal.promised;
+        let bound = if deviation::is_within(surface, region.shrinkage, corners, promised) {
+            promised
+        } else {
+            deviation::of_triangle(surface, corners)
+        };
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        self.outcome.note(bound, middle, promised);
     }
 
     /// Whether the four triangles that a split leaves face the right way.

@@ -31,7 +31,6 @@ mod tessellate;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use self::conics::Planes;
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
 use self::regions::Way;
@@ -127,6 +126,18 @@ pub(crate) struct Outcome {
     pub unkept: Vec<(Unkept, DVec3)>,
 }
 
+impl Outcome {
+    /// Notes a bound of the distance at a place.
+    fn note(&mut self, bound: f64, place: DVec3, promised: f64) {
+        if bound > self.deviation {
+            (self.deviation, self.farthest) = (bound, place);
+        }
+        if bound > promised {
+            self.unkept.push((Unkept::Far, place));
+        }
+    }
+}
+
 /// A point nearer to a surface than this share of the mesh's size lies on it.
 const ON_SURFACE: f64 = 1e-12;
 
@@ -171,68 +182,10 @@ pub(crate) fn to_tolerance(
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
     grower.run(control)?;
-    let (unkept, fine, planes) = (grower.unkept, grower.fine, grower.planes);
-    let mut outcome = measure(&mesh, &fine, &planes, ON_SURFACE * size, goal);
-    outcome.unkept.splice(0..0, unkept);
+    let (outcome, fine) = (grower.outcome, grower.fine);
     hand_back(&mesh, &fine, surfaced);
     control.check_triangles(surfaced.triangles.len())?;
     Ok(outcome)
-}
-
-/// Bounds how far the mesh strays.
-fn measure(
-    mesh: &HalfEdges<'_>,
-    fine: &Fine,
-    planes: &Planes,
-    precision: f64,
-    goal: &Goal,
-) -> Outcome {
-    let mut outcome = Outcome::default();
-    let note = |outcome: &mut Outcome, bound: f64, place: DVec3| {
-        if bound > outcome.deviation {
-            (outcome.deviation, outcome.farthest) = (bound, place);
-        }
-        if bound > goal.promised {
-            outcome.unkept.push((Unkept::Far, place));
-        }
-    };
-    for triangle in 0..mesh.triangle_count() {
-        if mesh.is_gone(triangle) {
-            continue;
-        }
-        let half = 3 * triangle;
-        let surface = mesh.surface(half);
-        let corners = mesh.corners(triangle);
-        if !surface.is_plane() && mesh.region(half).way != Way::Done {
-            let is_within = |distance| deviation::is_within(surface, corners, distance);
-            // Most are nearer than the farthest one so far.
-            if !is_within(outcome.deviation.min(goal.promised)) {
-                let mut bound = deviation::of_triangle(surface, corners);
-                // Neither proof is the better one everywhere.
-                if bound > goal.promised && is_within(goal.promised) {
-                    bound = goal.promised;
-                }
-                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-                note(&mut outcome, bound, middle);
-            }
-        }
-        for side in half..half + 3 {
-            let twin = mesh.twin(side);
-            let other = mesh.surface(twin);
-            if side < twin && !std::ptr::eq(surface, other) {
-                let [p, q] = [side, twin].map(|side| mesh.at(mesh.origin(side)));
-                let pair = [side, twin].map(|side| mesh.surface_index(side));
-                // Two quadrics that meet in a plane are bounded best there.
-                let plane = planes.through(pair, [p, q], precision).unwrap_or(other);
-                let bound = deviation::of_chord([surface, plane], p, q);
-                note(&mut outcome, bound, 0.5 * (p + q));
-            }
-        }
-    }
-    for part in &fine.parts {
-        note(&mut outcome, part.deviation, part.farthest);
-    }
-    outcome
 }
 
 /// The mesh without what is gone, and with what was tessellated.

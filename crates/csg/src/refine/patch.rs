@@ -251,6 +251,7 @@ mod tests {
                 group: 0,
                 bend: Bend::Double,
                 outward: 1.0,
+                shrinkage: 0.0,
                 way: Way::AtOnce,
             };
             let corners = [[1.0, 0.1, 0.0], [1.0, 0.5, 0.1], [1.0, 0.3, 0.4]];

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::deviation;
 use super::half_edges::HalfEdges;
 use crate::program::{Surface, eigen_symmetric};
 
@@ -28,6 +29,8 @@ pub(super) struct Region {
     pub bend: Bend,
     /// 1 where the surface's gradient points out of the solid, else -1.
     pub outward: f64,
+    /// See [`deviation::shrinkage`].
+    pub shrinkage: f64,
     pub way: Way,
 }
 
@@ -147,6 +150,7 @@ pub(super) fn regions(
             group,
             bend: Bend::of(surface),
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
+            shrinkage: deviation::shrinkage(surface),
             way: Way::OneByOne,
         });
     }

@@ -275,7 +275,7 @@ impl<'m, 's> Tessellator<'m, 's> {
         let (surface, region) = (self.mesh.surface(half), self.mesh.region(half));
         let corner = |&at: &DVec3| Corner::new(surface, at);
         patch.corners.extend(patch.positions.iter().map(corner));
-        let judge = Judge::new(surface, region.outward, self.goal.tolerance);
+        let judge = Judge::new(surface, region, self.goal.tolerance);
         (part.deviation, part.is_folded) = (0.0, false);
         part.triangles.clear();
         for small in &patch.triangles {
