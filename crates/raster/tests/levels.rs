@@ -6,8 +6,8 @@ mod common;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, Image, Interpolation, Lens, Level, Light, RenderOptions, Renderer, Scene,
-    StandardView, View,
+    AntiAliasing, Buffer, Camera, EdgeOptions, HiddenEdges, Image, Interpolation, Lens, Level,
+    Light, RenderOptions, Renderer, Scene, SectionPlane, StandardView, View,
 };
 
 /// Spheres that hide and cut each other, in several colours.
@@ -98,6 +98,92 @@ fn any_number_of_threads_draws_the_same_bytes() {
                 .unwrap();
             let image = pool.install(|| draw(Level::best(), &mesh, &options));
             assert!(image == expected, "{threads} threads");
+        }
+    }
+}
+
+/// A picture with its buffers: depth, normals, surfaces, and openness.
+#[derive(PartialEq)]
+struct Outputs {
+    image: Image,
+    depth: Buffer<f32>,
+    normals: Buffer<Vec3>,
+    surfaces: Buffer<Option<u32>>,
+    open: Buffer<f32>,
+}
+
+fn outputs(
+    level: Level,
+    mesh: &Mesh,
+    sections: &[SectionPlane],
+    view: &View,
+    options: &RenderOptions,
+) -> Outputs {
+    let scene = Scene::with_sections(mesh, sections).unwrap();
+    let mut renderer = Renderer::with_level(level);
+    let mut image = Image::default();
+    renderer
+        .draw(&scene, view, 203, 149, options, &mut image)
+        .unwrap();
+    Outputs {
+        image,
+        depth: renderer.depth_buffer(),
+        normals: renderer.normal_buffer(&scene, view),
+        surfaces: renderer.surface_buffer(&scene),
+        open: renderer.ambient_occlusion(&scene, view),
+    }
+}
+
+/// What is drawn over pictures, capped sections, and triangles that are
+/// clipped: every output at every level and number of threads.
+#[test]
+fn every_look_is_the_same_at_every_level_on_any_threads() {
+    let mesh = scene();
+    let outside = view(&mesh, 203, 149);
+    let inside = Camera {
+        eye: DVec3::new(0.3, 0.2, 0.1),
+        target: DVec3::new(1.0, 0.4, -0.2),
+        up: DVec3::Z,
+        lens: Lens::Perspective { fov_y: 1.5 },
+        near: 1e-3,
+        far: 10.0,
+    };
+    let inside = inside.view(203, 149).unwrap();
+    let cut = [DVec3::NEG_Y, DVec3::new(1.0, 0.3, 0.8)].map(|normal| SectionPlane {
+        normal,
+        point: DVec3::splat(0.1),
+    });
+    let mut edges = EdgeOptions::default();
+    edges.hidden = HiddenEdges::Dash;
+    edges.points = true;
+    let mut wireframe = EdgeOptions::default();
+    wireframe.wireframe = true;
+    let mut looks = vec![RenderOptions::default(); 4];
+    looks[0].edges = Some(edges);
+    looks[0].triad = true;
+    looks[1].edges = Some(wireframe);
+    looks[1].anti_aliasing = AntiAliasing::Msaa8;
+    looks[2].ambient_occlusion = true;
+    looks[2].ground_shadow = true;
+    looks[3].anti_aliasing = AntiAliasing::Msaa4;
+    looks[3].interpolation = Interpolation::Flat;
+    let pools = [1, 2, 5].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap()
+    });
+    for (sections, view) in [(&cut[..0], &outside), (&cut[..], &outside), (&[], &inside)] {
+        for options in &looks {
+            let draw = |level| outputs(level, &mesh, sections, view, options);
+            let expected = pools[0].install(|| draw(Level::PORTABLE));
+            let covered = expected.depth.values.iter().filter(|z| **z < 1.0).count();
+            assert!(covered > 3_000, "{covered}");
+            for &level in Level::all() {
+                for pool in &pools {
+                    let same = pool.install(|| draw(level)) == expected;
+                    let threads = pool.current_num_threads();
+                    assert!(same, "{} on {threads} threads: {options:?}", level.name());
+                }
+            }
         }
     }
 }

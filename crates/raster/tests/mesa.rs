@@ -127,11 +127,9 @@ fn draw_with_llvmpipe(name: &str, python: &Path, mesh: &Mesh, view: &View) -> Dr
     }
 }
 
-/// Whether a sample lies within a distance of a triangle edge in the window
-/// that is not hidden by rounding: 1/256 pixel and what single precision adds
-/// to a coordinate.
+/// Whether a sample lies within 1/256 pixel of a triangle's edge in the window.
 fn near_an_edge(mesh: &Mesh, view: &View, k: usize) -> bool {
-    let limit = 1.0 / 256.0 + 1.0 / 512.0;
+    let limit = 1.0 / 256.0;
     let x = (k as u32 % WIDTH) as f64 + 0.5;
     let y = (k as u32 / WIDTH) as f64 + 0.5;
     let at = glam::DVec2::new(x, y);
