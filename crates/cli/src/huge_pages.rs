@@ -3,7 +3,8 @@
 //! A process that has just been started touches all of its memory for the
 //! first time, and each fresh page of 4 KiB costs it about a microsecond: a
 //! third of the time from a mesh of a million triangles to its picture. A
-//! huge page holds 512 of them, and is cleared five times as fast.
+//! huge page holds 512 of them, and is cleared five times as fast. That blocks
+//! of medium size share such pages saves another 2 to 7 % of the whole.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -17,7 +17,7 @@ use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::set_up::{
-    Corners, MOST_PIXELS, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
+    MOST_PIXELS, RasterCorners, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
 };
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
@@ -157,7 +157,7 @@ impl Kernel for SetUpClusters<'_> {
     #[inline(always)]
     fn run<S: Lanes>(self, s: S) {
         let mut work = ClusterWork::default();
-        let mut corners = Corners::default();
+        let mut corners = RasterCorners::default();
         let mut stored = Stored::default();
         for &(depth, index) in self.clusters {
             let cluster = &self.context.scene.clusters[index as usize];
@@ -288,7 +288,7 @@ fn set_up_cluster<S: Lanes>(
     cluster: &Cluster,
     context: &GeometryContext,
     work: &mut ClusterWork,
-    corners: &mut Corners,
+    corners: &mut RasterCorners,
     stored: &mut Stored,
     bins: &mut Bins,
 ) {

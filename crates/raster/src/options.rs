@@ -22,8 +22,6 @@ pub enum AntiAliasing {
     Supersample(u32),
 }
 
-/// Sample positions in 1/256 pixel from a pixel's corner: the patterns of
-/// Direct3D 11 and Vulkan's standard sample locations.
 const MSAA4: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
 const MSAA8: [[i32; 2]; 8] = [
     [144, 80],
@@ -37,9 +35,11 @@ const MSAA8: [[i32; 2]; 8] = [
 ];
 
 impl AntiAliasing {
-    /// The sample positions within a pixel, in 1/256 pixel.
+    /// The sample positions within a pixel, in 1/256 pixel from its upper left
+    /// corner: those of Direct3D 11 and of Vulkan's standard sample locations.
+    /// With supersampling that of each of the smaller pixels.
     #[must_use]
-    pub(crate) fn samples(self) -> &'static [[i32; 2]] {
+    pub fn samples(self) -> &'static [[i32; 2]] {
         match self {
             Self::None | Self::Supersample(_) => &crate::fill::CENTRE_SAMPLE,
             Self::Msaa4 => &MSAA4,

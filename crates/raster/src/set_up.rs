@@ -43,7 +43,7 @@ fn pixel_range<S: Lanes>(
 /// The corners of 16 triangles: by corner, then by triangle. X and Y in
 /// sub-pixels from the middle of the picture, not snapped; reversed depth.
 #[derive(Default)]
-pub(crate) struct Corners {
+pub(crate) struct RasterCorners {
     pub x: [[f64; LANES]; 3],
     pub y: [[f64; LANES]; 3],
     pub z: [[f32; LANES]; 3],
@@ -103,7 +103,7 @@ impl<S: Lanes> SetUp<S> {
 #[inline(always)]
 pub(crate) fn set_up_triangles<S: Lanes>(
     s: S,
-    corners: &Corners,
+    corners: &RasterCorners,
     first: usize,
     present: u32,
     context: &GeometryContext,

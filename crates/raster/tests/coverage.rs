@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use raster::fixed::{FixedPoint, covers, doubled_area};
 use raster::scanline::scan_convert;
-use raster::{Camera, Image, Lens, Level, RenderOptions, Renderer, Scene, View};
+use raster::{AntiAliasing, Camera, Image, Lens, Level, RenderOptions, Renderer, Scene, View};
 
 const SIZE: i32 = 128;
 
@@ -113,6 +113,29 @@ proptest! {
         // Only one side is the front.
         let front = drawn(Level::best(), &mesh, &view, true).into_iter().any(|d| d);
         prop_assert!(!front || doubled_area(corners) < 0);
+    }
+
+    /// With several samples a pixel is as opaque as its share of samples that
+    /// are covered, each of them by the same exact arithmetic.
+    #[test]
+    fn multisampled_coverage_is_exact(corners in proptest::array::uniform3(corner())) {
+        let (mesh, view, size) = (flat_mesh(&[corners]), pixel_view(), SIZE as u32);
+        for anti_aliasing in [AntiAliasing::Msaa4, AntiAliasing::Msaa8] {
+            let mut options = RenderOptions::default();
+            options.cull_back_faces = false;
+            options.anti_aliasing = anti_aliasing;
+            let mut image = Image::default();
+            Renderer::default()
+                .draw(&Scene::new(&mesh), &view, size, size, &options, &mut image)
+                .unwrap();
+            let positions = anti_aliasing.samples();
+            for (k, [x, y]) in samples() {
+                let at = |[dx, dy]: [i32; 2]| [x - 128 + dx, y - 128 + dy];
+                let hits = positions.iter().filter(|p| covers(corners, at(**p))).count();
+                let opacity = 255.0 * hits as f64 / positions.len() as f64;
+                prop_assert_eq!(f64::from(image.pixels[k][3]), opacity.round_ties_even());
+            }
+        }
     }
 
     #[test]
