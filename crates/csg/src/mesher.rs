@@ -258,6 +258,7 @@ impl Mesher {
             tight: FxHashMap::default(),
             tolerance,
             promised: tolerance,
+            even_curves: false,
             angle: self.angle,
         }))
     }

@@ -387,7 +387,14 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Opti
     };
     let triangles: Option<Vec<_>> = cut.triangles.into_iter().collect();
     let mut triangles = triangles?;
-    part_common_diagonals(scene, &boundary.faces, &mut triangles, &mut mesh.positions);
+    let doubled = faces_with_doubled_edges(&triangles, mesh.positions.len());
+    if !doubled.is_empty() {
+        let faces = &boundary.faces;
+        part_diagonals(scene, faces, &doubled, &mut triangles, &mut mesh.positions);
+        if !faces_with_doubled_edges(&triangles, mesh.positions.len()).is_empty() {
+            return None;
+        }
+    }
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
     for (side, triangles) in boundary.faces.iter().zip(triangles) {
         if triangles.is_empty() {
@@ -401,7 +408,7 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Opti
             .extend(std::iter::repeat_n(entry, triangles.len()));
         mesh.triangles.extend(triangles);
     }
-    has_no_double_edge(&mesh.triangles).then_some(mesh)
+    Some(mesh)
 }
 
 /// Faces cut into triangles.
@@ -450,39 +457,56 @@ impl Cut {
     }
 }
 
+/// The faces with a directed edge that occurs twice: diagonals of two faces, or a
+/// diagonal and an edge, may join the same two vertices.
+fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<u32> {
+    // The edges that leave each vertex, by counting.
+    let mut starts = vec![0u32; vertices + 2];
+    for &corner in triangles.iter().flatten().flatten() {
+        starts[corner as usize + 2] += 1;
+    }
+    for vertex in 2..starts.len() {
+        starts[vertex] += starts[vertex - 1];
+    }
+    let mut edges = vec![(0u32, 0u32); starts[vertices + 1] as usize];
+    for (face, triangles) in (0u32..).zip(triangles) {
+        for [from, to] in triangles.iter().flat_map(|&corners| sides(corners)) {
+            let slot = &mut starts[from as usize + 1];
+            edges[*slot as usize] = (to, face);
+            *slot += 1;
+        }
+    }
+    let mut doubled = Vec::new();
+    for ends in starts[..=vertices].windows(2) {
+        let leaving = &mut edges[ends[0] as usize..ends[1] as usize];
+        leaving.sort_unstable();
+        let same = leaving.chunk_by(|a, b| a.0 == b.0);
+        doubled.extend(
+            same.filter(|same| same.len() > 1)
+                .flatten()
+                .map(|edge| edge.1),
+        );
+    }
+    doubled.sort_unstable();
+    doubled.dedup();
+    doubled
+}
+
+fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
 /// Faces on both sides of a curve may have cut off the same ear along it: those
 /// that are curved are cut again, with a vertex in the middle of every triangle
 /// in place of the edges between them.
-fn part_common_diagonals(
+fn part_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
+    doubled: &[u32],
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
-    if faces
-        .iter()
-        .all(|side| scene.frames[side.plane as usize].is_none())
-    {
-        return;
-    }
-    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
-    let mut edges: Vec<([u32; 2], u32)> = Vec::new();
-    for (face, triangles) in (0u32..).zip(triangles.iter()) {
-        edges.extend(
-            triangles
-                .iter()
-                .flat_map(|&t| sides(t))
-                .map(|edge| (edge, face)),
-        );
-    }
-    edges.sort_unstable();
-    let doubled = edges
-        .chunk_by(|a, b| a.0 == b.0)
-        .filter(|same| same.len() > 1);
-    let mut again: Vec<u32> = doubled.flatten().map(|&(_, face)| face).collect();
-    again.sort_unstable();
-    again.dedup();
-    for face in again {
+    for &face in doubled {
         let side = &faces[face as usize];
         let Some(frame) = &scene.frames[side.plane as usize] else {
             continue;
@@ -510,18 +534,6 @@ fn part_common_diagonals(
             }
         }
     }
-}
-
-/// Whether no directed edge occurs twice: diagonals of two faces, or a diagonal
-/// and an edge, might join the same two vertices.
-fn has_no_double_edge(triangles: &[[u32; 3]]) -> bool {
-    let mut edges: Vec<u64> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[from, to]| u64::from(from) << 32 | u64::from(to))
-        .collect();
-    edges.sort_unstable();
-    edges.windows(2).all(|pair| pair[0] != pair[1])
 }
 
 /// The largest distance of a vertex from a plane of its triangles, and where.

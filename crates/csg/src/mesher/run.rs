@@ -322,6 +322,10 @@ impl<'a> Run<'a> {
         } else {
             evaluation::FEW_BLOCKS
         };
+        let goal = Goal {
+            even_curves: true,
+            ..goal.loosened(factor)
+        };
         let mut best: Option<(Mesh, Report)> = None;
         for turns in [&evaluation::LONG_CHORDS[..], &evaluation::SHORT_CHORDS] {
             let mut report = report.clone();
@@ -331,7 +335,7 @@ impl<'a> Run<'a> {
                     let Some(mut mesh) = mesh else {
                         return Ok(None);
                     };
-                    self.refine(&mut mesh, &task, &goal.loosened(factor), &mut report)?;
+                    self.refine(&mut mesh, &task, &goal, &mut report)?;
                     Ok(Some(mesh))
                 });
             let mesh = match attempt {

@@ -115,7 +115,7 @@ pub(super) fn divide(
 }
 
 fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Option<Division> {
-    const MOST_TRIES: usize = 3;
+    const MOST_TRIES: usize = 5;
     let edges = vertices.len() as u32 - 1;
     let mut chords = ((course.chords() - 1e-3).ceil() as u32).max(edges);
     let mut tries = 1;
@@ -127,10 +127,10 @@ fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Optio
             farthest(course.surfaces(), [first, last], &points, measured as usize);
         let excess = deviation / goal.tolerance;
         // Curvature is the whole story only where it hardly changes.
-        if excess <= 1.0 || excess > 2.0 || tries == MOST_TRIES {
+        if excess <= 1.0 || excess == f64::INFINITY || tries == MOST_TRIES {
             break (points, deviation, farthest);
         }
-        chords = (f64::from(chords) * excess.sqrt()) as u32 + 1;
+        chords = (f64::from(chords) * excess.min(2.0).sqrt()) as u32 + 1;
         tries += 1;
     };
     // Every vertex goes to the nearest point.

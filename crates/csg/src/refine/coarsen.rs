@@ -6,14 +6,16 @@
 //! Meshes*, 1992). Every new triangle must face the way its surface does at
 //! each of its corners, and no new edge may join vertices that an edge joins
 //! already, so that the mesh stays manifold and unfolded. On a plane this ends
-//! with no vertex inside a face. No tolerance is asked here: what is too coarse
-//! for it is cut up again, evenly, while the vertices of cells lie as chance
-//! would have it.
+//! with no vertex inside a face. No tolerance is asked inside faces: what is too
+//! coarse for it is cut up again, evenly, while the vertices of cells lie as
+//! chance would have it. Along curves on which they lie evenly no more are left
+//! than the tolerance needs; they will be moved.
 
 use glam::DVec3;
 
+use super::Goal;
 use super::half_edges::{HalfEdges, Kind, NONE, next};
-use super::regions::metric;
+use super::regions::{Bend, metric};
 use super::shape::faces_out;
 
 /// Of the angle between a triangle and its surface at a corner: 37°.
@@ -55,7 +57,7 @@ struct Removal {
 }
 
 /// Takes out vertices until none can be spared.
-pub(super) fn coarsen(mesh: &mut HalfEdges<'_>) {
+pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
     const MOST_PASSES: usize = 12;
     let mut removal = Removal::default();
     let mut waiting = vec![true; mesh.positions.len()];
@@ -66,7 +68,7 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>) {
             if !is_movable || !std::mem::take(&mut waiting[vertex as usize]) {
                 continue;
             }
-            if removal.remove(mesh, vertex) {
+            if removal.remove(mesh, vertex, goal) {
                 removed = true;
                 for hole in &removal.holes {
                     for &(corner, _) in &hole.corners {
@@ -83,9 +85,10 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>) {
 
 impl Removal {
     /// Removes a vertex, if that may be.
-    fn remove(&mut self, mesh: &mut HalfEdges<'_>, vertex: u32) -> bool {
+    fn remove(&mut self, mesh: &mut HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
         self.spokes.clear();
-        self.spokes.extend(mesh.around(vertex));
+        self.spokes
+            .extend(mesh.around(vertex).take(MOST_NEIGHBOURS + 1));
         let count = self.spokes.len();
         if count > MOST_NEIGHBOURS {
             return false;
@@ -110,7 +113,10 @@ impl Removal {
                 let (Some(i), Some(j)) = (features.next(), features.next()) else {
                     return false;
                 };
-                if !chord_may_be(mesh, vertex, self.spokes[i], self.spokes[j]) {
+                let [back, on] = [i, j].map(|k| self.spokes[k]);
+                if is_needed(mesh, vertex, [back, on], goal)
+                    || !chord_may_be(mesh, vertex, back, on)
+                {
                     return false;
                 }
                 self.dig(mesh, 0, i, j - i);
@@ -147,7 +153,7 @@ impl Removal {
         let mut slots = self.slots.iter();
         for hole in &self.holes {
             for ((corners, beyond), &triangle) in hole.ears.iter().zip(&mut slots) {
-                mesh.region_of[triangle as usize] = hole.region;
+                mesh.set_region(triangle, hole.region);
                 for (half, (&corner, &beyond)) in (3 * triangle..).zip(corners.iter().zip(beyond)) {
                     mesh.halves[half as usize].origin = corner;
                     mesh.leaving[corner as usize] = half;
@@ -175,7 +181,7 @@ impl Removal {
     fn dig(&mut self, mesh: &HalfEdges<'_>, which: usize, from: usize, count: usize) {
         let hole = &mut self.holes[which];
         let spokes = &self.spokes;
-        hole.region = mesh.region_of[spokes[from] as usize / 3];
+        hole.region = mesh.halves[spokes[from] as usize].region;
         hole.ears.clear();
         hole.corners.clear();
         for i in 0..count {
@@ -189,6 +195,28 @@ impl Removal {
             hole.corners.push((mesh.target(last), NONE));
         }
     }
+}
+
+/// Whether a chord past a vertex on a curve would stray more than four times the
+/// tolerance, as twice the longest one there would: on a curve between a plane
+/// and a developable face. Faces that bend both ways want large triangles first,
+/// and other curves to be measured in long stretches.
+fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, edges: [u32; 2], goal: &Goal) -> bool {
+    if !goal.even_curves {
+        return false;
+    }
+    let sides = [edges[1], mesh.twin(edges[1])];
+    let bends = sides.map(|side| mesh.region(side).bend);
+    if !bends.contains(&Bend::Flat) || bends.iter().any(|bend| bend.is_twice()) {
+        return false;
+    }
+    let tolerance = sides.map(|side| goal.tolerance_on(mesh.surface_index(side)));
+    let [before, after] = edges.map(|edge| mesh.at(mesh.target(edge)) - mesh.at(vertex));
+    let doubled_area = before.cross(after).length_squared();
+    let chord = (after - before).length_squared();
+    // Of a chord l, a and b from the vertex, which is h off it: h l² / 4 a b.
+    let sag = doubled_area * chord / (16.0 * before.length_squared() * after.length_squared());
+    sag > (4.0 * tolerance[0].min(tolerance[1])).powi(2)
 }
 
 /// Whether a curve may be taken straight past a vertex, from the end of one of

@@ -359,6 +359,7 @@ mod tests {
             tight: FxHashMap::default(),
             tolerance: 1e-4,
             promised: 1e-4,
+            even_curves: false,
             angle: None,
         };
         for (case, (solids, near)) in cases.into_iter().enumerate() {

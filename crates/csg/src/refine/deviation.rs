@@ -97,7 +97,8 @@ pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
             corner.gradient = gradient;
         }
     }
-    Ratio::new(shrinkage(surface), &corners, quarters).bound()
+    let along = towards_farthest(&corners, quarters);
+    Ratio::new(shrinkage(surface), &corners, quarters, along).bound()
 }
 
 /// Whether a triangle is as near to its surface as a distance, by a bound that
@@ -111,7 +112,9 @@ pub(super) fn is_within(
     distance: f64,
 ) -> bool {
     let corners = corners.map(|at| Corner::new(surface, at));
-    let ratio = Ratio::new(shrinkage, &corners, quarters(surface, &corners));
+    let quarters = quarters(surface, &corners);
+    let along = towards_farthest(&corners, quarters);
+    let ratio = Ratio::new(shrinkage, &corners, quarters, along);
     ratio.loosely(distance) <= distance
 }
 
@@ -168,7 +171,8 @@ impl<'a> Judge<'a> {
         if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * lengths {
             return None;
         }
-        let ratio = Ratio::new(self.shrinkage, corners, quarters(self.surface, corners));
+        let quarters = quarters(self.surface, corners);
+        let ratio = Ratio::new(self.shrinkage, corners, quarters, sum.normalize_or_zero());
         // Mostly the tolerance itself is a distance that the map shrinks.
         let bound = ratio.of(self.tolerance);
         if bound <= self.tolerance {
@@ -190,6 +194,16 @@ fn quarters(surface: &Surface, [p, q, r]: &[Corner; 3]) -> [f64; 3] {
     ]
 }
 
+/// The gradient's direction about where the triangle is farthest off, and any
+/// direction will do: the middles of the edges along which f bends most.
+#[inline(always)]
+fn towards_farthest(corners: &[Corner; 3], quarters: [f64; 3]) -> DVec3 {
+    let [u, v, w] = corners.map(|corner| corner.gradient);
+    let [uv, vw, wu] = quarters.map(f64::abs);
+    let sum = (wu + uv) * u + (uv + vw) * v + (vw + wu) * w;
+    sum.try_normalize().unwrap_or_else(|| u.normalize_or_zero())
+}
+
 /// The map from a distance from the triangle to a bound of that of the surface,
 /// if the way to it is not longer.
 ///
@@ -207,11 +221,10 @@ struct Ratio {
 
 impl Ratio {
     #[inline(always)]
-    fn new(shrinkage: f64, corners: &[Corner; 3], quarters: [f64; 3]) -> Self {
+    fn new(shrinkage: f64, corners: &[Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
         let gradients = corners.map(|corner| corner.gradient);
         // The gradient's component along any direction is linear.
-        let mean = (gradients[0] + gradients[1] + gradients[2]).normalize_or_zero();
-        let slopes = gradients.map(|gradient| gradient.dot(mean));
+        let slopes = gradients.map(|gradient| gradient.dot(along));
         Self {
             shrinkage,
             slopes,

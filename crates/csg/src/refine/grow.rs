@@ -70,6 +70,8 @@ impl<'m, 's> Grower<'m, 's> {
 
     pub fn run(&mut self, control: &Control) -> Result<(), Error> {
         self.measure_straight_edges();
+        // Well-shaped triangles are in no vertex's way along its curve.
+        self.flip_everything();
         self.measure_curves();
         self.check_size(control)?;
         self.flip_everything();

@@ -22,6 +22,8 @@ pub(super) struct Half {
     /// The piece of a curve that the edge stands for, if there is any left to
     /// be cut up.
     pub piece: u32,
+    /// The face of its triangle.
+    pub region: u32,
 }
 
 /// Where a vertex may go.
@@ -46,8 +48,6 @@ pub(super) struct HalfEdges<'a> {
     /// For each vertex a half-edge that leaves it.
     pub leaving: Vec<u32>,
     pub halves: Vec<Half>,
-    /// For each triangle its region.
-    pub region_of: Vec<u32>,
     /// For each piece of a curve its half-edge in the piece's direction.
     pub piece_halves: Vec<u32>,
     /// Triangles that are gone.
@@ -93,6 +93,7 @@ fn pair_up(vertices: usize, triangles: &[[u32; 3]]) -> Option<Vec<Half>> {
             origin,
             twin: NONE,
             piece: NONE,
+            region: NONE,
         })
         .collect();
     for half in 0..origins.len() as u32 {
@@ -133,11 +134,10 @@ impl<'a> HalfEdges<'a> {
             positions,
             leaving,
             halves,
-            region_of: Vec::new(),
             piece_halves: Vec::new(),
             free: Vec::new(),
         };
-        (mesh.regions, mesh.region_of) = regions(&mesh, groups, surface_of_group);
+        mesh.regions = regions(&mut mesh, groups, surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
             if mesh.leaving[vertex as usize] != NONE {
                 mesh.kinds[vertex as usize] = mesh.kind_of(vertex);
@@ -213,7 +213,14 @@ impl<'a> HalfEdges<'a> {
 
     #[inline(always)]
     pub fn region(&self, half: u32) -> &Region {
-        &self.regions[self.region_of[half as usize / 3] as usize]
+        &self.regions[self.halves[half as usize].region as usize]
+    }
+
+    #[inline(always)]
+    pub fn set_region(&mut self, triangle: u32, region: u32) {
+        for half in 3 * triangle..3 * triangle + 3 {
+            self.halves[half as usize].region = region;
+        }
     }
 
     #[inline(always)]
@@ -229,8 +236,8 @@ impl<'a> HalfEdges<'a> {
     /// Whether an edge separates two regions.
     #[inline(always)]
     pub fn is_feature(&self, half: u32) -> bool {
-        let twin = self.twin(half);
-        self.region_of[half as usize / 3] != self.region_of[twin as usize / 3]
+        let Half { twin, region, .. } = self.halves[half as usize];
+        self.halves[twin as usize].region != region
     }
 
     #[inline(always)]
@@ -275,9 +282,13 @@ impl<'a> HalfEdges<'a> {
         })
     }
 
-    /// Whether an edge joins two vertices.
+    /// Whether an edge joins two vertices. Takes as long as the smaller number of
+    /// edges at one of them.
     pub fn are_joined(&self, from: u32, to: u32) -> bool {
-        self.around(from).any(|half| self.target(half) == to)
+        let around = self.around(from).zip(self.around(to));
+        let mut ends =
+            around.map(|(there, back)| [self.target(there) == to, self.target(back) == from]);
+        ends.any(|[there, back]| there || back)
     }
 
     /// Makes two half-edges twins.
@@ -316,15 +327,15 @@ impl<'a> HalfEdges<'a> {
         let (tn, tp) = (next(twin), previous(twin));
         let (c, w, d) = (self.origin(p), self.origin(n), self.origin(tp));
         let (b, e) = (self.halves.len() as u32, self.halves.len() as u32 + 3);
-        let fresh = |origin| Half {
-            origin,
-            twin: NONE,
-            piece: NONE,
-        };
-        self.halves
-            .extend([fresh(x), fresh(w), fresh(c), fresh(w), fresh(x), fresh(d)]);
-        self.region_of.push(self.region_of[half as usize / 3]);
-        self.region_of.push(self.region_of[twin as usize / 3]);
+        for (side, origins) in [(half, [x, w, c]), (twin, [w, x, d])] {
+            let region = self.halves[side as usize].region;
+            self.halves.extend(origins.map(|origin| Half {
+                origin,
+                twin: NONE,
+                piece: NONE,
+                region,
+            }));
+        }
         self.hand_over(n, b + 1);
         self.hand_over(tp, e + 2);
         self.halves[n as usize].origin = x;

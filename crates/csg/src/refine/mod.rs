@@ -46,6 +46,9 @@ pub(crate) struct Goal {
     pub tolerance: f64,
     /// What is farther off than this is reported.
     pub promised: f64,
+    /// Whether vertices lie evenly along curves, and not as chance would have it:
+    /// those that the tolerance needs are kept.
+    pub even_curves: bool,
     /// The largest angle that a surface may turn along an edge, in radians.
     pub angle: Option<f64>,
     /// For every surface that needs a smaller tolerance the share that it gets:
@@ -178,7 +181,7 @@ pub(crate) fn to_tolerance(
         });
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
-    coarsen::coarsen(&mut mesh);
+    coarsen::coarsen(&mut mesh, goal);
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
     grower.run(control)?;

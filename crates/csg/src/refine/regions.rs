@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::deviation;
-use super::half_edges::HalfEdges;
+use super::half_edges::{HalfEdges, NONE};
 use crate::program::{Surface, eigen_symmetric};
 
 /// How a surface bends, which says what triangles suit it.
@@ -111,18 +111,16 @@ pub(super) fn metric(surface: &Surface, bend: Bend, edge: DVec3) -> f64 {
     }
 }
 
-/// The connected faces of a mesh, and for each triangle its face.
+/// The connected faces of a mesh, which its half-edges are told.
 pub(super) fn regions(
-    mesh: &HalfEdges<'_>,
+    mesh: &mut HalfEdges<'_>,
     groups: &[u32],
     surface_of_group: &[u32],
-) -> (Vec<Region>, Vec<u32>) {
-    const UNSEEN: u32 = u32::MAX;
-    let mut region_of = vec![UNSEEN; groups.len()];
+) -> Vec<Region> {
     let mut regions = Vec::new();
     let mut pending = Vec::new();
     for seed in 0..groups.len() as u32 {
-        if region_of[seed as usize] != UNSEEN {
+        if mesh.halves[3 * seed as usize].region != NONE {
             continue;
         }
         let group = groups[seed as usize];
@@ -131,7 +129,7 @@ pub(super) fn regions(
         let index = regions.len() as u32;
         // Folded triangles are outvoted by area.
         let mut facing = 0.0;
-        region_of[seed as usize] = index;
+        mesh.set_region(seed, index);
         pending.push(seed);
         while let Some(triangle) = pending.pop() {
             let [p, q, r] = mesh.triangle(triangle).map(|v| mesh.at(v));
@@ -139,8 +137,9 @@ pub(super) fn regions(
             facing += (q - p).cross(r - p).dot(gradient);
             for half in 3 * triangle..3 * triangle + 3 {
                 let other = mesh.twin(half) / 3;
-                if region_of[other as usize] == UNSEEN && groups[other as usize] == group {
-                    region_of[other as usize] = index;
+                let is_new = mesh.halves[3 * other as usize].region == NONE;
+                if is_new && groups[other as usize] == group {
+                    mesh.set_region(other, index);
                     pending.push(other);
                 }
             }
@@ -154,5 +153,5 @@ pub(super) fn regions(
             way: Way::OneByOne,
         });
     }
-    (regions, region_of)
+    regions
 }
