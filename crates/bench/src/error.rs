@@ -2,7 +2,8 @@
 //!
 //! Every mesher goes through its own settings, on one thread; each mesh's
 //! distance to the true boundary, both ways, and its volume are measured by
-//! the same code. Times leave out what is done once for a model, as in the
+//! the same code; and how many triangles the others need beside ours at their
+//! deviations. Times leave out what is done once for a model, as in the
 //! table of uniform meshes, and every final check.
 
 use std::fs::{self, OpenOptions};
@@ -18,6 +19,7 @@ use crate::peers::{manifold, surface_nets};
 use crate::plot;
 use crate::scenes::{self, Scene};
 use crate::timing::{Passes, on_threads};
+use crate::triangles;
 
 /// No finer setting of a mesher is tried once one took so many seconds.
 const MOST: f64 = 2.0;
@@ -90,16 +92,14 @@ impl Figure {
     }
 }
 
-/// Prints the table, a line for each mesh, and draws the plot.
+/// Prints two tables for each scene, a line for each mesh, and draws the plot.
 pub fn run(options: &Options) {
-    println!("| scene | mesher | setting | s | deviation | volume error | triangles |");
-    println!("|{}", " --- |".repeat(7));
     for name in &options.scenes {
         let Some(scene) = scenes::scene(name) else {
             eprintln!("no scene {name}: try one of {}", scenes::NAMES.join(", "));
             continue;
         };
-        one(&scene, options);
+        triangles::print(&one(&scene, options));
     }
     if let (Some(csv), Some(svg)) = (&options.csv, &options.plot) {
         let text = fs::read_to_string(csv).expect("the CSV file");
@@ -114,10 +114,11 @@ struct Gauge<'a> {
     program: Program,
     boundary: Vec<DVec3>,
     options: &'a Options,
+    figures: Vec<Figure>,
 }
 
 impl Gauge<'_> {
-    fn record(&self, mesher: &str, setting: &str, seconds: f64, mesh: &Mesh) {
+    fn record(&mut self, mesher: &str, setting: &str, seconds: f64, mesh: &Mesh) {
         let there = mesh_to_boundary(&self.program, self.scene.half, mesh);
         let back = points_to_mesh(&self.boundary, mesh);
         let figure = Figure {
@@ -136,19 +137,23 @@ impl Gauge<'_> {
             let written = file.and_then(|mut file| writeln!(file, "{}", columns.join(",")));
             written.expect("the CSV file can be written");
         }
+        self.figures.push(figure);
     }
 }
 
-fn one(scene: &Scene, options: &Options) {
+fn one(scene: &Scene, options: &Options) -> Vec<Figure> {
+    println!("| scene | mesher | setting | s | deviation | volume error | triangles |");
+    println!("|{}", " --- |".repeat(7));
     let program = Program::lower(&scene.solid).expect("a valid scene");
-    let gauge = Gauge {
+    let mut gauge = Gauge {
         scene,
         boundary: boundary_samples(&program, scene.half),
         program,
         options,
+        figures: Vec::new(),
     };
     let passes = Passes::within(0.1, 2.0);
-    let ours = |name: &str, setting: &str, mesher: &Mesher| {
+    let mut ours = |name: &str, setting: &str, mesher: &Mesher| {
         let (time, meshed) = on_threads(1, || passes.best(|| mesher.mesh(&gauge.program)));
         match meshed {
             Ok(meshed) => gauge.record(name, setting, time.wall, &meshed.mesh),
@@ -199,4 +204,5 @@ fn one(scene: &Scene, options: &Options) {
         let setting = made.segments.to_string();
         gauge.record("manifold3d", &setting, made.seconds, &made.mesh);
     }
+    gauge.figures
 }

@@ -19,6 +19,7 @@ mod robust;
 mod scaling;
 mod scenes;
 mod timing;
+mod triangles;
 mod truth;
 mod uniform;
 
