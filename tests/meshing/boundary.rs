@@ -7,6 +7,7 @@ use csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::{csg, scenes};
 
 use super::adaptive::{genus, turned};
+use super::random::Random;
 use super::tolerance::sampled_deviation;
 
 const TOLERANCE: f64 = 1e-3;
@@ -124,6 +125,49 @@ fn solids() -> Vec<(&'static str, Solid, f64, f64, i64)> {
             17.0,
             1,
         ),
+        (
+            "ball that touches a ball from within",
+            ball() - Solid::sphere(0.5).translate([0.5, 0.0, 0.0]),
+            4.0 / 3.0 * PI * 0.875,
+            16.0,
+            0,
+        ),
+        // They touch at two poles.
+        (
+            "ball in an ellipsoid",
+            Solid::ellipsoid([1.5, 1.2, 1.0]) - ball(),
+            4.0 / 3.0 * PI * 0.8,
+            33.0,
+            0,
+        ),
+        // They cross in two circles, which cross at the poles.
+        (
+            "ball and an ellipsoid",
+            ball() & Solid::ellipsoid([1.2, 1.0, 0.8]),
+            2.0 / 3.0
+                * integral(0.0..TAU, |angle| {
+                    let (sin, cos) = angle.sin_cos();
+                    let ellipse = (cos / 1.2).powi(2) + (sin / 0.8).powi(2);
+                    ellipse.max(1.0).recip()
+                }),
+            13.0,
+            0,
+        ),
+        (
+            "cones of one tip",
+            Solid::cone(1.0, 0.0..2.0) - Solid::cone(0.5, 0.0..2.0),
+            PI / 2.0,
+            13.0,
+            0,
+        ),
+        // The tip touches the middle of a face.
+        (
+            "cone under a plate",
+            Solid::cone(1.0, 0.0..2.0) | Solid::cuboid_between([-1.5, -1.0, 2.0], [1.5, 2.0, 2.5]),
+            PI * 2.0 / 3.0 + 4.5,
+            35.0,
+            0,
+        ),
         // The ball touches the rod all around.
         (
             "ball joint",
@@ -168,4 +212,50 @@ fn one_and_eight_threads_give_the_same_mesh() {
     let (one, eight) = (of(1), of(8));
     assert_eq!(one.report.method, "boundary");
     assert!(one.mesh == eight.mesh);
+}
+
+/// Of any number of primitives of any kind, size and place.
+fn in_general_position(random: &mut Random) -> Solid {
+    let primitive = |random: &mut Random| {
+        let [a, b, c] = [(); 3].map(|()| random.between(0.2, 1.0));
+        let solid = match random.below(6) {
+            0 => Solid::cuboid([2.0 * a, 2.0 * b, 2.0 * c]),
+            1 => Solid::sphere(a),
+            2 => Solid::ellipsoid([a, b, c]),
+            3 => Solid::cylinder(a, -b..c),
+            4 => Solid::cone(a, -b..c),
+            _ => Solid::elliptic_cylinder([a, b], -c..c),
+        };
+        let [x, y, z] = [(); 3].map(|()| random.between(0.0, TAU));
+        let place = [(); 3].map(|()| random.between(-0.7, 0.7));
+        solid.rotate_xyz(x, y, z).translate(place)
+    };
+    let mut solid = primitive(random);
+    for _ in 0..random.below(16) {
+        let other = primitive(random);
+        solid = match random.below(5) {
+            0 | 1 => solid | other,
+            2 | 3 => solid - other,
+            _ => solid & (other | primitive(random)),
+        };
+    }
+    solid
+}
+
+#[test]
+fn promises_are_kept_in_general_position() {
+    const SOLIDS: u64 = 80;
+    let mut triangles = 0;
+    for seed in 0..SOLIDS {
+        let program = Program::lower(&in_general_position(&mut Random::new(seed)));
+        let meshed = Mesher::new().tolerance(0.01).mesh(&program.expect("valid"));
+        let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+        assert_eq!(report.fallbacks, [], "seed {seed}");
+        assert!(report.check.is_manifold(), "seed {seed}: {}", report.check);
+        assert_eq!(mesh.self_intersections(), [[0; 2]; 0], "seed {seed}");
+        assert!(report.deviation.is_none_or(|d| d <= 0.01), "seed {seed}");
+        triangles += mesh.triangles.len();
+    }
+    // Otherwise little was tried.
+    assert!(triangles > 20_000, "{triangles}");
 }

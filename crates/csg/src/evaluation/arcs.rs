@@ -7,14 +7,15 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::cells::Block;
+use super::contacts::Contact;
 use super::curve::{Branch, Curve, Meets, Samples};
 use super::frame::Frame;
 use super::lines::{Piece, emit};
 use super::pairs::{Unknown, curves};
 use super::roots::{Roots, bracketed};
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
+use super::{Scene, Traced};
 use crate::net::solve;
 use crate::program::Surface;
 
@@ -37,6 +38,17 @@ enum Ends {
 struct Event {
     at: f64,
     ends: Ends,
+    /// The surface of the cell that the curve touches here, by position, or
+    /// [`NOTHING`].
+    touched: u32,
+}
+
+impl Event {
+    /// Whether edges may end here though the solid does not change along the
+    /// curve.
+    fn touches(&self) -> bool {
+        self.touched != NOTHING || matches!(self.ends, Ends::Node)
+    }
 }
 
 /// A curve on its way through a block.
@@ -71,14 +83,14 @@ const SAME_DIRECTION: f64 = 1e-7;
 
 impl ArcTracer {
     /// Appends all pieces of edges in a block, chords that turn by no more than
-    /// about `turn`. None where curves are not known in closed form, or so near
+    /// about `turn`, and contacts. None where curves are not known in closed form, or so near
     /// to other surfaces that it cannot be told what meets along them.
     pub fn trace(
         &mut self,
         scene: &Scene<'_>,
         block: &Block,
         turn: f64,
-        pieces: &mut Vec<Piece>,
+        traced: &mut Traced,
     ) -> Option<()> {
         self.sectors.enter(scene, block);
         let ids = &block.cell.surfaces;
@@ -89,13 +101,33 @@ impl ArcTracer {
             if !one.is_plane() && frame.is_none() {
                 return None;
             }
+            if let Some(at) = one.apex().filter(|&apex| block.contains(apex)) {
+                let touches = |id: &&u32| {
+                    let other = &scene.surfaces[**id as usize];
+                    other.value(at).abs() <= scene.near * other.gradient(at).length()
+                };
+                let surfaces = ids.iter().filter(touches).copied().collect();
+                traced.contacts.push(Contact { at, surfaces });
+            }
             let others = (first + 1..ids.len() as u32).map(|second| (second, surface(second)));
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
             for (second, other) in others.chain(seams.map(|seam| (NOTHING, seam))) {
                 let common = match curves(one, other, scene.near) {
                     Ok(common) => common,
                     // In a single point there is no edge.
-                    Err(Unknown::Touch) => continue,
+                    Err(Unknown::Touch(contacts)) => {
+                        let own = contacts.into_iter().filter(|&at| block.contains(at));
+                        traced.contacts.extend(own.map(|at| {
+                            Contact {
+                                at,
+                                surfaces: [first, second]
+                                    .map(|k| ids[k as usize])
+                                    .into_iter()
+                                    .collect(),
+                            }
+                        }));
+                        continue;
+                    }
                     Err(Unknown::NoForm) => return None,
                 };
                 for Branch { curve, nodes } in &common {
@@ -107,14 +139,14 @@ impl ArcTracer {
                         curve,
                         nodes,
                     };
-                    self.trace_arc(&arc, turn, pieces)?;
+                    self.trace_arc(&arc, turn, traced)?;
                 }
             }
         }
         Some(())
     }
 
-    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, pieces: &mut Vec<Piece>) -> Option<()> {
+    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Option<()> {
         let Arc { block, curve, .. } = *arc;
         let center = 0.5 * (block.low + block.high);
         let reach = 0.5 * (block.high - block.low).length();
@@ -140,10 +172,12 @@ impl ArcTracer {
                 open = wedges;
                 continue;
             };
-            let touches = matches!(event.ends, Ends::Touch | Ends::Node);
-            if wedges != open || touches || self.is_shared(arc, stretch - 1) {
+            if wedges != open || event.touches() || self.is_shared(arc, stretch - 1) {
                 let here = (event.at, arc.point(event.at, event.ends));
-                arc.emit(&open, [from, here], turn, pieces);
+                arc.emit(&open, [from, here], turn, &mut traced.pieces);
+                if event.touched != NOTHING && !(open.is_empty() && wedges.is_empty()) {
+                    traced.contacts.push(arc.contact(event.touched, here.1));
+                }
                 (open, from) = (wedges, here);
             }
         }
@@ -152,7 +186,7 @@ impl ArcTracer {
         } else {
             arc.point(end, Ends::Touch)
         };
-        arc.emit(&open, [from, (end, last)], turn, pieces);
+        arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
         Some(())
     }
 
@@ -191,10 +225,23 @@ impl ArcTracer {
             let Roots {
                 simple, touching, ..
             } = &mut self.roots;
-            for place in touching.iter_mut().filter(|t| !simple.contains(t)) {
-                *place = arc.contact(surface, *place, range[1] - range[0]);
-            }
-            self.take(Ends::Surface(position), Ends::Touch);
+            let crossings = simple.iter().map(|&at| Event {
+                at,
+                ends: Ends::Surface(position),
+                touched: if touching.contains(&at) {
+                    position
+                } else {
+                    NOTHING
+                },
+            });
+            self.events.extend(crossings);
+            let contacts = touching.iter().filter(|t| !simple.contains(t));
+            let contacts = contacts.map(|&near| Event {
+                at: arc.nearest(surface, near, range[1] - range[0]),
+                ends: Ends::Touch,
+                touched: position,
+            });
+            self.events.extend(contacts);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
         }
         for axis in 0..3 {
@@ -214,9 +261,11 @@ impl ArcTracer {
                 self.cut(arc, plane, range);
             }
         }
-        let ends = Ends::Node;
-        self.events
-            .extend(arc.nodes.iter().map(|&at| Event { at, ends }));
+        self.events.extend(arc.nodes.iter().map(|&at| Event {
+            at,
+            ends: Ends::Node,
+            touched: NOTHING,
+        }));
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
         let crossings = self.events.iter().map(|event| match event.ends {
@@ -235,18 +284,13 @@ impl ArcTracer {
             .curve
             .meet(plane, range, &self.samples, tolerances, &mut self.roots);
         if meets == Meets::Points {
-            self.roots.touching.clear();
-            self.take(Ends::Plane(*plane), Ends::Touch);
+            self.events
+                .extend(self.roots.simple.iter().map(|&at| Event {
+                    at,
+                    ends: Ends::Plane(*plane),
+                    touched: NOTHING,
+                }));
         }
-    }
-
-    /// Makes events of the roots.
-    fn take(&mut self, crossing: Ends, touching: Ends) {
-        let event = |ends| move |&at: &f64| Event { at, ends };
-        let crossings = self.roots.simple.iter().map(event(crossing));
-        self.events.extend(crossings);
-        let touches = self.roots.touching.iter().map(event(touching));
-        self.events.extend(touches);
     }
 
     /// The faces that meet in the block on the stretch of a curve around its
@@ -254,7 +298,7 @@ impl ArcTracer {
     fn wedges(&mut self, arc: &Arc<'_>, middle: f64, stretch: usize) -> Option<Wedges> {
         let Arc { scene, block, .. } = *arc;
         let at = arc.curve.at(middle);
-        if !(at.cmpge(block.low).all() && at.cmplt(block.high).all()) {
+        if !block.contains(at) {
             return Some(Wedges::new());
         }
         let direction = arc.curve.direction(middle).normalize_or_zero();
@@ -370,7 +414,7 @@ impl Arc<'_> {
     /// Where the curve runs along a surface's tangent plane, from near it. The
     /// distance from the surface itself is 0 to second order there, so that it
     /// tells only half the digits.
-    fn contact(&self, third: &Surface, near: f64, range: f64) -> f64 {
+    fn nearest(&self, third: &Surface, near: f64, range: f64) -> f64 {
         const REACH: f64 = 1e-5;
         let [a, b] = self.surfaces;
         let slope = |t: f64| {
@@ -383,6 +427,18 @@ impl Arc<'_> {
             bracketed(slope, ends, values)
         } else {
             near
+        }
+    }
+
+    /// The place at which the curve touches a surface of the cell.
+    fn contact(&self, third: u32, at: DVec3) -> Contact {
+        let [first, second] = self.pair;
+        let positions = [first, second, third].into_iter();
+        let positions = positions.filter(|&position| position != NOTHING);
+        let id = |position: u32| self.block.cell.surfaces[position as usize];
+        Contact {
+            at,
+            surfaces: positions.map(id).collect(),
         }
     }
 

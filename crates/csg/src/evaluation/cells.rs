@@ -15,6 +15,13 @@ pub(super) struct Block {
     pub cell: Cell,
 }
 
+impl Block {
+    /// Whether a point is in this block and in no neighbour.
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.low).all() && point.cmplt(self.high).all()
+    }
+}
+
 /// So few planes are not worth another cut: the time that a block takes grows
 /// with the third power of their number, but most is spent on cutting then.
 const FEW_PLANES: usize = 20;

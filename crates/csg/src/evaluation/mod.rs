@@ -31,18 +31,21 @@
 mod arcs;
 mod boundary;
 mod cells;
+mod contacts;
 mod crossings;
 mod curve;
 mod frame;
 mod lines;
 mod pairs;
 mod pencil;
+mod picture;
 mod regions;
 mod roots;
 mod rulings;
 mod sectors;
 mod triangulate;
 mod trig;
+mod unfold;
 mod weld;
 
 use std::time::Instant;
@@ -57,10 +60,12 @@ pub(crate) use self::pairs::conics;
 use self::arcs::ArcTracer;
 use self::boundary::Boundary;
 use self::cells::{Block, cut};
+use self::contacts::{Contact, add_contacts};
 use self::frame::Frame;
 use self::lines::{Piece, Tracer};
 use self::sectors::Side;
 use self::triangulate::{Named, triangulate};
+use self::unfold::unfold;
 use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -218,10 +223,10 @@ pub(crate) fn mesh(
     report.surface_cells = blocks.len() as u64;
     let start = report.end_stage("blocks", start);
     let mesh = if is_polyhedral(task.program) {
-        let pieces = trace(&scene, &blocks, Tracer::default, |tracer, block, pieces| {
-            tracer.trace(&scene, block, pieces)
+        let traced = trace(&scene, &blocks, Tracer::default, |tracer, block, traced| {
+            tracer.trace(&scene, block, &mut traced.pieces)
         });
-        mesh_of(&scene, task, pieces, report, start)?
+        mesh_of(&scene, task, traced, report, start)?
     } else {
         if blocks.len() > most_blocks {
             return Ok(None);
@@ -247,16 +252,16 @@ fn mesh_of_curved(
 ) -> Result<Option<Mesh>, Error> {
     for &turn in turns {
         let start = Instant::now();
-        let pieces = trace(
+        let traced = trace(
             scene,
             blocks,
             ArcTracer::default,
-            |tracer, block, pieces| tracer.trace(scene, block, turn, pieces).is_some(),
+            |tracer, block, traced| tracer.trace(scene, block, turn, traced).is_some(),
         );
-        if pieces.is_none() {
+        if traced.is_none() {
             break;
         }
-        let mesh = mesh_of(scene, task, pieces, report, start)?;
+        let mesh = mesh_of(scene, task, traced, report, start)?;
         if mesh.is_some() {
             return Ok(mesh);
         }
@@ -269,23 +274,23 @@ fn mesh_of_curved(
 fn mesh_of(
     scene: &Scene<'_>,
     task: &Task<'_>,
-    pieces: Option<Vec<Piece>>,
+    traced: Option<Traced>,
     report: &mut Report,
     start: Instant,
 ) -> Result<Option<Mesh>, Error> {
     task.control.check()?;
-    let Some(pieces) = pieces else {
+    let Some(traced) = traced else {
         return Ok(None);
     };
     let start = report.end_stage("edges", start);
-    let boundary = Boundary::link(scene, &pieces);
+    let boundary = Boundary::link(scene, &traced.pieces);
     task.control.check()?;
     let Some(mut boundary) = boundary else {
         return Ok(None);
     };
     task.control.tell(0.9);
     let start = report.end_stage("contours", start);
-    let mesh = assemble(scene, task, &mut boundary);
+    let mesh = assemble(scene, task, &mut boundary, &traced.contacts);
     task.control.check()?;
     report.end_stage("triangles", start);
     Ok(mesh)
@@ -319,40 +324,58 @@ fn looks(origins: &[Origin]) -> Vec<u32> {
 /// About what is held at a time for each piece and what becomes of it.
 const BYTES_PER_PIECE: usize = 400;
 
-/// The pieces of edges in all blocks, in their order.
+/// What is found in blocks.
+#[derive(Default)]
+struct Traced {
+    /// Of edges.
+    pieces: Vec<Piece>,
+    contacts: Vec<Contact>,
+}
+
+/// What is found in all blocks, in their order.
 fn trace<T>(
     scene: &Scene<'_>,
     blocks: &[Block],
     tracer: impl Fn() -> T + Sync,
-    trace: impl Fn(&mut T, &Block, &mut Vec<Piece>) -> bool + Sync,
-) -> Option<Vec<Piece>> {
+    trace: impl Fn(&mut T, &Block, &mut Traced) -> bool + Sync,
+) -> Option<Traced> {
     /// Blocks that are worth handing to another thread.
     const AT_ONCE: usize = 64;
     let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {
         let mut tracer = tracer();
-        let mut pieces = Vec::new();
-        let traced = blocks.iter().all(|block| {
-            let before = pieces.len();
-            let traced = trace(&mut tracer, block, &mut pieces);
+        let mut traced = Traced::default();
+        let is_known = blocks.iter().all(|block| {
+            let before = traced.pieces.len();
+            let is_known = trace(&mut tracer, block, &mut traced);
             stage.add(1);
-            let bytes = BYTES_PER_PIECE * (pieces.len() - before);
-            traced && scene.control.spend(0, bytes as u64).is_ok()
+            let bytes = BYTES_PER_PIECE * (traced.pieces.len() - before);
+            is_known && scene.control.spend(0, bytes as u64).is_ok()
         });
-        traced.then_some(pieces)
+        is_known.then_some(traced)
     };
     if blocks.len() <= AT_ONCE {
         return trace_some(blocks);
     }
     // All of them, whichever fails first: what is spent must not depend on it.
-    let parts: Vec<Option<Vec<Piece>>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
-    let parts: Option<Vec<Vec<Piece>>> = parts.into_iter().collect();
-    Some(parts?.concat())
+    let parts: Vec<Option<Traced>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
+    let mut all = Traced::default();
+    for part in parts {
+        let part = part?;
+        all.pieces.extend(part.pieces);
+        all.contacts.extend(part.contacts);
+    }
+    Some(all)
 }
 
 /// Triangles of all faces. Where chords of curves run across each other, more of
 /// them are made.
-fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Option<Mesh> {
+fn assemble(
+    scene: &Scene<'_>,
+    task: &Task<'_>,
+    boundary: &mut Boundary,
+    contacts: &[Contact],
+) -> Option<Mesh> {
     /// Times that edges of faces that cannot be cut are split.
     const ROUNDS: u32 = 12;
     let mut cut = Cut::default();
@@ -387,16 +410,20 @@ fn assemble(scene: &Scene<'_>, task: &Task<'_>, boundary: &mut Boundary) -> Opti
     };
     let triangles: Option<Vec<_>> = cut.triangles.into_iter().collect();
     let mut triangles = triangles?;
+    let faces = &boundary.faces;
+    add_contacts(scene, contacts, faces, &mut triangles, &mut mesh.positions);
+    for (side, triangles) in faces.iter().zip(&mut triangles) {
+        unfold(scene, side, triangles, &mut mesh.positions);
+    }
     let doubled = faces_with_doubled_edges(&triangles, mesh.positions.len());
     if !doubled.is_empty() {
-        let faces = &boundary.faces;
         part_diagonals(scene, faces, &doubled, &mut triangles, &mut mesh.positions);
         if !faces_with_doubled_edges(&triangles, mesh.positions.len()).is_empty() {
             return None;
         }
     }
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-    for (side, triangles) in boundary.faces.iter().zip(triangles) {
+    for (side, triangles) in faces.iter().zip(triangles) {
         if triangles.is_empty() {
             continue;
         }

@@ -8,13 +8,15 @@ use super::pencil;
 use crate::program::Surface;
 
 /// Why the curves of two surfaces are not known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Unknown {
-    /// They touch in single points.
-    Touch,
+    /// They have only single points in common, where they touch.
+    Touch(Contacts),
     /// There is no closed form for them here.
     NoForm,
 }
+
+pub(super) type Contacts = SmallVec<[DVec3; 2]>;
 
 /// Coefficients below this share of the largest are rounding.
 const NEGLIGIBLE: f64 = 1e-11;
@@ -40,7 +42,7 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
 }
 
 /// The line common to two planes.
-fn line(p: &Surface, q: &Surface) -> Option<Curve> {
+pub(super) fn line(p: &Surface, q: &Surface) -> Option<Curve> {
     /// Planes that meet at a smaller sine of their angle are parallel.
     const PARALLEL: f64 = 1e-11;
     let direction = p.linear.cross(q.linear);
@@ -145,7 +147,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
                 return if quadric.apex().is_some_and(is_apex) {
                     Ok(branches)
                 } else {
-                    Err(Unknown::Touch)
+                    Err(Unknown::Touch(smallvec![center]))
                 };
             }
             if (rest > 0.0) != (first > 0.0) {

@@ -14,14 +14,17 @@ use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
 use super::curve::{BEGIN, Branch, Branches, Curve};
-use super::pairs::{Unknown, conic};
+use super::pairs::{Contacts, Unknown, conic, line};
 use super::roots::Roots;
-use super::rulings::{Lines, OnLines, Part, Rulings};
+use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::Trig;
 use crate::program::{Surface, eigen_symmetric, jacobi};
 
 /// Eigenvalues below this share of the largest are none.
 const NO_VALUE: f64 = 1e-12;
+
+/// The same of a pair of planes, which is used as if it was one.
+const NO_PLANE: f64 = 1e-11;
 
 /// Two quadrics, and the combinations of them.
 struct Pencil<'a> {
@@ -30,6 +33,13 @@ struct Pencil<'a> {
     origin: DVec3,
     unit: f64,
     matrices: [DMat4; 2],
+}
+
+/// Angles whose cosine and sine are factors of singular matrices.
+struct Singular {
+    angles: Vec<f64>,
+    /// Where two coincide.
+    doubled: Vec<f64>,
 }
 
 /// What a quadric of the pencil is good for.
@@ -71,7 +81,16 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
             return known;
         }
     }
-    let mut angles = pencil.singular_members();
+    let Singular {
+        mut angles,
+        doubled,
+    } = pencil.singular_members();
+    for angle in doubled.into_iter().chain(angles.iter().copied()) {
+        let (sin, cos) = angle.sin_cos();
+        if let Some(known) = pencil.on_planes(&pencil.combined([cos, sin]), near) {
+            return known;
+        }
+    }
     for &angle in &angles {
         let (sin, cos) = angle.sin_cos();
         if let Some(known) = consider([cos, sin]) {
@@ -102,16 +121,9 @@ impl<'a> Pencil<'a> {
             value.max(s.gradient(origin).length())
         });
         let unit = size[0].max(size[1]).max(a.anchor.distance(b.anchor));
-        let matrices = surfaces.map(|s| {
-            let [xx, yy, zz, xy, yz, zx] = s.quadratic;
-            let [x, y, z] = (s.gradient(origin) / unit).to_array();
-            DMat4::from_cols_array_2d(&[
-                [xx, 0.5 * xy, 0.5 * zx, 0.5 * x],
-                [0.5 * xy, yy, 0.5 * yz, 0.5 * y],
-                [0.5 * zx, 0.5 * yz, zz, 0.5 * z],
-                [0.5 * x, 0.5 * y, 0.5 * z, s.value(origin) / (unit * unit)],
-            ])
-        });
+        // Two cones of one apex look the same at any scale.
+        let unit = if unit > 0.0 { unit } else { 1.0 };
+        let matrices = surfaces.map(|s| matrix(s, origin, unit));
         Self {
             surfaces,
             origin,
@@ -124,8 +136,8 @@ impl<'a> Pencil<'a> {
         x * self.matrices[0] + y * self.matrices[1]
     }
 
-    /// The angles whose cosine and sine are factors of singular matrices.
-    fn singular_members(&self) -> Vec<f64> {
+    /// The quadrics of the pencil whose matrices are singular.
+    fn singular_members(&self) -> Singular {
         // Of degree four in the cosine and the sine of an angle, and the same at
         // the opposite one: of degree two in those of its double.
         let determinant = |doubled: f64| {
@@ -135,12 +147,93 @@ impl<'a> Pencil<'a> {
         let trig = Trig::through(determinant);
         let mut roots = Roots::default();
         trig.roots(1e-14 * trig.magnitude(), &mut roots);
-        roots.simple.iter().map(|doubled| 0.5 * doubled).collect()
+        let half = |doubled: f64| 0.5 * doubled;
+        Singular {
+            doubled: roots.touching.into_iter().map(half).collect(),
+            angles: roots.simple.into_iter().map(half).collect(),
+        }
     }
 
     /// A point in space.
     fn place(&self, point: DVec4) -> DVec3 {
         self.origin + self.unit / point.w * point.truncate()
+    }
+
+    /// The curves in a quadric of the pencil that is a pair of planes, if it is:
+    /// of real ones, or of complex ones, which have a line in common that may meet
+    /// the surfaces in two contacts.
+    fn on_planes(&self, member: &DMat4, near: f64) -> Option<Result<Branches, Unknown>> {
+        let (values, vectors) = jacobi(member.to_cols_array_2d());
+        let mut order = [0, 1, 2, 3];
+        order.sort_by(|&i, &j| values[j].abs().total_cmp(&values[i].abs()));
+        let values = order.map(|k| values[k]);
+        let vectors = order.map(|k| DVec4::from_array(vectors[k]));
+        let is_null = |value: f64| value.abs() <= NO_PLANE * values[0].abs();
+        if !is_null(values[2]) {
+            return None;
+        }
+        let [p, q] = [0, 1].map(|k| values[k].abs().sqrt() * vectors[k]);
+        if is_null(values[1]) {
+            return Some(self.in_planes(&[p], near));
+        }
+        if values[0] * values[1] < 0.0 {
+            return Some(self.in_planes(&[p + q, p - q], near));
+        }
+        let [x, y] = [vectors[2], vectors[3]];
+        let matrix = self.matrices[0];
+        let [xx, xy, yy] = [x.dot(matrix * x), x.dot(matrix * y), y.dot(matrix * y)];
+        // xx c² + 2 xy c s + yy s² = 0: (xx + yy) / 2 + r cos(2 t - phase).
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let (radius, phase) = (half.hypot(xy), xy.atan2(half));
+        if mean.abs().max(radius) <= NO_PLANE {
+            return Some(Err(Unknown::NoForm));
+        }
+        if mean.abs() > radius {
+            return Some(Ok(Branches::new()));
+        }
+        let swing = (-mean / radius).acos();
+        let at = |doubled: f64| {
+            let (sin, cos) = (0.5 * doubled).sin_cos();
+            self.place(cos * x + sin * y)
+        };
+        let contacts = [phase + swing, phase - swing].map(at);
+        let contacts = contacts.into_iter().filter(|at| at.is_finite()).collect();
+        Some(Err(Unknown::Touch(contacts)))
+    }
+
+    /// The conics in planes, with nodes where these meet.
+    fn in_planes(&self, planes: &[DVec4], near: f64) -> Result<Branches, Unknown> {
+        let plane = |&vector: &DVec4| {
+            let normal = vector.truncate();
+            let square = normal.length_squared();
+            // Not at infinity.
+            (square > 1e-18 * vector.length_squared()).then(|| Surface {
+                anchor: self.origin - self.unit * vector.w / square * normal,
+                quadratic: [0.0; 6],
+                linear: normal / square.sqrt(),
+                constant: 0.0,
+            })
+        };
+        let planes: SmallVec<[Surface; 2]> = planes.iter().filter_map(plane).collect();
+        let quadric = self.surfaces[0];
+        let mut nodes: SmallVec<[DVec3; 2]> = SmallVec::new();
+        if let [p, q] = planes.as_slice()
+            && let Some(line) = line(p, q)
+        {
+            let start = line.at(0.0);
+            let direction = line.direction(0.0);
+            let a = 0.5 * quadric.curvature_along(direction);
+            let b = 0.5 * quadric.gradient(start).dot(direction);
+            let root = (b * b - a * quadric.value(start)).sqrt();
+            let places = [(root - b) / a, (-root - b) / a];
+            nodes.extend(
+                places
+                    .into_iter()
+                    .filter(|t| t.is_finite())
+                    .map(|t| line.at(t)),
+            );
+        }
+        conics(&planes, &nodes, quadric, near)
     }
 
     /// The curves on a cone or cylinder.
@@ -309,7 +402,7 @@ impl<'a> Pencil<'a> {
             if is_small(0.5 * a.curvature_along(axis)) {
                 Err(Unknown::NoForm)
             } else {
-                Err(Unknown::Touch)
+                Err(Unknown::Touch(smallvec![at]))
             }
         };
         match values.map(sign) {
@@ -321,7 +414,12 @@ impl<'a> Pencil<'a> {
                     linear: (low * axes[0] + sign * high * axes[2]).normalize_or_zero(),
                     constant: 0.0,
                 });
-                conics(&sides, axes[1], a, near)
+                // Of the two points on their line one is where the contact was found.
+                let along = axes[1];
+                let square = 0.5 * a.curvature_along(along);
+                let other = at - a.gradient(at).dot(along) / square * along;
+                let nodes = [at, other].into_iter().filter(|node| node.is_finite());
+                conics(&sides, &nodes.collect::<SmallVec<[DVec3; 2]>>(), a, near)
             }
             // A cone with its apex there.
             [-1.0, middle, 1.0] => {
@@ -334,7 +432,7 @@ impl<'a> Pencil<'a> {
                 };
                 self.on_cone(&lines, &self.matrices[1], near)
             }
-            [1.0, 1.0, 1.0] | [-1.0, -1.0, -1.0] => Err(Unknown::Touch),
+            [1.0, 1.0, 1.0] | [-1.0, -1.0, -1.0] => Err(Unknown::Touch(smallvec![at])),
             [0.0, 1.0, 1.0] => along(axes[0]),
             [-1.0, -1.0, 0.0] => along(axes[2]),
             _ => Err(Unknown::NoForm),
@@ -400,33 +498,31 @@ fn contact(a: &Surface, b: &Surface, start: DVec3) -> DVec3 {
     at
 }
 
-/// The conics in which a pair of planes cuts a quadric, with their nodes on the
-/// line common to both.
+/// The conics in which planes cut a quadric, with nodes where they cross.
 fn conics(
-    planes: &[Surface; 2],
-    along: DVec3,
+    planes: &[Surface],
+    nodes: &[DVec3],
     quadric: &Surface,
     near: f64,
 ) -> Result<Branches, Unknown> {
-    let at = planes[0].anchor;
-    let line = Curve::Line {
-        point: at,
-        direction: along,
-    };
     let mut branches = Branches::new();
-    // Of the two points on the line one is where the contact was found.
-    let square = 0.5 * quadric.curvature_along(along);
-    let other = -quadric.gradient(at).dot(along) / square;
-    let mut nodes: SmallVec<[DVec3; 2]> = smallvec![at];
-    if other.is_finite() {
-        nodes.push(line.at(other));
-    }
+    let mut contacts = Contacts::new();
     for plane in planes {
-        for mut branch in conic(plane, quadric, near)? {
+        let conic = match conic(plane, quadric, near) {
+            Err(Unknown::Touch(at)) => {
+                contacts.extend(at);
+                continue;
+            }
+            other => other?,
+        };
+        for mut branch in conic {
             let places = nodes.iter().filter_map(|&node| branch.curve.place(node));
             branch.nodes.extend(places);
             branches.push(branch);
         }
+    }
+    if branches.is_empty() && !contacts.is_empty() {
+        return Err(Unknown::Touch(contacts));
     }
     Ok(branches)
 }

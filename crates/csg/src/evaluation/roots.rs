@@ -10,6 +10,10 @@ use smallvec::SmallVec;
 /// A place and the function's value there.
 pub(super) type Sample = (f64, f64);
 
+/// A place where a function may be 0, and whether it may be so without changing
+/// its sign, or more than once.
+pub(super) type Candidate = (f64, bool);
+
 /// A function that is next to 0 on more than this share of an interval is on
 /// all of it.
 const LONG: f64 = 0.0625;
@@ -125,6 +129,42 @@ impl Roots {
             pending.push((from, middle, halvings + 1));
         }
         self.touch(near, &value);
+    }
+
+    /// Adds the roots of a function that can be 0 at some places alone, given in
+    /// order.
+    pub fn find_at(
+        &mut self,
+        places: &[Candidate],
+        [start, end]: [f64; 2],
+        value: impl Fn(f64) -> f64,
+        tolerance: f64,
+    ) {
+        let sample = |t: f64| (t, value(t));
+        let is_negative = |sample: Sample| sample.1 <= 0.0;
+        let mut before = start;
+        let mut low = None;
+        for (index, &(place, touches)) in places.iter().enumerate() {
+            let after = places.get(index + 1).map_or(end, |next| next.0);
+            let from = low.unwrap_or_else(|| sample(0.5 * (before + place)));
+            let (here, to) = (sample(place), sample(0.5 * (place + after)));
+            if is_negative(from) != is_negative(to) {
+                let root = bracketed(&value, [from.0, to.0], [from.1, to.1]);
+                self.simple.push(root);
+                if touches && here.1.abs() <= tolerance {
+                    self.touching.push(root);
+                }
+            } else if here.1.abs() <= tolerance {
+                self.touching.push(place);
+            } else if is_negative(from) != is_negative(here) {
+                // Two that could not be told apart.
+                for [a, b] in [[from, here], [here, to]] {
+                    self.simple.push(bracketed(&value, [a.0, b.0], [a.1, b.1]));
+                }
+            }
+            before = place;
+            low = Some(to);
+        }
     }
 
     /// Adds the place at which a function is nearest to 0 on a stretch on which

@@ -14,10 +14,25 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat4, DVec3, DVec4};
+use smallvec::{SmallVec, smallvec};
 
 use super::curve::BEGIN;
-use super::roots::Roots;
+use super::roots::{Candidate, Roots};
 use super::trig::Trig;
+use crate::program::Surface;
+
+/// The matrix of a quadric in coordinates about `origin` of some unit.
+pub(super) fn matrix(surface: &Surface, origin: DVec3, unit: f64) -> DMat4 {
+    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
+    let [x, y, z] = (surface.gradient(origin) / unit).to_array();
+    let constant = surface.value(origin) / (unit * unit);
+    DMat4::from_cols_array_2d(&[
+        [xx, 0.5 * xy, 0.5 * zx, 0.5 * x],
+        [0.5 * xy, yy, 0.5 * yz, 0.5 * y],
+        [0.5 * zx, 0.5 * yz, zz, 0.5 * z],
+        [0.5 * x, 0.5 * y, 0.5 * z, constant],
+    ])
+}
 
 /// A point that moves along a conic with the cosine and the sine of an angle:
 /// of 1, cos and sin the factors.
@@ -57,9 +72,9 @@ impl Lines {
         }
     }
 
-    /// The last coordinates, which are 0 at infinity, of p and q.
-    pub fn last(&self) -> [Trig; 2] {
-        [&self.p, &self.q].map(|v| Trig::linear(v.map(|v| v.w)))
+    /// The values of a plane at p and q.
+    fn values(&self, plane: DVec4) -> [Trig; 2] {
+        [&self.p, &self.q].map(|v| Trig::linear(v.map(|v| v.dot(plane))))
     }
 }
 
@@ -176,18 +191,100 @@ impl Rulings {
         }
     }
 
+    /// The places that a point of the line at an angle may have.
+    fn places(&self, angle: f64) -> SmallVec<[f64; 2]> {
+        let around = (angle - BEGIN).rem_euclid(TAU);
+        match self.part {
+            Part::Touching | Part::Once | Part::Around { .. } => smallvec![around],
+            Part::Between { middle, half, .. } => {
+                let off = (angle - middle + PI).rem_euclid(TAU) - PI;
+                let turn = (-off / half).clamp(-1.0, 1.0).acos();
+                let turns = [turn, TAU - turn];
+                turns
+                    .map(|turn| (turn - BEGIN).rem_euclid(TAU))
+                    .into_iter()
+                    .collect()
+            }
+        }
+    }
+
+    /// What vanishes on the lines on which the curve meets a plane. On such a line
+    /// α : β = q : -p, by the plane's values at p and q.
+    fn on_plane(&self, plane: DVec4) -> Trig {
+        let [p, q] = self.lines.values(plane);
+        let OnLines { a, b, c } = &self.on_lines;
+        match self.part {
+            Part::Once => a.times(&q).plus(-2.0, &b.times(&p)),
+            _ => {
+                let mixed = b.times(&p).times(&q);
+                let ends = a.times(&q).times(&q).plus(1.0, &c.times(&p).times(&p));
+                ends.plus(-2.0, &mixed)
+            }
+        }
+    }
+
+    /// The same for another quadric: its value at the one point of a line, or the
+    /// resultant of the two equations for α : β.
+    fn on_quadric(&self, other: &DMat4) -> Trig {
+        let OnLines { a, b, c } = &self.on_lines;
+        let form = self.lines.form(other);
+        let minor = |[p, q]: [&Trig; 2], [r, s]: [&Trig; 2]| p.times(s).plus(-1.0, &q.times(r));
+        let one_point = |b: &Trig, factor: f64| {
+            let squares = form.a.times(&b.times(b));
+            let mixed = form.b.times(&a.times(b));
+            let sum = squares.plus(-2.0 * factor, &mixed);
+            sum.plus(factor * factor, &form.c.times(&a.times(a)))
+        };
+        match self.part {
+            // α : β = -2 b : a, and -b : a.
+            Part::Once => one_point(b, 0.5),
+            Part::Touching => one_point(b, 1.0),
+            Part::Around { .. } | Part::Between { .. } => {
+                let ac = minor([a, c], [&form.a, &form.c]);
+                let ab = minor([a, b], [&form.a, &form.b]);
+                let bc = minor([b, c], [&form.b, &form.c]);
+                ac.times(&ac).plus(-4.0, &ab.times(&bc))
+            }
+        }
+    }
+
+    /// All places between two at which the curve may meet a surface, in order, and
+    /// whether it may touch it there; none if it may on a long stretch.
+    pub fn candidates(&self, surface: &Surface, [start, end]: [f64; 2]) -> Option<Vec<Candidate>> {
+        /// Of the greatest value: what is less may be 0.
+        const SMALL: f64 = 1e-11;
+        let equation = if surface.is_plane() {
+            let value = surface.value(self.origin) / self.unit;
+            self.on_plane(surface.linear.extend(value))
+        } else {
+            self.on_quadric(&matrix(surface, self.origin, self.unit))
+        };
+        let mut roots = Roots::default();
+        equation.roots(SMALL * equation.magnitude(), &mut roots);
+        if roots.is_lost {
+            return None;
+        }
+        let mut places: Vec<Candidate> = Vec::new();
+        for (angles, touches) in [(&roots.simple, false), (&roots.touching, true)] {
+            let own = angles.iter().flat_map(|&angle| self.places(angle));
+            let own = own.map(|place| start + (place - start).rem_euclid(TAU));
+            let own = own.filter(|&place| place > start && place < end);
+            places.extend(own.map(|place| (place, touches)));
+        }
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        places.dedup_by(|a, b| {
+            let is_same = a.0 - b.0 < 1e-13 * (end - start);
+            b.1 |= is_same && a.1;
+            is_same
+        });
+        Some(places)
+    }
+
     /// Cuts the curve where it goes to infinity.
     pub fn cut_at_infinity(self) -> Vec<Self> {
-        let [p, q] = self.lines.last();
-        let OnLines { a, b, c } = &self.on_lines;
-        // On a line at infinity are α : β = q : -p, by the last coordinates.
-        let at_infinity = if matches!(self.part, Part::Once) {
-            a.times(&q).plus(-2.0, &b.times(&p))
-        } else {
-            let mixed = b.times(&p).times(&q);
-            let ends = a.times(&q).times(&q).plus(1.0, &c.times(&p).times(&p));
-            ends.plus(-2.0, &mixed)
-        };
+        let infinity = DVec4::W;
+        let [p, q] = self.lines.values(infinity);
+        let at_infinity = self.on_plane(infinity);
         let mut roots = Roots::default();
         at_infinity.roots(1e-12 * at_infinity.magnitude(), &mut roots);
         let mut poles: Vec<f64> = Vec::new();

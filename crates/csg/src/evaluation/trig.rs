@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use super::roots::Roots;
 
 /// The highest degree there is.
-const DEGREE: usize = 4;
+const DEGREE: usize = 8;
 
-/// Σ cₖ cos kt + sₖ sin kt, k = 0, …, 4.
+/// Σ cₖ cos kt + sₖ sin kt, k = 0, …, 8.
 ///
 /// That is the real part of Σ (cₖ - i sₖ) zᵏ on the unit circle z = exp it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,7 +97,7 @@ impl Trig {
         sum
     }
 
-    /// The product; of the degrees the sum must be at most four.
+    /// The product; of the degrees the sum must be at most eight.
     pub fn times(&self, other: &Self) -> Self {
         let mut product = Self {
             degree: (self.degree + other.degree).min(DEGREE),

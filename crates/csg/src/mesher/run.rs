@@ -18,7 +18,7 @@ use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::{Mesh, MeshSurface};
 use crate::net;
-use crate::program::{Bounds, Program, Surface};
+use crate::program::{Bounds, Program};
 use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
 use crate::report::Report;
 
@@ -416,26 +416,28 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// A mesh to a tolerance, and, if it is to be checked, to so much less where
-    /// it would run through itself or fold that it does not.
+    /// A mesh to a tolerance, and on surfaces where that is not proven, or, if it
+    /// is to be checked, where the mesh would run through itself, to so much less
+    /// that it is.
     fn refine_to(
         &self,
         coarse: &Surfaced,
         task: &Task<'_>,
         mut goal: Goal,
     ) -> Result<Refined, Error> {
-        const MOST_TRIES: u32 = 7;
+        const MOST_TRIES: u32 = 8;
         /// In a row, that were no better.
         const MOST_IN_VAIN: u32 = 3;
         const FINER: f64 = 0.4;
+        /// So many times as many triangles are not worth it.
+        const MOST_GROWTH: usize = 20;
         let control = self.control.again(Demand::Tolerance(goal.tolerance));
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            let mut narrow = Vec::new();
+            let mut narrow = std::mem::take(&mut outcome.tighter);
             if self.mesher.check {
-                narrow = surfaces_of_folds(&outcome, &task.surfaces, task.size.length());
-                for (place, surfaces) in crossings_of(&mut surfaced) {
+                for (place, surfaces) in crossings_of(&surfaced, task.origin) {
                     outcome.unkept.push((Unkept::Crossing, place));
                     narrow.extend(surfaces);
                 }
@@ -445,13 +447,16 @@ impl<'a> Run<'a> {
             Ok((Refined { surfaced, outcome }, narrow))
         };
         let (mut best, mut narrow) = attempt(&goal)?;
+        let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
         for _ in 1..MOST_TRIES {
             if narrow.is_empty() || in_vain == MOST_IN_VAIN {
                 break;
             }
             for &surface in &narrow {
-                *goal.tight.entry(surface).or_insert(1.0) *= FINER;
+                // At first it may be enough that no vertex of them is removed.
+                let tight = goal.tight.entry(surface);
+                tight.and_modify(|share| *share *= FINER).or_insert(1.0);
             }
             let refined = match attempt(&goal) {
                 // Better one that runs through itself than none.
@@ -460,29 +465,17 @@ impl<'a> Run<'a> {
             };
             narrow = refined.1;
             in_vain += 1;
+            let is_too_large = refined.0.surfaced.triangles.len() > most_triangles;
             if refined.0.outcome.unkept.len() < best.outcome.unkept.len() {
                 best = refined.0;
                 in_vain = 0;
             }
+            if is_too_large {
+                break;
+            }
         }
         Ok(best)
     }
-}
-
-/// The surfaces on which a vertex could not be put.
-fn surfaces_of_folds(outcome: &Outcome, surfaces: &[Surface], size: f64) -> Vec<u32> {
-    const ON: f64 = 1e-9;
-    let folds = outcome.unkept.iter();
-    let folds = folds.filter(|(reason, _)| *reason == Unkept::Folded);
-    let near = |&(_, place): &(Unkept, DVec3)| {
-        let is_near =
-            move |s: &Surface| s.value(place).abs() <= ON * size * s.gradient(place).length();
-        (0u32..)
-            .zip(surfaces)
-            .filter(move |(_, s)| is_near(s))
-            .map(|(index, _)| index)
-    };
-    folds.flat_map(near).collect()
 }
 
 /// Whether a mesh to a tolerance is not to be tried in another way: nothing is to
@@ -529,24 +522,23 @@ fn crossings(mesh: &Mesh) -> Vec<DVec3> {
 }
 
 /// The same of a mesh whose triangles know their surfaces, with those of both
-/// triangles.
-fn crossings_of(surfaced: &mut Surfaced) -> Vec<(DVec3, [u32; 2])> {
+/// triangles, once its points are moved: rounding decides where faces meet in
+/// a plane.
+fn crossings_of(surfaced: &Surfaced, by: DVec3) -> Vec<(DVec3, [u32; 2])> {
     let mesh = Mesh {
-        positions: std::mem::take(&mut surfaced.positions),
-        triangles: std::mem::take(&mut surfaced.triangles),
+        positions: surfaced.positions.iter().map(|&p| p + by).collect(),
+        triangles: surfaced.triangles.clone(),
         ..Mesh::default()
     };
     let surface = |triangle: u32| {
         let group = surfaced.groups[triangle as usize];
         surfaced.surface_of_group[group as usize]
     };
+    let place = |triangle: u32| surfaced.positions[mesh.triangles[triangle as usize][0] as usize];
     let pairs = mesh.self_intersections().into_iter();
-    let places = pairs
-        .map(|pair| (mesh.corners(pair[0] as usize)[0], pair.map(surface)))
-        .collect();
-    surfaced.positions = mesh.positions;
-    surfaced.triangles = mesh.triangles;
-    places
+    pairs
+        .map(|pair| (place(pair[0]), pair.map(surface)))
+        .collect()
 }
 
 /// Moves all points.

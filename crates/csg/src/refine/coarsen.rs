@@ -56,16 +56,23 @@ struct Removal {
     holes: [Hole; 2],
 }
 
-/// Takes out vertices until none can be spared.
+/// Takes out vertices until none can be spared, but for those on surfaces with a
+/// tolerance of their own: faces are close to each other there.
 pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
     const MOST_PASSES: usize = 12;
     let mut removal = Removal::default();
     let mut waiting = vec![true; mesh.positions.len()];
+    let is_movable = |kind: &Kind| matches!(kind, Kind::Face | Kind::Curve);
+    let mut is_movable: Vec<bool> = mesh.kinds.iter().map(is_movable).collect();
+    for half in 0..mesh.halves.len() as u32 {
+        if goal.tight.contains_key(&mesh.surface_index(half)) {
+            is_movable[mesh.origin(half) as usize] = false;
+        }
+    }
     for _ in 0..MOST_PASSES {
         let mut removed = false;
         for vertex in 0..mesh.positions.len() as u32 {
-            let is_movable = matches!(mesh.kinds[vertex as usize], Kind::Face | Kind::Curve);
-            if !is_movable || !std::mem::take(&mut waiting[vertex as usize]) {
+            if !is_movable[vertex as usize] || !std::mem::take(&mut waiting[vertex as usize]) {
                 continue;
             }
             if removal.remove(mesh, vertex, goal) {

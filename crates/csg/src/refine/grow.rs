@@ -44,6 +44,7 @@ pub(super) struct Grower<'m, 's> {
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
     pub(super) stuck: Vec<(u32, DVec3)>,
+    /// What could not be done.
     pub outcome: Outcome,
     /// The triangles of the faces that are done.
     pub fine: Fine,
@@ -86,6 +87,9 @@ impl<'m, 's> Grower<'m, 's> {
                 // On its surfaces, whatever it folds.
                 self.mesh.positions[vertex as usize] = place;
                 self.outcome.unkept.push((Unkept::Folded, place));
+                let around = self.mesh.around(vertex);
+                let surfaces = around.map(|half| self.mesh.surface_index(half));
+                self.outcome.tighter.extend(surfaces);
             }
             far = (0..self.mesh.triangle_count()).collect();
         }
@@ -93,8 +97,10 @@ impl<'m, 's> Grower<'m, 's> {
             self.measure(triangle);
         }
         for part in &self.fine.parts {
+            let surface = self.mesh.surface_index(3 * part.large);
             let promised = self.goal.promised;
-            self.outcome.note(part.deviation, part.farthest, promised);
+            self.outcome
+                .note(part.deviation, part.farthest, &[surface], promised);
         }
         Ok(())
     }
@@ -119,7 +125,9 @@ impl<'m, 's> Grower<'m, 's> {
                 let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
                 if surfaces.iter().all(|s| s.is_plane()) {
                     let bound = deviation::of_chord(surfaces, p, q);
-                    self.outcome.note(bound, p.midpoint(q), self.goal.promised);
+                    let pair = [half, twin].map(|side| mesh.surface_index(side));
+                    let promised = self.goal.promised;
+                    self.outcome.note(bound, p.midpoint(q), &pair, promised);
                 }
             }
         }
@@ -136,10 +144,12 @@ impl<'m, 's> Grower<'m, 's> {
                     let ends = [self.mesh.origin(half), self.mesh.target(half)];
                     let [p, q] = ends.map(|v| self.mesh.at(v));
                     let middle = 0.5 * (p + q);
-                    let surfaces = [half, self.mesh.twin(half)].map(|h| self.mesh.surface(h));
+                    let sides = [half, self.mesh.twin(half)];
+                    let surfaces = sides.map(|side| self.mesh.surface(side));
                     let bound = deviation::of_chord(surfaces, p, q);
                     self.outcome.unkept.push((Unkept::Lost, middle));
-                    self.outcome.note(bound, middle, self.goal.promised);
+                    // A smaller tolerance would not help.
+                    self.outcome.note(bound, middle, &[], self.goal.promised);
                 }
             }
         }
@@ -154,8 +164,10 @@ impl<'m, 's> Grower<'m, 's> {
             return false;
         }
         let promised = self.goal.promised;
+        let sides = [chain[0], self.mesh.twin(chain[0])];
+        let pair = sides.map(|side| self.mesh.surface_index(side));
         self.outcome
-            .note(division.deviation, division.farthest, promised);
+            .note(division.deviation, division.farthest, &pair, promised);
         let mut first = self.mesh.positions.len() as u32;
         for &point in &division.points {
             self.mesh.add_vertex(point, Kind::Curve);
@@ -460,7 +472,9 @@ impl<'m, 's> Grower<'m, 's> {
         }
         if bound <= tolerance {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            self.outcome.note(bound, middle, self.goal.promised);
+            let surface = self.mesh.surface_index(3 * triangle);
+            self.outcome
+                .note(bound, middle, &[surface], self.goal.promised);
         }
         bound <= tolerance
     }
@@ -480,7 +494,8 @@ impl<'m, 's> Grower<'m, 's> {
             deviation::of_triangle(surface, corners)
         };
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        self.outcome.note(bound, middle, promised);
+        let index = region.surface;
+        self.outcome.note(bound, middle, &[index], promised);
     }
 
     /// Whether the four triangles that a split leaves face the right way.

@@ -6,6 +6,7 @@
 //! closed, oriented and manifold.
 
 use glam::DVec3;
+use rustc_hash::FxHashSet;
 
 use super::regions::{Region, regions};
 use crate::program::Surface;
@@ -52,6 +53,9 @@ pub(super) struct HalfEdges<'a> {
     pub piece_halves: Vec<u32>,
     /// Triangles that are gone.
     pub free: Vec<u32>,
+    /// Edges between its vertices that only the small triangles of faces have
+    /// that are done, both ways.
+    pub fine_edges: FxHashSet<[u32; 2]>,
 }
 
 #[inline(always)]
@@ -136,6 +140,7 @@ impl<'a> HalfEdges<'a> {
             halves,
             piece_halves: Vec::new(),
             free: Vec::new(),
+            fine_edges: FxHashSet::default(),
         };
         mesh.regions = regions(&mut mesh, groups, surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
@@ -144,6 +149,23 @@ impl<'a> HalfEdges<'a> {
             }
         }
         Some(mesh)
+    }
+
+    /// Lets no vertex move that is in the same place as another one, where the
+    /// solid touches itself.
+    pub fn fix_contacts(&mut self) {
+        let bits = |at: DVec3| at.to_array().map(f64::to_bits);
+        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
+        order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
+        for same in
+            order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
+        {
+            if same.len() > 1 {
+                for &vertex in same {
+                    self.kinds[vertex as usize] = Kind::Corner;
+                }
+            }
+        }
     }
 
     fn kind_of(&self, vertex: u32) -> Kind {
@@ -289,6 +311,7 @@ impl<'a> HalfEdges<'a> {
         let mut ends =
             around.map(|(there, back)| [self.target(there) == to, self.target(back) == from]);
         ends.any(|[there, back]| there || back)
+            || (!self.fine_edges.is_empty() && self.fine_edges.contains(&[from, to]))
     }
 
     /// Makes two half-edges twins.

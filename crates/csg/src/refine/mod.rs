@@ -127,16 +127,19 @@ pub(crate) struct Outcome {
     pub farthest: DVec3,
     /// In the frame of the surfaces.
     pub unkept: Vec<(Unkept, DVec3)>,
+    /// Surfaces for which a smaller tolerance may help; some several times.
+    pub tighter: Vec<u32>,
 }
 
 impl Outcome {
-    /// Notes a bound of the distance at a place.
-    fn note(&mut self, bound: f64, place: DVec3, promised: f64) {
+    /// Notes a bound of the distance at a place, of the mesh from surfaces.
+    fn note(&mut self, bound: f64, place: DVec3, surfaces: &[u32], promised: f64) {
         if bound > self.deviation {
             (self.deviation, self.farthest) = (bound, place);
         }
         if bound > promised {
             self.unkept.push((Unkept::Far, place));
+            self.tighter.extend(surfaces);
         }
     }
 }
@@ -178,9 +181,13 @@ pub(crate) fn to_tolerance(
             deviation: f64::INFINITY,
             farthest: place,
             unkept: vec![(Unkept::NotManifold, place)],
+            tighter: Vec::new(),
         });
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
+    if !goal.tight.is_empty() {
+        mesh.fix_contacts();
+    }
     coarsen::coarsen(&mut mesh, goal);
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);

@@ -5,7 +5,7 @@ use super::grow::{Grower, Piece};
 use super::half_edges::{HalfEdges, NONE};
 use super::regions::Way;
 use super::smooth::smooth;
-use super::tessellate::{Fine, Tessellator, rows_of};
+use super::tessellate::{Fine, INNER, Tessellator, rows_of};
 use crate::control::Control;
 use crate::error::Error;
 
@@ -39,8 +39,11 @@ impl Grower<'_, '_> {
         self.choose();
         while self.mesh.regions.iter().any(|r| r.way == Way::AtOnce) {
             let before = (self.mesh.clone(), self.pieces.clone(), self.stuck.clone());
-            let folded = self.try_at_once(control)?;
-            if folded.is_empty() {
+            let mut failed = self.try_at_once(control)?;
+            if failed.is_empty() {
+                failed = self.note_fine_edges();
+            }
+            if failed.is_empty() {
                 for region in &mut self.mesh.regions {
                     if region.way == Way::AtOnce {
                         region.way = Way::Done;
@@ -51,12 +54,29 @@ impl Grower<'_, '_> {
             (*self.mesh, self.pieces, self.stuck) = before;
             self.fine = Fine::default();
             for region in &mut self.mesh.regions {
-                if folded.contains(&region.surface) {
+                if failed.contains(&region.surface) {
                     region.way = Way::OneByOne;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Lets the mesh know which of its vertices small triangles join; returns the
+    /// surfaces of those that join two that are joined by another face.
+    fn note_fine_edges(&mut self) -> Vec<u32> {
+        let mut doubled = Vec::new();
+        for part in &self.fine.parts {
+            for &[a, b, c] in &part.triangles {
+                for edge in [[a, b], [b, c], [c, a]] {
+                    let is_on_rim = edge.iter().all(|&vertex| vertex < INNER);
+                    if is_on_rim && !self.mesh.fine_edges.insert(edge) {
+                        doubled.push(self.mesh.surface_index(3 * part.large));
+                    }
+                }
+            }
+        }
+        doubled
     }
 
     /// Tessellates the chosen faces; returns the surfaces of those where that

@@ -1,0 +1,46 @@
+//! Points in which faces are touched: by an edge that runs along them, an apex, or
+//! another face. They become vertices of both, so that both meet there and stay
+//! apart all around, however coarse their triangles.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::picture::Picture;
+use super::sectors::Side;
+
+/// A point in which surfaces touch each other.
+#[derive(Clone, Debug)]
+pub(super) struct Contact {
+    pub at: DVec3,
+    /// Those that may, by number.
+    pub surfaces: SmallVec<[u32; 3]>,
+}
+
+/// Makes vertices of contacts that lie inside of faces.
+pub(super) fn add_contacts(
+    scene: &Scene<'_>,
+    contacts: &[Contact],
+    faces: &[Side],
+    triangles: &mut [Vec<[u32; 3]>],
+    positions: &mut Vec<DVec3>,
+) {
+    if contacts.is_empty() {
+        return;
+    }
+    for (side, triangles) in faces.iter().zip(triangles) {
+        let frame = scene.frames[side.plane as usize].as_ref();
+        let is_own = |contact: &&Contact| {
+            let patch = frame.map_or(0, |f| f.patch(contact.at, DVec3::ZERO, scene.near));
+            contact.surfaces.contains(&side.plane) && patch == side.patch
+        };
+        let mut own = contacts.iter().filter(is_own).peekable();
+        if own.peek().is_some() {
+            let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+            for contact in own {
+                picture.insert(contact.at, positions);
+            }
+            *triangles = picture.triangles;
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Curved faces whose triangles would fold in space.
+//!
+//! Cut up as it is seen from its patch's direction, a face has triangles that
+//! do not overlap there, but a long one may face away from its surface. Such
+//! faces get the Delaunay triangulation of the picture (Lawson, *Software for C1
+//! Surface Interpolation*, 1977), and then vertices in the middle of the longest
+//! sides of what is left. A vertex that is lifted to the surface along the
+//! direction of view stays where it is in the picture, so that triangles never
+//! overlap there, and all face outwards once they are small.
+
+use glam::DVec3;
+
+use super::Scene;
+use super::picture::{NONE, Picture};
+use super::sectors::Side;
+use crate::program::Surface;
+
+/// Whether a triangle's normal and the surface's agree, at the corners and in
+/// the middle.
+fn faces_out(surface: &Surface, along_normal: bool, corners: [DVec3; 3]) -> bool {
+    /// Of the angle between them, squared: 60°.
+    const LEAST_COSINE_SQUARED: f64 = 0.25;
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let normal = if along_normal { normal } else { -normal };
+    let agrees = |at: DVec3| {
+        let gradient = surface.gradient(at);
+        let along = normal.dot(gradient);
+        let squares = normal.length_squared() * gradient.length_squared();
+        // At an apex the gradient says nothing.
+        along >= 0.0 && along * along >= LEAST_COSINE_SQUARED * squares
+    };
+    agrees((a + b + c) / 3.0) && corners.into_iter().all(agrees)
+}
+
+/// Cuts a curved face up anew if one of its triangles does not face outwards
+/// clearly, with more vertices where it takes them.
+pub(super) fn unfold(
+    scene: &Scene<'_>,
+    side: &Side,
+    triangles: &mut Vec<[u32; 3]>,
+    positions: &mut Vec<DVec3>,
+) {
+    const MOST_ROUNDS: usize = 8;
+    let Some(frame) = &scene.frames[side.plane as usize] else {
+        return;
+    };
+    let surface = &scene.surfaces[side.plane as usize];
+    let is_good = |corners: &[u32; 3], positions: &[DVec3]| {
+        let corners = corners.map(|c| positions[c as usize]);
+        faces_out(surface, side.along_normal, corners)
+    };
+    if triangles.iter().all(|corners| is_good(corners, positions)) {
+        return;
+    }
+    let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+    picture.make_delaunay(positions);
+    for _ in 0..MOST_ROUNDS {
+        let before = positions.len();
+        for triangle in 0..picture.triangles.len() as u32 {
+            let corners = picture.triangles[triangle as usize];
+            if is_good(&corners, positions) {
+                continue;
+            }
+            let length = |half: &u32| {
+                let [from, to] = picture.ends(*half);
+                positions[from as usize].distance_squared(positions[to as usize])
+            };
+            let inner = 3 * triangle..3 * triangle + 3;
+            let inner = inner.filter(|&half| picture.twins[half as usize] != NONE);
+            let Some(half) = inner.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+                continue;
+            };
+            // In its middle, as it is seen.
+            let [from, to] = picture.ends(half);
+            let middle = positions[from as usize].midpoint(positions[to as usize]);
+            let lifted = frame.lift(surface, side.patch, middle);
+            let off = surface.value(lifted).abs();
+            if off <= scene.weld * surface.gradient(lifted).length() {
+                positions.push(lifted);
+                picture.split_edge(half, positions.len() as u32 - 1, positions);
+            }
+        }
+        if positions.len() == before {
+            break;
+        }
+    }
+    *triangles = picture.triangles;
+}
