@@ -1,13 +1,25 @@
-//! Random solids that are hard on a mesher: primitives of every kind, shared
-//! transforms, coincident faces, contacts.
+//! Random solids that are hard on a mesher: primitives of every kind, with shared
+//! transforms, coincident faces and contacts, or in general position.
 
 use csg::Solid;
 use glam::{DAffine3, DVec3, EulerRot};
 
+/// How primitives lie to each other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Position {
+    /// Placements are shared and on a lattice, sizes few: faces and axes
+    /// coincide, and surfaces touch.
+    Special,
+    /// Anywhere, of any size.
+    General,
+}
+
 /// A bounded solid of up to 40 primitives; the same for the same seed.
-pub fn random_tree(seed: u64) -> Solid {
-    let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d);
-    // A few placements used again and again make faces and axes coincide.
+pub fn random_tree(seed: u64, position: Position) -> Solid {
+    let mut random = Random {
+        state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d,
+        position,
+    };
     let shared: Vec<DAffine3> = (0..3).map(|_| placement(&mut random)).collect();
     let primitives = 1 + random.below(40);
     let body = tree(&mut random, primitives, &shared);
@@ -17,6 +29,7 @@ pub fn random_tree(seed: u64) -> Solid {
 fn tree(random: &mut Random, primitives: u32, shared: &[DAffine3]) -> Solid {
     if primitives == 1 {
         let place = match random.below(4) {
+            _ if random.position == Position::General => placement(random),
             0 => placement(random),
             1 => DAffine3::from_translation(lattice_point(random)),
             n => shared[(n as usize + random.below(2) as usize) % shared.len()],
@@ -33,19 +46,28 @@ fn tree(random: &mut Random, primitives: u32, shared: &[DAffine3]) -> Solid {
     }
 }
 
-/// Sizes in quarters, so that many meet.
 fn size(random: &mut Random) -> f64 {
-    0.25 * f64::from(1 + random.below(5))
+    match random.position {
+        Position::Special => 0.25 * f64::from(1 + random.below(5)),
+        Position::General => 0.25 + random.unit(),
+    }
 }
 
 fn lattice_point(random: &mut Random) -> DVec3 {
     DVec3::from_array([(); 3].map(|()| 0.25 * (f64::from(random.below(9)) - 4.0)))
 }
 
+fn place(random: &mut Random) -> DVec3 {
+    match random.position {
+        Position::Special => lattice_point(random),
+        Position::General => DVec3::from_array([(); 3].map(|()| 2.0 * random.unit() - 1.0)),
+    }
+}
+
 fn placement(random: &mut Random) -> DAffine3 {
     let [x, y, z] = [(); 3].map(|()| random.unit() * std::f64::consts::TAU);
     let turn = glam::DQuat::from_euler(EulerRot::ZYX, z, y, x);
-    DAffine3::from_rotation_translation(turn, lattice_point(random))
+    DAffine3::from_rotation_translation(turn, place(random))
 }
 
 fn primitive(random: &mut Random) -> Solid {
@@ -71,12 +93,15 @@ fn primitive(random: &mut Random) -> Solid {
 }
 
 /// Steele, Lea and Flood's SplitMix64 (2014).
-struct Random(u64);
+struct Random {
+    state: u64,
+    position: Position,
+}
 
 impl Random {
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)

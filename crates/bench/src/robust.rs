@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::defects::{largest_miss, size};
 use crate::poses::{Pose, pose};
-use crate::random_tree::random_tree;
+use crate::random_tree::{Position, random_tree};
 use crate::scenes;
 
 #[derive(clap::Args)]
@@ -37,6 +37,13 @@ pub struct Options {
     /// Leave the scenes out
     #[arg(long)]
     trees_only: bool,
+    /// Mesh the trees to this tolerance, not on grids: then whatever there is to
+    /// report is a failure
+    #[arg(long)]
+    tolerance: Option<f64>,
+    /// Trees in general position: no faces that coincide or touch
+    #[arg(long)]
+    general: bool,
 }
 
 /// Prints every failure, with what it takes to repeat it, and a summary.
@@ -52,23 +59,37 @@ pub fn run(options: &Options) {
         .for_each(|seed| {
             // Grids from hopeless to well resolved.
             let cells = [7, 16, 29, 48][(seed % 4) as usize];
-            let program = Program::lower(&random_tree(seed)).expect("a valid tree");
+            let position = if options.general {
+                Position::General
+            } else {
+                Position::Special
+            };
+            let program = Program::lower(&random_tree(seed, position)).expect("a valid tree");
+            let (how, mesher) = match options.tolerance {
+                Some(tolerance) => (
+                    format!("to {tolerance}"),
+                    Mesher::new().tolerance(tolerance),
+                ),
+                None => (format!("at {cells} cells"), Mesher::new().cells(cells)),
+            };
             let case = Case {
-                what: format!("random tree {seed} at {cells} cells"),
+                what: format!("random tree {seed} {how}"),
                 program: &program,
                 genus: None,
                 rounding: 0.0,
+                is_promised: options.tolerance.is_some(),
             };
-            tally.add(&case, &Mesher::new().cells(cells));
+            tally.add(&case, &mesher);
         });
     println!(
         "{} meshes: {} not manifold, {} errors, {} of the wrong genus, {} with vertices off \
-         their surfaces; {} with fallbacks",
+         their surfaces; {} through themselves where none should be; {} with fallbacks",
         tally.meshes.into_inner(),
         tally.defective.into_inner(),
         tally.errors.into_inner(),
         tally.wrong_genus.into_inner(),
         tally.off.into_inner(),
+        tally.crossed.into_inner(),
         tally.with_fallbacks.into_inner(),
     );
 }
@@ -95,6 +116,7 @@ fn every_grid(name: &str, options: &Options, tally: &Tally) {
                 program: &program,
                 genus: scene.genus.filter(|_| cells >= resolving),
                 rounding: pose.rounding(),
+                is_promised: false,
             };
             let cell = 2.0 * scene.half * pose.scale / f64::from(cells);
             tally.add(&case, &Mesher::new().cell_size(cell));
@@ -131,6 +153,8 @@ struct Case<'a> {
     genus: Option<i64>,
     /// How far vertices may be off besides 1e-12 of the mesh's diagonal.
     rounding: f64,
+    /// Whether there should be nothing to report.
+    is_promised: bool,
 }
 
 #[derive(Default)]
@@ -140,6 +164,7 @@ struct Tally {
     errors: AtomicUsize,
     wrong_genus: AtomicUsize,
     off: AtomicUsize,
+    crossed: AtomicUsize,
     with_fallbacks: AtomicUsize,
 }
 
@@ -174,6 +199,16 @@ impl Tally {
         let fallbacks = &meshed.report.fallbacks;
         if !fallbacks.is_empty() {
             count(&self.with_fallbacks);
+        }
+        if case.is_promised {
+            for fallback in fallbacks {
+                println!("{what}: {fallback}");
+            }
+            let crossings = meshed.mesh.self_intersections().len();
+            if crossings > 0 {
+                count(&self.crossed);
+                println!("{what}: {crossings} places where it runs through itself");
+            }
         }
         // A vertex whose surfaces have no common point cannot be on them all.
         if !fallbacks.iter().any(|f| f.kind.contains("common point")) {
