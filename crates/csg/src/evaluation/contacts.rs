@@ -30,15 +30,23 @@ pub(super) fn add_contacts(
     }
     for (side, triangles) in faces.iter().zip(triangles) {
         let frame = scene.frames[side.plane as usize].as_ref();
-        let is_own = |contact: &&Contact| {
+        let is_inside = |contact: &&Contact| {
             let patch = frame.map_or(0, |f| f.patch(contact.at, DVec3::ZERO, scene.near));
-            contact.surfaces.contains(&side.plane) && patch == side.patch
+            let is_corner =
+                |&corner: &u32| positions[corner as usize].distance(contact.at) <= scene.weld;
+            contact.surfaces.contains(&side.plane)
+                && patch == side.patch
+                && !triangles.iter().flatten().any(is_corner)
         };
-        let mut own = contacts.iter().filter(is_own).peekable();
-        if own.peek().is_some() {
+        let inside: SmallVec<[DVec3; 4]> = contacts
+            .iter()
+            .filter(is_inside)
+            .map(|contact| contact.at)
+            .collect();
+        if !inside.is_empty() {
             let mut picture = Picture::new(scene, side, std::mem::take(triangles));
-            for contact in own {
-                picture.insert(contact.at, positions);
+            for at in inside {
+                picture.insert(at, positions);
             }
             *triangles = picture.triangles;
         }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::Roots;
+use super::roots::{Roots, Sample};
 use super::rulings::Rulings;
 use super::trig::Trig;
 use crate::program::Surface;
@@ -333,20 +333,26 @@ impl Curve {
                 if self.lies_in(surface, [start, end], on) {
                     return Meets::Curve;
                 }
-                let Some(candidates) = rulings.candidates(surface, [start, end]) else {
-                    roots.is_lost = true;
-                    return Meets::Points;
-                };
                 // In homogeneous coordinates, where nothing is infinite.
                 let power = if surface.is_plane() { 1 } else { 2 };
                 let slope =
                     |(at, weight): (DVec3, f64)| surface.gradient(at).length() * weight.powi(power);
                 let slope = samples.iter().map(|s| slope(s.1)).fold(0.0, f64::max);
-                let value = |t: f64| {
-                    let (at, weight) = rulings.weighted(t);
-                    surface.value(at) * weight.powi(power)
-                };
-                roots.find_at(&candidates, [start, end], value, near * slope);
+                let weigh = |(at, weight): (DVec3, f64)| surface.value(at) * weight.powi(power);
+                let value = |t: f64| weigh(rulings.weighted(t));
+                if let Some(candidates) = rulings.candidates(surface, [start, end]) {
+                    roots.find_at(&candidates, [start, end], value, near * slope);
+                    return Meets::Points;
+                }
+                // Another branch of it runs along the surface. The second derivative is
+                // bounded by what is found at the samples.
+                let values: Vec<Sample> = samples.iter().map(|&(t, at)| (t, weigh(at))).collect();
+                let bends = values
+                    .windows(3)
+                    .map(|v| (v[0].1 - 2.0 * v[1].1 + v[2].1).abs());
+                let step = (end - start) / SAMPLES as f64;
+                let bend = 2.0 * bends.fold(0.0, f64::max) / (step * step);
+                roots.find_between(&values, value, |_, _| bend, near * slope);
                 Meets::Points
             }
         }

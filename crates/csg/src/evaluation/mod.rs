@@ -485,7 +485,8 @@ impl Cut {
 }
 
 /// The faces with a directed edge that occurs twice: diagonals of two faces, or a
-/// diagonal and an edge, may join the same two vertices.
+/// diagonal and an edge, may join the same two vertices. And those with triangles
+/// back to back: of a lens of which three vertices are known.
 fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<u32> {
     // The edges that leave each vertex, by counting.
     let mut starts = vec![0u32; vertices + 2];
@@ -513,6 +514,18 @@ fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec
                 .flatten()
                 .map(|edge| edge.1),
         );
+    }
+    let leaving = |vertex: u32| {
+        let vertex = vertex as usize;
+        &edges[starts[vertex] as usize..starts[vertex + 1] as usize]
+    };
+    for vertex in 0..vertices as u32 {
+        if let &[(p, one), (q, other)] = leaving(vertex)
+            && let &[(r, _), (s, _)] = leaving(p)
+            && [[vertex, q], [q, vertex]].contains(&[r, s])
+        {
+            doubled.extend([one, other]);
+        }
     }
     doubled.sort_unstable();
     doubled.dedup();

@@ -75,19 +75,20 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
             Carrier::Other => None,
         }
     };
-    // The surfaces themselves first, which are known best.
-    for own in [[1.0, 0.0], [0.0, 1.0]] {
-        if let Some(known) = consider(own) {
-            return known;
-        }
-    }
+    // Conics first, which are the simplest curves.
     let Singular {
         mut angles,
         doubled,
     } = pencil.singular_members();
-    for angle in doubled.into_iter().chain(angles.iter().copied()) {
+    for angle in doubled {
         let (sin, cos) = angle.sin_cos();
         if let Some(known) = pencil.on_planes(&pencil.combined([cos, sin]), near) {
+            return known;
+        }
+    }
+    // Then the surfaces themselves, which are known best.
+    for own in [[1.0, 0.0], [0.0, 1.0]] {
+        if let Some(known) = consider(own) {
             return known;
         }
     }

@@ -53,6 +53,12 @@ pub(crate) struct OnLines {
     pub c: Trig,
 }
 
+impl OnLines {
+    fn magnitudes(&self) -> [f64; 3] {
+        [&self.a, &self.b, &self.c].map(Trig::magnitude)
+    }
+}
+
 impl Lines {
     /// The values of another quadric.
     pub fn form(&self, other: &DMat4) -> OnLines {
@@ -209,59 +215,78 @@ impl Rulings {
     }
 
     /// What vanishes on the lines on which the curve meets a plane. On such a line
-    /// α : β = q : -p, by the plane's values at p and q.
-    fn on_plane(&self, plane: DVec4) -> Trig {
+    /// α : β = q : -p, by the plane's values at p and q. And how large its terms
+    /// are.
+    fn on_plane(&self, plane: DVec4) -> (Trig, f64) {
         let [p, q] = self.lines.values(plane);
         let OnLines { a, b, c } = &self.on_lines;
+        let [size_a, size_b, size_c] = self.on_lines.magnitudes();
+        let [size_p, size_q] = [&p, &q].map(Trig::magnitude);
         match self.part {
-            Part::Once => a.times(&q).plus(-2.0, &b.times(&p)),
+            Part::Once => (
+                a.times(&q).plus(-2.0, &b.times(&p)),
+                size_a * size_q + size_b * size_p,
+            ),
             _ => {
                 let mixed = b.times(&p).times(&q);
                 let ends = a.times(&q).times(&q).plus(1.0, &c.times(&p).times(&p));
-                ends.plus(-2.0, &mixed)
+                let size = (size_a * size_q + size_b * size_p) * size_q + size_c * size_p * size_p;
+                (ends.plus(-2.0, &mixed), size)
             }
         }
     }
 
     /// The same for another quadric: its value at the one point of a line, or the
     /// resultant of the two equations for α : β.
-    fn on_quadric(&self, other: &DMat4) -> Trig {
+    fn on_quadric(&self, other: &DMat4) -> (Trig, f64) {
         let OnLines { a, b, c } = &self.on_lines;
         let form = self.lines.form(other);
-        let minor = |[p, q]: [&Trig; 2], [r, s]: [&Trig; 2]| p.times(s).plus(-1.0, &q.times(r));
-        let one_point = |b: &Trig, factor: f64| {
+        let [size_a, size_b, size_c] = self.on_lines.magnitudes();
+        let [form_a, form_b, form_c] = form.magnitudes();
+        let one_point = |factor: f64| {
             let squares = form.a.times(&b.times(b));
             let mixed = form.b.times(&a.times(b));
             let sum = squares.plus(-2.0 * factor, &mixed);
-            sum.plus(factor * factor, &form.c.times(&a.times(a)))
+            let size = (form_a * size_b + form_b * size_a) * size_b + form_c * size_a * size_a;
+            (sum.plus(factor * factor, &form.c.times(&a.times(a))), size)
         };
         match self.part {
             // α : β = -2 b : a, and -b : a.
-            Part::Once => one_point(b, 0.5),
-            Part::Touching => one_point(b, 1.0),
+            Part::Once => one_point(0.5),
+            Part::Touching => one_point(1.0),
             Part::Around { .. } | Part::Between { .. } => {
+                let minor =
+                    |[p, q]: [&Trig; 2], [r, s]: [&Trig; 2]| p.times(s).plus(-1.0, &q.times(r));
                 let ac = minor([a, c], [&form.a, &form.c]);
                 let ab = minor([a, b], [&form.a, &form.b]);
                 let bc = minor([b, c], [&form.b, &form.c]);
-                ac.times(&ac).plus(-4.0, &ab.times(&bc))
+                let size_ac = size_a * form_c + size_c * form_a;
+                let size_ab = size_a * form_b + size_b * form_a;
+                let size_bc = size_b * form_c + size_c * form_b;
+                (
+                    ac.times(&ac).plus(-4.0, &ab.times(&bc)),
+                    size_ac * size_ac + size_ab * size_bc,
+                )
             }
         }
     }
 
     /// All places between two at which the curve may meet a surface, in order, and
-    /// whether it may touch it there; none if it may on a long stretch.
+    /// whether it may touch it there; none if some branch of the curve may on a
+    /// long stretch.
     pub fn candidates(&self, surface: &Surface, [start, end]: [f64; 2]) -> Option<Vec<Candidate>> {
         /// Of the greatest value: what is less may be 0.
         const SMALL: f64 = 1e-11;
-        let equation = if surface.is_plane() {
+        let (equation, size) = if surface.is_plane() {
             let value = surface.value(self.origin) / self.unit;
             self.on_plane(surface.linear.extend(value))
         } else {
             self.on_quadric(&matrix(surface, self.origin, self.unit))
         };
+        let magnitude = equation.magnitude();
         let mut roots = Roots::default();
-        equation.roots(SMALL * equation.magnitude(), &mut roots);
-        if roots.is_lost {
+        equation.roots(SMALL * magnitude, &mut roots);
+        if roots.is_lost || magnitude <= SMALL * size {
             return None;
         }
         let mut places: Vec<Candidate> = Vec::new();
@@ -284,7 +309,7 @@ impl Rulings {
     pub fn cut_at_infinity(self) -> Vec<Self> {
         let infinity = DVec4::W;
         let [p, q] = self.lines.values(infinity);
-        let at_infinity = self.on_plane(infinity);
+        let (at_infinity, _) = self.on_plane(infinity);
         let mut roots = Roots::default();
         at_infinity.roots(1e-12 * at_infinity.magnitude(), &mut roots);
         let mut poles: Vec<f64> = Vec::new();

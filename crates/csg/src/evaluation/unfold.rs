@@ -15,22 +15,15 @@ use super::picture::{NONE, Picture};
 use super::sectors::Side;
 use crate::program::Surface;
 
-/// Whether a triangle's normal and the surface's agree, at the corners and in
-/// the middle.
-fn faces_out(surface: &Surface, along_normal: bool, corners: [DVec3; 3]) -> bool {
+/// Whether a triangle's normal and the surface's agree in its middle.
+fn faces_out(surface: &Surface, along_normal: bool, [a, b, c]: [DVec3; 3]) -> bool {
     /// Of the angle between them, squared: 60°.
     const LEAST_COSINE_SQUARED: f64 = 0.25;
-    let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
-    let normal = if along_normal { normal } else { -normal };
-    let agrees = |at: DVec3| {
-        let gradient = surface.gradient(at);
-        let along = normal.dot(gradient);
-        let squares = normal.length_squared() * gradient.length_squared();
-        // At an apex the gradient says nothing.
-        along >= 0.0 && along * along >= LEAST_COSINE_SQUARED * squares
-    };
-    agrees((a + b + c) / 3.0) && corners.into_iter().all(agrees)
+    let gradient = surface.gradient((a + b + c) / 3.0);
+    let along = normal.dot(gradient);
+    let squares = normal.length_squared() * gradient.length_squared();
+    (along > 0.0) == along_normal && along * along >= LEAST_COSINE_SQUARED * squares
 }
 
 /// Cuts a curved face up anew if one of its triangles does not face outwards

@@ -156,6 +156,15 @@ impl Removal {
             }
             used += hole.ears.len();
         }
+        // Two triangles back to back would enclose nothing.
+        let beyond = (chord_twin != NONE).then(|| mesh.apex(chord_twin));
+        let over_chord = self.holes.iter().filter_map(Hole::apex_over_chord);
+        let mut over_chord = over_chord.chain(beyond);
+        if let (Some(a), Some(b)) = (over_chord.next(), over_chord.next())
+            && a == b
+        {
+            return false;
+        }
         // Nothing was touched so far.
         let mut slots = self.slots.iter();
         for hole in &self.holes {
@@ -262,6 +271,15 @@ impl Hole {
         }
         // Ears may leave corners in a line behind.
         (4..=MOST_CORNERS).contains(&self.corners.len()) && self.try_all(mesh, slots)
+    }
+
+    /// The corner across from the new chord of the triangle that ends at it.
+    fn apex_over_chord(&self) -> Option<u32> {
+        let own = |(corners, beyond): &([u32; 3], [u32; 3])| {
+            let side = beyond.iter().position(|&beyond| beyond == NONE)?;
+            Some(corners[(side + 2) % 3])
+        };
+        self.ears.iter().find_map(own)
     }
 
     fn may_be(&self, mesh: &HalfEdges<'_>, corners: [u32; 3]) -> bool {
