@@ -83,7 +83,7 @@ impl Boundary {
         all.find_apexes(scene);
         all.link_contours(scene)?;
         all.simplify(scene)?;
-        all.part_double_edges();
+        all.part_double_edges(scene)?;
         Some(all)
     }
 
@@ -383,9 +383,9 @@ impl Boundary {
         (fan_of, point_of)
     }
 
-    /// Parts edges that have both vertices in common by vertices in their
-    /// middles.
-    fn part_double_edges(&mut self) {
+    /// Parts edges that have both vertices in common by vertices in the middles of
+    /// their curves; none where one cannot be found.
+    fn part_double_edges(&mut self, scene: &Scene<'_>) -> Option<()> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);
@@ -400,11 +400,11 @@ impl Boundary {
         edges.sort_unstable();
         for alike in edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1) {
             for &(_, half_edge) in alike {
-                let [a, b] = [half_edge, self.at(half_edge).twin];
-                let ends = [a, b].map(|h| self.points[self.at(h).from as usize]);
-                self.part(half_edge, 0.5 * (ends[0] + ends[1]));
+                let middle = self.middle(scene, half_edge)?;
+                self.part(half_edge, middle);
             }
         }
+        Some(())
     }
 
     /// Puts a vertex on an edge.

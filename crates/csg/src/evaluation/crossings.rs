@@ -22,11 +22,12 @@ impl Boundary {
     }
 
     /// The point of an edge's curve next to the middle of its chord.
-    fn middle(&self, scene: &Scene<'_>, half_edge: u32) -> Option<DVec3> {
+    pub fn middle(&self, scene: &Scene<'_>, half_edge: u32) -> Option<DVec3> {
         let [a, b] =
             [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
         let (middle, half) = (0.5 * (a + b), 0.5 * a.distance(b));
-        let Some(surfaces) = self.surfaces_of(scene, half_edge) else {
+        let surfaces = self.surfaces_of(scene, half_edge);
+        let Some(surfaces) = surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) else {
             return Some(middle);
         };
         let found = solve::common_point(&surfaces, middle, half);

@@ -588,9 +588,12 @@ impl<'m, 's> Grower<'m, 's> {
     }
 }
 
-/// The point of a surface near `start`, by Newton's method along the gradient.
+/// The point of a surface near `start`, by Newton's method along the gradient;
+/// none if that does not end there.
 pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
-    const MOST_STEPS: usize = 8;
+    const MOST_STEPS: usize = 12;
+    /// Of coordinates, and squared.
+    const ROUNDING: f64 = 1e-28;
     let mut point = start;
     for _ in 0..MOST_STEPS {
         let gradient = surface.gradient(point);
@@ -601,9 +604,10 @@ pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
         }
         point -= step;
         // Its square is what is left.
-        if step.length_squared() <= 1e-16 * start.distance_squared(point) {
-            break;
+        let left = step.length_squared();
+        if left <= 1e-16 * start.distance_squared(point) + ROUNDING * point.length_squared() {
+            return Some(point);
         }
     }
-    Some(point)
+    None
 }
