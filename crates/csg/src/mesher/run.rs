@@ -416,9 +416,9 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// A mesh to a tolerance, and on surfaces where that is not proven, or, if it
-    /// is to be checked, where the mesh would run through itself, to so much less
-    /// that it is.
+    /// A mesh to a tolerance, and, if it is to be checked, to so much less on
+    /// surfaces where it would run through itself, or the tolerance is not proven,
+    /// that it does not and is.
     fn refine_to(
         &self,
         coarse: &Surfaced,
@@ -435,8 +435,9 @@ impl<'a> Run<'a> {
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            let mut narrow = std::mem::take(&mut outcome.tighter);
+            let mut narrow = Vec::new();
             if self.mesher.check {
+                narrow.append(&mut outcome.tighter);
                 for (place, surfaces) in crossings_of(&surfaced, task.origin) {
                     outcome.unkept.push((Unkept::Crossing, place));
                     narrow.extend(surfaces);
