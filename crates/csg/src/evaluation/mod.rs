@@ -17,7 +17,9 @@
 //!    be seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`]), and these
 //!    cut into triangles ([`mod@triangulate`]), with more chords where they would
-//!    run across each other ([`crossings`]).
+//!    run across each other ([`crossings`]). Points where something touches a face
+//!    become vertices of it ([`contacts`]), and triangles that would face away from
+//!    their surface are cut up anew ([`mod@unfold`], [`picture`]).
 //!
 //! This is the boundary evaluation of classical solid modelling (Requicha and
 //! Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and

@@ -416,9 +416,9 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// A mesh to a tolerance, and, if it is to be checked, to so much less on
-    /// surfaces where it would run through itself, or the tolerance is not proven,
-    /// that it does not and is.
+    /// A mesh to a tolerance, and to so much less on surfaces where that is not
+    /// proven, or, if it is to be checked, where the mesh would run through itself,
+    /// that it is and does not.
     fn refine_to(
         &self,
         coarse: &Surfaced,
@@ -426,6 +426,8 @@ impl<'a> Run<'a> {
         mut goal: Goal,
     ) -> Result<Refined, Error> {
         const MOST_TRIES: u32 = 8;
+        /// Of a mesh that is not checked.
+        const FEW_TRIES: u32 = 3;
         /// In a row, that were no better.
         const MOST_IN_VAIN: u32 = 3;
         const FINER: f64 = 0.4;
@@ -435,9 +437,8 @@ impl<'a> Run<'a> {
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            let mut narrow = Vec::new();
+            let mut narrow = std::mem::take(&mut outcome.tighter);
             if self.mesher.check {
-                narrow.append(&mut outcome.tighter);
                 for (place, surfaces) in crossings_of(&surfaced, task.origin) {
                     outcome.unkept.push((Unkept::Crossing, place));
                     narrow.extend(surfaces);
@@ -450,14 +451,21 @@ impl<'a> Run<'a> {
         let (mut best, mut narrow) = attempt(&goal)?;
         let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
-        for _ in 1..MOST_TRIES {
-            if narrow.is_empty() || in_vain == MOST_IN_VAIN {
+        // At first it may be enough that no vertex of the surfaces is removed.
+        let (tries, most_in_vain, at_first) = if self.mesher.check {
+            (MOST_TRIES, MOST_IN_VAIN, 1.0)
+        } else {
+            (FEW_TRIES, 1, FINER)
+        };
+        for _ in 1..tries {
+            if narrow.is_empty() || in_vain == most_in_vain {
                 break;
             }
             for &surface in &narrow {
-                // At first it may be enough that no vertex of them is removed.
                 let tight = goal.tight.entry(surface);
-                tight.and_modify(|share| *share *= FINER).or_insert(1.0);
+                tight
+                    .and_modify(|share| *share *= FINER)
+                    .or_insert(at_first);
             }
             let refined = match attempt(&goal) {
                 // Better one that runs through itself than none.
