@@ -98,13 +98,23 @@ pub(super) fn divide(
     goal: &Goal,
     precision: f64,
 ) -> Option<Division> {
+    const LEAST_LEFT: f64 = 0.25;
     let surfaces = [mesh.surface(chain[0]), mesh.surface(mesh.twin(chain[0]))];
     let starts = chain.iter().map(|&half| mesh.at(mesh.origin(half)));
     let end = mesh.at(mesh.target(chain[chain.len() - 1]));
     let vertices: Vec<DVec3> = starts.chain([end]).collect();
     let on = |half| goal.tolerance_on(mesh.surface_index(half));
+    let tolerance = on(chain[0]).min(on(mesh.twin(chain[0])));
+    // What ends are off their surfaces already is not left to chords, unless that
+    // is most of it.
+    let off = surfaces.map(|s| [vertices[0], end].map(|p| deviation::first_order(s, p)));
+    let left = tolerance - off.iter().flatten().copied().fold(0.0, f64::max);
     let goal = &Goal {
-        tolerance: on(chain[0]).min(on(mesh.twin(chain[0]))),
+        tolerance: if left > LEAST_LEFT * tolerance {
+            left
+        } else {
+            tolerance
+        },
         ..goal.clone()
     };
     if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {

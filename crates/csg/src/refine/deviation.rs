@@ -50,6 +50,11 @@ pub(super) fn shrinkage(surface: &Surface) -> f64 {
     }
 }
 
+/// The distance of a point to a surface, to first order.
+pub(super) fn first_order(surface: &Surface, at: DVec3) -> f64 {
+    surface.value(at).abs() / surface.gradient(at).length()
+}
+
 /// The largest |Σ 2 b_ij λ_i λ_j| over the triangle λ >= 0, Σ λ = 1, for
 /// b = (b01, b12, b20): the middles of the edges and, where it lies inside, the
 /// stationary point.

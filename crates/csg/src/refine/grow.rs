@@ -494,8 +494,11 @@ impl<'m, 's> Grower<'m, 's> {
             deviation::of_triangle(surface, corners)
         };
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let index = region.surface;
-        self.outcome.note(bound, middle, &[index], promised);
+        // A smaller tolerance would not bring its corners to the surface.
+        let is_off = |&corner: &DVec3| deviation::first_order(surface, corner) >= promised;
+        let tighter = (!corners.iter().any(is_off)).then_some(region.surface);
+        self.outcome
+            .note(bound, middle, tighter.as_slice(), promised);
     }
 
     /// Whether the four triangles that a split leaves face the right way.
@@ -541,20 +544,33 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    /// Moves a vertex, flipping the edges that are in its way.
+    /// Moves a vertex, flipping the edges that are in its way, each where the way
+    /// crosses it; as far as it may go.
     fn push(&mut self, vertex: u32, target: DVec3) -> bool {
         const MOST_FLIPS: usize = 24;
         for _ in 0..MOST_FLIPS {
             let mesh = &mut *self.mesh;
-            let faces = |mesh: &HalfEdges<'_>, half: u32, [b, c]: [u32; 2]| {
-                let corners = [target, mesh.at(b), mesh.at(c)];
+            let from = mesh.at(vertex);
+            let faces = |half: u32, at: DVec3, [b, c]: [u32; 2]| {
+                let corners = [at, mesh.at(b), mesh.at(c)];
                 faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
             };
-            let blocked = mesh
-                .around(vertex)
-                .map(next)
-                .find(|&rim| !faces(mesh, rim, [mesh.origin(rim), mesh.target(rim)]));
-            let Some(rim) = blocked else {
+            // Where on the way a triangle at the vertex has no area left.
+            let crossing = |rim: u32| {
+                let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
+                let [before, after] = [from, target].map(|at| {
+                    let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
+                    let normal = (ends[0] - at).cross(ends[1] - at);
+                    mesh.region(rim).outward * normal.dot(gradient)
+                });
+                (before / (before - after)).clamp(0.0, 1.0)
+            };
+            let blocked = mesh.around(vertex).map(next);
+            let blocked = blocked
+                .filter(|&rim| !faces(rim, target, [mesh.origin(rim), mesh.target(rim)]))
+                .map(|rim| (crossing(rim), rim))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((share, rim)) = blocked else {
                 mesh.positions[vertex as usize] = target;
                 return true;
             };
@@ -563,12 +579,14 @@ impl<'m, 's> Grower<'m, 's> {
             }
             let (b, c) = (mesh.origin(rim), mesh.target(rim));
             let beyond = mesh.apex(mesh.twin(rim));
-            if !faces(mesh, rim, [b, beyond])
-                || !faces(mesh, rim, [beyond, c])
+            let at = from.lerp(target, share);
+            if !faces(rim, at, [b, beyond])
+                || !faces(rim, at, [beyond, c])
                 || mesh.are_joined(vertex, beyond)
             {
                 return false;
             }
+            mesh.positions[vertex as usize] = at;
             mesh.flip(rim);
         }
         false
