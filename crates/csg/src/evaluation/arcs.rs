@@ -75,6 +75,8 @@ pub(super) struct ArcTracer {
     samples: Samples,
     /// Positions of all surfaces of the cell through the curve.
     through: SmallVec<[u32; 4]>,
+    /// For each stretch whether the solid may change around the curve.
+    changes: Vec<bool>,
 }
 
 /// Directions around a curve that differ by less cannot be told apart, in
@@ -153,7 +155,7 @@ impl ArcTracer {
         let Some([start, end]) = curve.range(center, reach) else {
             return Some(());
         };
-        if !self.find_events(arc, [start, end])? {
+        if !self.find_events(arc, [start, end])? || !self.find_changes(block) {
             return Some(());
         }
         let begin = (start, arc.point(start, Ends::Touch));
@@ -163,25 +165,30 @@ impl ArcTracer {
             let before = stretch.checked_sub(1).map(|k| self.events[k]);
             let low = before.map_or(start, |event| event.at);
             let high = self.events.get(stretch).map_or(end, |event| event.at);
-            let wedges = if low < high {
+            let wedges = if low >= high {
+                open.clone()
+            } else if self.changes[stretch] {
                 self.wedges(arc, 0.5 * (low + high), stretch)?
             } else {
-                open.clone()
+                Wedges::new()
             };
             let Some(event) = before else {
                 open = wedges;
                 continue;
             };
+            if open.is_empty() && wedges.is_empty() {
+                continue;
+            }
             if wedges != open || event.touches() || self.is_shared(arc, stretch - 1) {
                 let here = (event.at, arc.point(event.at, event.ends));
                 arc.emit(&open, [from, here], turn, &mut traced.pieces);
-                if event.touched != NOTHING && !(open.is_empty() && wedges.is_empty()) {
+                if event.touched != NOTHING {
                     traced.contacts.push(arc.contact(event.touched, here.1));
                 }
                 (open, from) = (wedges, here);
             }
         }
-        let last = if curve.is_closed() {
+        let last = if curve.is_closed() || open.is_empty() {
             begin.1
         } else {
             arc.point(end, Ends::Touch)
@@ -293,6 +300,34 @@ impl ArcTracer {
         }
     }
 
+    /// Finds the stretches on which the solid may change around the curve; false
+    /// if there are none. Around most it is the same whatever the signs of both
+    /// surfaces, and so in all sectors in any order.
+    fn find_changes(&mut self, block: &Block) -> bool {
+        let stretches = self.events.len() + 1;
+        self.changes.clear();
+        let around: &[HalfPlane] = match self.through[..] {
+            [a] => &[2 * a, 2 * a + 1],
+            [a, b] => &[2 * a, 2 * b, 2 * a + 1, 2 * b + 1],
+            _ => {
+                self.changes.resize(stretches, true);
+                return true;
+            }
+        };
+        let sectors = around.len();
+        self.sectors.around.clear();
+        self.sectors.around.extend_from_slice(around);
+        let all = (1 << sectors) - 1;
+        let at_once = 64 / sectors;
+        for first in (0..stretches).step_by(at_once) {
+            let count = at_once.min(stretches - first);
+            let solid = self.sectors.evaluate(block, first, count);
+            let of_stretch = (0..count).map(|k| solid >> (k * sectors) & all);
+            self.changes.extend(of_stretch.map(|s| s != 0 && s != all));
+        }
+        self.changes.contains(&true)
+    }
+
     /// The faces that meet in the block on the stretch of a curve around its
     /// middle. None if that cannot be told.
     fn wedges(&mut self, arc: &Arc<'_>, middle: f64, stretch: usize) -> Option<Wedges> {
@@ -325,7 +360,7 @@ impl ArcTracer {
             let frame = scene.frames[id(half_plane / 2)].as_ref();
             frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.near))
         };
-        let wedges = self.sectors.wedges(block, scene, solid, stretch, patch);
+        let wedges = self.sectors.wedges(block, scene, solid, 0, patch);
         (is_clear || wedges.is_empty()).then_some(wedges)
     }
 

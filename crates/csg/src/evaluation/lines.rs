@@ -220,9 +220,8 @@ impl Tracer {
             let count = at_once.min(last + 1 - batch);
             let result = self.sectors.evaluate(block, batch, count);
             for k in 0..count {
-                let solid = result >> (k * sectors);
                 let stretch = batch + k;
-                let wedges = self.sectors.wedges(block, scene, solid, stretch, |_| 0);
+                let wedges = self.sectors.wedges(block, scene, result, k, |_| 0);
                 if stretch == first {
                     if start > line.start && !wedges.is_empty() {
                         return false;

@@ -105,19 +105,21 @@ impl Sectors {
             .evaluate_words(&mut self.gates, |_, position| words[position as usize])
     }
 
-    /// The faces of the solid wedges on one stretch, given the patch on which
-    /// each half-plane lies there.
+    /// The faces of the solid wedges on one of the stretches just evaluated, of
+    /// the values that were found, given the patch on which each half-plane lies
+    /// there.
     pub fn wedges(
         &mut self,
         block: &Block,
         scene: &Scene<'_>,
-        solid: u64,
+        values: u64,
         stretch: usize,
         patch: impl Fn(HalfPlane) -> u8,
     ) -> Wedges {
         let sectors = self.around.len();
+        let first_bit = stretch * sectors;
         let mut wedges = Wedges::new();
-        let is_solid = |sector: usize| solid >> (sector % sectors) & 1 == 1;
+        let is_solid = |sector: usize| values >> (first_bit + sector % sectors) & 1 == 1;
         for start in 0..sectors {
             // Half-plane k lies between sectors k and k + 1.
             if is_solid(start) || !is_solid(start + 1) {
@@ -129,7 +131,7 @@ impl Sectors {
                 let half_plane = self.around[k];
                 Side {
                     plane: block.cell.surfaces[(half_plane / 2) as usize],
-                    look: self.look(scene, block, k, stretch),
+                    look: self.look(scene, block, k, first_bit),
                     along_normal: (half_plane & 1 == 0) == (k == end),
                     patch: patch(half_plane),
                 }
@@ -143,11 +145,12 @@ impl Sectors {
         wedges
     }
 
-    /// The look of half-plane `k` on a stretch: with the literals on its plane
+    /// The look of half-plane `k` on the stretch whose sectors begin with a bit:
+    /// with the literals on its plane
     /// toggled one after another, the last first, that of the one at which the
     /// solid changes. Literals that do not matter there have no say, so that
     /// blocks agree whatever they were pruned of.
-    fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, stretch: usize) -> u32 {
+    fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, first_bit: usize) -> u32 {
         let position = self.around[k] / 2;
         let (alike, first) = self.looks[position as usize];
         if alike {
@@ -156,11 +159,10 @@ impl Sectors {
         // The signs in the sector on the plane's inner side.
         let sectors = self.around.len();
         let inner = if self.around[k] & 1 == 0 {
-            k
+            first_bit + k
         } else {
-            (k + 1) % sectors
+            first_bit + (k + 1) % sectors
         };
-        self.evaluate(block, stretch, 1);
         let literals = block.cell.formula.literals();
         let own = || {
             (0u32..)
@@ -171,6 +173,9 @@ impl Sectors {
         // Assignment j toggles the j-th literal and all after it.
         let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
             let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
+            if s != position {
+                return inside;
+            }
             match own().position(|(o, _)| o == i) {
                 Some(j) if j < 63 => inside ^ ((2 << j) - 1),
                 _ => inside,
