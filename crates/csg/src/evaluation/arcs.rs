@@ -155,7 +155,7 @@ impl ArcTracer {
         let Some([start, end]) = curve.range(center, reach) else {
             return Some(());
         };
-        if !self.find_events(arc, [start, end])? || !self.find_changes(block) {
+        if !self.find_events(arc, [start, end])? || !self.find_changes(arc, [start, end]) {
             return Some(());
         }
         let begin = (start, arc.point(start, Ends::Touch));
@@ -163,8 +163,7 @@ impl ArcTracer {
         let mut from = begin;
         for stretch in 0..=self.events.len() {
             let before = stretch.checked_sub(1).map(|k| self.events[k]);
-            let low = before.map_or(start, |event| event.at);
-            let high = self.events.get(stretch).map_or(end, |event| event.at);
+            let [low, high] = self.ends(stretch, [start, end]);
             let wedges = if low >= high {
                 open.clone()
             } else if self.changes[stretch] {
@@ -303,29 +302,48 @@ impl ArcTracer {
     /// Finds the stretches on which the solid may change around the curve; false
     /// if there are none. Around most it is the same whatever the signs of both
     /// surfaces, and so in all sectors in any order.
-    fn find_changes(&mut self, block: &Block) -> bool {
+    fn find_changes(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
         let stretches = self.events.len() + 1;
         self.changes.clear();
         let around: &[HalfPlane] = match self.through[..] {
             [a] => &[2 * a, 2 * a + 1],
             [a, b] => &[2 * a, 2 * b, 2 * a + 1, 2 * b + 1],
             _ => {
+                self.sectors.order_is(&[]);
                 self.changes.resize(stretches, true);
                 return true;
             }
         };
-        let sectors = around.len();
-        self.sectors.around.clear();
-        self.sectors.around.extend_from_slice(around);
-        let all = (1 << sectors) - 1;
-        let at_once = 64 / sectors;
-        for first in (0..stretches).step_by(at_once) {
-            let count = at_once.min(stretches - first);
-            let solid = self.sectors.evaluate(block, first, count);
-            let of_stretch = (0..count).map(|k| solid >> (k * sectors) & all);
-            self.changes.extend(of_stretch.map(|s| s != 0 && s != all));
+        self.sectors.order_is(around);
+        let all = (1 << around.len()) - 1;
+        for stretch in 0..stretches {
+            let (values, place) = self.sectors.values(arc.block, stretch);
+            let here = values >> (place * around.len()) & all;
+            self.changes.push(here != 0 && here != all);
         }
-        self.changes.contains(&true)
+        let Some(first) = self.changes.iter().position(|&changes| changes) else {
+            return false;
+        };
+        if let &[a, b, c, d] = around {
+            let [low, high] = self.ends(first, range);
+            let turn = arc.turn([a, b], 0.5 * (low + high));
+            if turn.abs() <= SAME_DIRECTION {
+                self.sectors.order_is(&[]);
+            } else if turn < 0.0 {
+                self.sectors.order_is(&[a, d, c, b]);
+            }
+        }
+        true
+    }
+
+    /// Where a stretch begins and ends.
+    fn ends(&self, stretch: usize, [start, end]: [f64; 2]) -> [f64; 2] {
+        let before = stretch.checked_sub(1).map(|k| self.events[k]);
+        let after = self.events.get(stretch);
+        [
+            before.map_or(start, |event| event.at),
+            after.map_or(end, |event| event.at),
+        ]
     }
 
     /// The faces that meet in the block on the stretch of a curve around its
@@ -338,12 +356,7 @@ impl ArcTracer {
         }
         let direction = arc.curve.direction(middle).normalize_or_zero();
         let id = |position: u32| block.cell.surfaces[position as usize] as usize;
-        // The direction in which half of a tangent plane extends.
-        let towards = |half_plane: HalfPlane| {
-            let gradient = scene.surfaces[id(half_plane / 2)].gradient(at);
-            let outer = gradient.cross(direction).normalize_or_zero();
-            if half_plane & 1 == 0 { outer } else { -outer }
-        };
+        let towards = |half_plane: HalfPlane| arc.towards(half_plane, at, direction);
         // How far a surface bends from there, counter-clockwise.
         let bend = |half_plane: HalfPlane| {
             let surface = &scene.surfaces[id(half_plane / 2)];
@@ -351,16 +364,17 @@ impl ArcTracer {
             let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
             off * gradient.dot(direction.cross(towards))
         };
-        let is_clear = self.sort_around(towards, bend, direction, scene.near);
+        let is_clear =
+            self.sectors.is_in_order() || self.sort_around(towards, bend, direction, scene.near);
         if self.sectors.around.len() > 64 {
             return None;
         }
-        let solid = self.sectors.evaluate(block, stretch, 1);
+        let (values, place) = self.sectors.values(block, stretch);
         let patch = |half_plane: HalfPlane| {
             let frame = scene.frames[id(half_plane / 2)].as_ref();
             frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.near))
         };
-        let wedges = self.sectors.wedges(block, scene, solid, 0, patch);
+        let wedges = self.sectors.wedges(block, scene, values, place, patch);
         (is_clear || wedges.is_empty()).then_some(wedges)
     }
 
@@ -416,6 +430,28 @@ impl ArcTracer {
 }
 
 impl Arc<'_> {
+    /// The sine of the angle from one half-plane to another one, counter-clockwise
+    /// about the curve, whose sign is the same all along it; 0 where that is not
+    /// known. Conics without nodes are nowhere singular, and there alone surfaces
+    /// have a tangent plane in common.
+    fn turn(&self, half_planes: [HalfPlane; 2], at: f64) -> f64 {
+        if !self.nodes.is_empty() || matches!(self.curve, Curve::Rulings(_)) {
+            return 0.0;
+        }
+        let point = self.curve.at(at);
+        let direction = self.curve.direction(at).normalize_or_zero();
+        let [a, b] = half_planes.map(|half_plane| self.towards(half_plane, point, direction));
+        direction.dot(a.cross(b))
+    }
+
+    /// The direction in which half of a tangent plane extends from a point.
+    fn towards(&self, half_plane: HalfPlane, at: DVec3, direction: DVec3) -> DVec3 {
+        let id = self.block.cell.surfaces[(half_plane / 2) as usize];
+        let gradient = self.scene.surfaces[id as usize].gradient(at);
+        let outer = gradient.cross(direction).normalize_or_zero();
+        if half_plane & 1 == 0 { outer } else { -outer }
+    }
+
     /// A point of the curve, on all surfaces that meet there.
     fn point(&self, at: f64, ends: Ends) -> DVec3 {
         let scene = self.scene;

@@ -252,7 +252,6 @@ impl Curve {
         [on, near]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
-        let at_start = self.at(start);
         match self {
             Self::Line { point, direction } => {
                 let square = 0.5 * surface.curvature_along(*direction);
@@ -296,7 +295,7 @@ impl Curve {
             }
             &Self::Ellipse { center, a, b } => {
                 let trig = Form::of(surface, center, a, b).around();
-                let slope = surface.gradient(at_start).length();
+                let slope = surface.gradient(center + a).length();
                 if trig.magnitude() <= on * slope {
                     return Meets::Curve;
                 }

@@ -41,6 +41,11 @@ pub(super) struct Sectors {
     /// Per position the signs on all stretches and in all sectors, a bit each.
     words: Vec<u64>,
     gates: Vec<u64>,
+    /// How many stretches are evaluated at once: more than one where the
+    /// half-planes are in the same order on all.
+    at_once: usize,
+    /// The first of those that were, and their values.
+    evaluated: Option<(usize, u64)>,
 }
 
 /// The position of what is no surface of the formula.
@@ -60,6 +65,34 @@ impl Sectors {
             }
             *alike &= *first == look;
         }
+    }
+
+    /// Sets the order of the half-planes around a whole curve; empty if it may
+    /// differ from stretch to stretch.
+    pub fn order_is(&mut self, around: &[HalfPlane]) {
+        self.around.clear();
+        self.around.extend_from_slice(around);
+        self.at_once = 64_usize.checked_div(around.len()).unwrap_or(1);
+        self.evaluated = None;
+    }
+
+    /// Whether the half-planes are in the same order all along the curve.
+    pub fn is_in_order(&self) -> bool {
+        self.at_once > 1
+    }
+
+    /// The solid's values on a stretch and others, as [`Self::evaluate`] finds
+    /// them, and which of these the stretch is.
+    pub fn values(&mut self, block: &Block, stretch: usize) -> (u64, usize) {
+        let place = stretch % self.at_once;
+        let first = stretch - place;
+        let known = self.evaluated.filter(|known| known.0 == first);
+        let (_, values) = known.unwrap_or_else(|| {
+            let count = self.at_once.min(self.crossings.len() + 1 - first);
+            (first, self.evaluate(block, first, count))
+        });
+        self.evaluated = Some((first, values));
+        (values, place)
     }
 
     /// The solid's values on `count` stretches from `first` on, the sectors of

@@ -84,7 +84,8 @@ impl Trig {
     }
 
     fn amplitudes(&self) -> impl Iterator<Item = f64> {
-        self.terms[..=self.degree].iter().map(|[c, s]| c.hypot(*s))
+        let terms = self.terms[..=self.degree].iter();
+        terms.map(|[c, s]| (c * c + s * s).sqrt())
     }
 
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
