@@ -41,8 +41,12 @@ mod lines;
 mod pairs;
 mod pencil;
 mod picture;
+#[cfg(test)]
+mod picture_tests;
 mod regions;
 mod roots;
+#[cfg(test)]
+mod roots_tests;
 mod rulings;
 mod sectors;
 mod triangulate;

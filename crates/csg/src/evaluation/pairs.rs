@@ -219,7 +219,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::DMat3;
 
     use super::*;
@@ -227,7 +227,7 @@ mod tests {
     use crate::random::Random;
 
     /// A quadric of any kind about the origin, turned.
-    fn quadric(random: &mut Random) -> Surface {
+    pub fn quadric(random: &mut Random) -> Surface {
         let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
         let turn = DMat3::from_euler(
             glam::EulerRot::XYZ,

@@ -16,7 +16,7 @@ use super::sectors::Side;
 use crate::program::Surface;
 
 /// Whether a triangle's normal and the surface's agree in its middle.
-fn faces_out(surface: &Surface, along_normal: bool, [a, b, c]: [DVec3; 3]) -> bool {
+pub(super) fn faces_out(surface: &Surface, along_normal: bool, [a, b, c]: [DVec3; 3]) -> bool {
     /// Of the angle between them, squared: 60°.
     const LEAST_COSINE_SQUARED: f64 = 0.25;
     let normal = (b - a).cross(c - a);

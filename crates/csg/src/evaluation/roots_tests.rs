@@ -1,0 +1,235 @@
+//! Surfaces that cross or touch curves of degree four: every root is found, as
+//! halving the intervals between many samples finds it.
+
+use glam::DVec3;
+
+use super::curve::Curve;
+use super::pairs::curves;
+use super::pairs::tests::quadric;
+use super::roots::Roots;
+use super::rulings::Rulings;
+use crate::program::Surface;
+use crate::random::Random;
+
+const NEAR: f64 = 1e-9;
+
+/// A curve of degree four and where on it roots are looked for.
+struct Stretch {
+    curve: Curve,
+    range: [f64; 2],
+}
+
+impl Stretch {
+    /// All those of two quadrics, as far as they are within a reach of 3.
+    fn of(surfaces: &[Surface; 2]) -> Vec<Self> {
+        let branches = curves(&surfaces[0], &surfaces[1], NEAR).unwrap_or_default();
+        let curves = branches.into_iter().map(|branch| branch.curve);
+        let within = |curve: Curve| {
+            let range = curve.range(DVec3::ZERO, 3.0)?;
+            matches!(curve, Curve::Rulings(_)).then_some(Self { curve, range })
+        };
+        curves.filter_map(within).collect()
+    }
+
+    fn rulings(&self) -> &Rulings {
+        match &self.curve {
+            Curve::Rulings(rulings) => rulings,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// In homogeneous coordinates, where nothing is infinite.
+    fn value(&self, surface: &Surface, t: f64) -> f64 {
+        let (at, weight) = self.rulings().weighted(t);
+        let power = if surface.is_plane() { 1 } else { 2 };
+        surface.value(at) * weight.powi(power)
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        let [start, end] = self.range;
+        start + share * (end - start)
+    }
+
+    fn roots(&self, surface: &Surface) -> Roots {
+        let mut roots = Roots::default();
+        let candidates = self.rulings().candidates(surface, self.range);
+        let candidates = candidates.expect("no branch runs along a random surface");
+        let slope = surface.gradient(self.curve.at(self.at(0.5))).length();
+        let value = |t: f64| self.value(surface, t);
+        roots.find_at(&candidates, self.range, value, NEAR * slope);
+        roots.simple.sort_by(f64::total_cmp);
+        roots
+    }
+
+    /// The root between two places of different sign, by bisection.
+    fn bisect(&self, surface: &Surface, [mut low, mut high]: [f64; 2]) -> f64 {
+        let is_negative = self.value(surface, low) <= 0.0;
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if (self.value(surface, middle) <= 0.0) == is_negative {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The roots between samples of different sign.
+    fn sampled(&self, surface: &Surface) -> Vec<f64> {
+        const SAMPLES: u32 = 4000;
+        let places = (0..=SAMPLES).map(|k| self.at(f64::from(k) / f64::from(SAMPLES)));
+        let samples: Vec<(f64, bool)> =
+            places.map(|t| (t, self.value(surface, t) <= 0.0)).collect();
+        samples
+            .windows(2)
+            .filter(|pair| pair[0].1 != pair[1].1)
+            .map(|pair| self.bisect(surface, [pair[0].0, pair[1].0]))
+            .collect()
+    }
+}
+
+fn point(random: &mut Random) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|_| 2.0 * random.unit() - 1.0))
+}
+
+/// A plane or a quadric.
+fn surface(random: &mut Random) -> Surface {
+    if random.below(2) == 0 {
+        return quadric(random);
+    }
+    Surface {
+        anchor: 0.5 * point(random),
+        quadratic: [0.0; 6],
+        linear: point(random).normalize(),
+        constant: 0.0,
+    }
+}
+
+/// A surface moved and bent so that its value at a point is `value`, and its
+/// gradient there at right angles to a direction.
+fn tangent(surface: &Surface, at: DVec3, direction: DVec3, value: f64) -> Surface {
+    let along = direction.normalize();
+    let mut moved = *surface;
+    moved.linear -= surface.gradient(at).dot(along) * along;
+    if moved.is_plane() {
+        moved.linear = moved.linear.normalize();
+    }
+    moved.constant += value - moved.value(at);
+    moved
+}
+
+fn has(found: &[f64], wanted: f64, within: f64) -> bool {
+    found.iter().any(|root| (root - wanted).abs() <= within)
+}
+
+#[test]
+fn roots_on_curves_of_degree_four_are_those_between_samples() {
+    let mut random = Random(3);
+    let (mut stretches, mut wanted_roots) = (0, 0);
+    for case in 0..400 {
+        let pair = [quadric(&mut random), quadric(&mut random)];
+        for stretch in Stretch::of(&pair) {
+            let third = surface(&mut random);
+            let found = stretch.roots(&third);
+            stretches += 1;
+            let wanted = stretch.sampled(&third);
+            wanted_roots += wanted.len();
+            for &root in &wanted {
+                assert!(
+                    has(&found.simple, root, 1e-9),
+                    "case {case}: {root} is missing in {:?}",
+                    found.simple
+                );
+            }
+            // Those that are not between samples come in pairs, and are roots.
+            assert_eq!(found.simple.len() % 2, wanted.len() % 2, "case {case}");
+            for &root in &found.simple {
+                let step = 1e-7;
+                let [before, after] =
+                    [root - step, root + step].map(|t| stretch.value(&third, t) <= 0.0);
+                assert!(before != after, "case {case}: no root at {root}");
+            }
+        }
+    }
+    assert!(
+        stretches > 400 && wanted_roots > 600,
+        "{stretches} {wanted_roots}"
+    );
+}
+
+#[test]
+fn surfaces_that_touch_curves_of_degree_four_are_found() {
+    let mut random = Random(5);
+    let mut touched = 0;
+    for case in 0..400 {
+        let pair = [quadric(&mut random), quadric(&mut random)];
+        for stretch in Stretch::of(&pair) {
+            let t = stretch.at(0.1 + 0.8 * random.unit());
+            let (at, direction) = (stretch.curve.at(t), stretch.curve.direction(t));
+            if at.length() > 2.0 || direction.length() < 1e-9 {
+                continue;
+            }
+            let third = tangent(&surface(&mut random), at, direction, 0.0);
+            let found = stretch.roots(&third);
+            touched += 1;
+            // Where it touches the value is rounding within 1e-6 of it, and more.
+            let near = [&found.touching, &found.simple].map(|roots| has(roots, t, 1e-4));
+            assert!(
+                near.contains(&true),
+                "case {case}: {t} is missing in {found:?}"
+            );
+            for root in stretch.sampled(&third) {
+                let is_found = has(&found.simple, root, 1e-9) || (root - t).abs() < 1e-4;
+                assert!(is_found, "case {case}: {root} is missing in {found:?}");
+            }
+        }
+    }
+    assert!(touched > 300, "{touched}");
+}
+
+/// Two roots next to each other, far closer than any samples.
+#[test]
+fn close_pairs_of_roots_on_curves_of_degree_four_are_told_apart() {
+    let mut random = Random(9);
+    let mut pairs = 0;
+    for case in 0..400 {
+        let pair = [quadric(&mut random), quadric(&mut random)];
+        for stretch in Stretch::of(&pair) {
+            let t = stretch.at(0.1 + 0.8 * random.unit());
+            let (at, direction) = (stretch.curve.at(t), stretch.curve.direction(t));
+            if at.length() > 2.0 || direction.length() < 1e-9 {
+                continue;
+            }
+            let base = surface(&mut random);
+            for half in [1e-2, 1e-3, 1e-4] {
+                // The value half the distance away, where it grows with the square.
+                let touching = tangent(&base, at, direction, 0.0);
+                let [left, right] = [t - half, t + half].map(|t| stretch.value(&touching, t));
+                let is_even = left * right > 0.0 && (left / right - 1.0).abs() < 0.3;
+                let weight = stretch.rulings().weighted(t).1;
+                let power = if base.is_plane() { 1 } else { 2 };
+                let drop = 0.5 * left / weight.powi(power);
+                if !is_even || drop.abs() < 1e3 * NEAR {
+                    continue;
+                }
+                let third = tangent(&base, at, direction, -drop);
+                let brackets = [[t - half, t], [t, t + half]];
+                let sign = |t: f64| stretch.value(&third, t) <= 0.0;
+                if brackets.iter().any(|b| sign(b[0]) == sign(b[1])) {
+                    continue;
+                }
+                pairs += 1;
+                let found = stretch.roots(&third);
+                for bracket in brackets {
+                    let root = stretch.bisect(&third, bracket);
+                    assert!(
+                        has(&found.simple, root, 1e-8),
+                        "case {case}, {half}: {root} is missing in {found:?}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(pairs > 300, "{pairs}");
+}
