@@ -217,9 +217,11 @@ impl Drawn<'_> {
             };
             depth >= f64::from(kept) || plane().is_some_and(|plane| depth >= plane)
         };
-        not_behind(x, y)
-            || (x.saturating_sub(1)..=x + 1)
-                .any(|x| (y.saturating_sub(1)..=y + 1).any(|y| not_behind(x, y)))
+        // Beyond the picture's border nothing is known.
+        let last = (self.renderer.width - 1, self.renderer.height - 1);
+        let mut columns = x.saturating_sub(1)..=(x + 1).min(last.0);
+        let rows = y.saturating_sub(1)..=(y + 1).min(last.1);
+        not_behind(x, y) || columns.any(|x| rows.clone().any(|y| not_behind(x, y)))
     }
 
     /// The reversed depth of a triangle's plane at a point of the window, kept

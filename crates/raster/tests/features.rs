@@ -100,6 +100,42 @@ fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     }
 }
 
+/// What hides an edge hides it up to the picture's border.
+#[test]
+fn edges_behind_what_fills_the_picture_are_not_drawn() {
+    let ball = common::icosphere(DVec3::ZERO, 1.0, 2);
+    let view = view_of(
+        &ball,
+        StandardView::Front,
+        Lens::Orthographic { height: 1.0 },
+    );
+    // Wider than the picture, in front of a ball that is as large as it.
+    let wall = [DVec3::new(-3.0, -0.97, -3.0), DVec3::new(3.0, -0.93, 3.0)];
+    let mut mesh = common::cuboid(wall[0], wall[1]);
+    let first = mesh.positions.len() as u32;
+    mesh.positions
+        .extend(&common::icosphere(DVec3::ZERO, 0.92, 2).positions);
+    mesh.triangles
+        .extend(ball.triangles.iter().map(|t| t.map(|v| first + v)));
+    let scene = Scene::new(&mesh);
+    let mut options = RenderOptions::default();
+    let (_, without) = draw(&scene, &view, &options);
+    let mut edges = features();
+    edges.features = false;
+    edges.silhouettes = false;
+    edges.wireframe = true;
+    options.edges = Some(edges);
+    // Of the face in front there is only its diagonal.
+    let (_, wireframe) = draw(&scene, &view, &options);
+    let diagonal = |x: u32, y: u32| x.abs_diff(y) < 4 || (x + y).abs_diff(SIZE - 1) < 4;
+    for y in 0..SIZE {
+        for x in 0..SIZE {
+            let changed = wireframe.get(x, y) != without.get(x, y);
+            assert!(!changed || diagonal(x, y), "{x} {y}");
+        }
+    }
+}
+
 /// The bottom of a valley is farther away than all around it, and seen.
 #[test]
 fn edges_between_faces_that_turn_towards_the_viewer_are_drawn() {
