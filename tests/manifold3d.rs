@@ -4,15 +4,15 @@
 
 mod manifold3d {
     pub mod python;
+    pub mod script;
     pub mod solids;
 }
 
-use std::fs;
 use std::path::Path;
 
-use manifold3d::python::Script;
-use manifold3d::solids::{Random, question};
-use serde_json::json;
+use manifold3d::python::python;
+use manifold3d::script::Script;
+use manifold3d::solids::Random;
 use stereotomy::csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::scenes;
 
@@ -35,9 +35,7 @@ fn mesh(solid: &Solid) -> (Meshed, f64) {
 
 /// Compares one solid; returns whether its mesh was manifold.
 fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> bool {
-    let theirs = script.ask(&json!({"solid": question(solid), "segments": SEGMENTS}));
-    let their_volume = theirs["volume"].as_f64().expect("a number");
-    let tessellation = theirs["tessellation"].as_f64().expect("a number");
+    let (their_volume, tessellation) = script.volume(solid, SEGMENTS);
     let (Meshed { mesh, report, .. }, spread) = mesh(solid);
     let volume = mesh.volume();
     let tolerance = tessellation + spread + 1e-9;
@@ -49,19 +47,10 @@ fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> boo
     if !report.check.is_manifold() || mesh.triangles.is_empty() {
         return false;
     }
-    let positions = folder.join("positions");
-    let triangles = folder.join("triangles");
-    let coordinates = mesh.positions.iter().flat_map(glam::DVec3::to_array);
-    let bytes: Vec<u8> = coordinates.flat_map(f64::to_le_bytes).collect();
-    fs::write(&positions, bytes).expect("a file");
-    let indices = mesh.triangles.as_flattened().iter().map(|&i| u64::from(i));
-    let bytes: Vec<u8> = indices.flat_map(u64::to_le_bytes).collect();
-    fs::write(&triangles, bytes).expect("a file");
-    let said = script.ask(&json!({"positions": positions, "triangles": triangles}));
-    assert_eq!(said["status"], "NoError", "{name}: {solid:?}");
+    let (status, found) = script.status(&mesh, folder);
+    assert_eq!(status, "NoError", "{name}: {solid:?}");
     // It reads the mesh as we do, but for the degenerate triangles that it
     // collapses.
-    let found = said["volume"].as_f64().expect("a number");
     assert!(
         (found - their_volume).abs() <= tolerance,
         "{name}: {found}, of our mesh {volume}, by manifold3d {their_volume}: {solid:?}"
@@ -71,7 +60,7 @@ fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> boo
 
 #[test]
 fn random_trees_agree() {
-    let mut script = Script::start("crosscheck.py");
+    let mut script = Script::start(&python());
     let folder = tempfile::tempdir().expect("a folder");
     let mut manifold = 0;
     let mut not_empty = 0;
@@ -96,7 +85,7 @@ fn random_trees_agree() {
 
 #[test]
 fn reference_scenes_agree() {
-    let mut script = Script::start("crosscheck.py");
+    let mut script = Script::start(&python());
     let folder = tempfile::tempdir().expect("a folder");
     for (name, solid) in [
         ("sphere", scenes::sphere()),

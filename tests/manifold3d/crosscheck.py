@@ -69,6 +69,18 @@ class Builder:
                 solid = Manifold.cylinder(height, bottom, top, self.segments)
                 solid = solid.translate([0, 0, start])
             return self.inscribed(solid, exact, scale)
+        if kind == "hull":
+            return Manifold.hull_points(value)
+        if kind == "planes":
+            planes = numpy.array(value)
+            offsets = planes[:, 3] / numpy.linalg.norm(planes[:, :3], axis=1)
+            # Larger than any polyhedron that is not a needle.
+            side = 1e3 * numpy.abs(offsets).max()
+            solid = Manifold.cube([side] * 3, True)
+            for normal, offset in zip(planes[:, :3], offsets):
+                # What is kept lies along the normal.
+                solid = solid.trim_by_plane(-normal, -offset)
+            return solid
         if kind == "map":
             matrix, inner = value
             matrix = numpy.array(matrix, order="C")

@@ -1,17 +1,14 @@
-//! A Python process in a virtual environment of its own.
+//! Python in a virtual environment of its own.
 
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-
-use serde_json::Value;
+use std::process::Command;
 
 const REQUIREMENTS: &str = include_str!("requirements.txt");
 
 /// The Python of an environment with exactly the required packages, made
 /// under `target/` if it is not there yet. Several processes may ask at once.
-fn python() -> PathBuf {
+pub fn python() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("manifold3d");
     fs::create_dir_all(&folder).expect("a folder under target/");
     let lock = File::create(folder.join("lock")).expect("a lock file");
@@ -51,49 +48,4 @@ fn python() -> PathBuf {
         .arg(&required));
     fs::write(&stamp, REQUIREMENTS).expect("a file");
     python
-}
-
-/// A running script that answers one line of JSON by another.
-pub struct Script {
-    child: Child,
-    questions: BufWriter<ChildStdin>,
-    answers: BufReader<ChildStdout>,
-}
-
-impl Script {
-    pub fn start(name: &str) -> Self {
-        let script = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("tests/manifold3d")
-            .join(name);
-        let mut child = Command::new(python())
-            .arg(script)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("Python runs");
-        Self {
-            questions: BufWriter::new(child.stdin.take().expect("its input")),
-            answers: BufReader::new(child.stdout.take().expect("its output")),
-            child,
-        }
-    }
-
-    pub fn ask(&mut self, question: &Value) -> Value {
-        writeln!(self.questions, "{question}").expect("the script reads");
-        self.questions.flush().expect("the script reads");
-        let mut line = String::new();
-        self.answers
-            .read_line(&mut line)
-            .expect("the script writes");
-        serde_json::from_str(&line)
-            .unwrap_or_else(|_| panic!("the script gave up on {question}: see its messages above"))
-    }
-}
-
-impl Drop for Script {
-    fn drop(&mut self) {
-        // It only waits for more questions.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
 }

@@ -1,49 +1,12 @@
-//! Solids as questions, and random ones.
+//! Random solids.
 
 use std::f64::consts::FRAC_PI_2;
 
-use csg::{Node, Primitive, Solid};
-use glam::DVec3;
-use serde_json::{Value, json};
+use csg::Solid;
 use stereotomy::csg;
 
 #[path = "../../crates/csg/src/random.rs"]
 mod split_mix;
-
-/// The JSON of a solid: what both programs build.
-pub fn question(solid: &Solid) -> Value {
-    let all = |operands: &[Solid]| operands.iter().map(question).collect::<Vec<_>>();
-    match solid.node() {
-        Node::Primitive(Primitive::Empty) => json!({"empty": null}),
-        Node::Primitive(Primitive::Cuboid { min, max }) => {
-            json!({"cuboid": [min.to_array(), max.to_array()]})
-        }
-        Node::Primitive(Primitive::Ellipsoid { radii }) if *radii == DVec3::splat(radii.x) => {
-            json!({"sphere": radii.x})
-        }
-        Node::Primitive(Primitive::Cylinder { radii, z: Some(z) }) if radii.x == radii.y => {
-            json!({"frustum": [radii.x, radii.y, z.start, z.end]})
-        }
-        Node::Primitive(Primitive::Frustum { bottom, top, z }) => {
-            json!({"frustum": [bottom, top, z.start, z.end]})
-        }
-        Node::Transform(Ok(map), operand) => {
-            let m = map.matrix3.transpose();
-            let rows = [
-                (m.x_axis, map.translation.x),
-                (m.y_axis, map.translation.y),
-                (m.z_axis, map.translation.z),
-            ];
-            let rows = rows.map(|(row, offset)| [row.x, row.y, row.z, offset]);
-            json!({"map": [rows, question(operand)]})
-        }
-        Node::Union(operands) => json!({"union": all(operands)}),
-        Node::Intersection(operands) => json!({"intersection": all(operands)}),
-        Node::Difference(operands) => json!({"difference": all(operands)}),
-        Node::Named(_, operand) | Node::Colored(_, operand) => question(operand),
-        other => panic!("no such question: {}", other.kind()),
-    }
-}
 
 /// Random numbers and solids.
 pub struct Random(split_mix::Random);

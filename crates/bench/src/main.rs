@@ -9,6 +9,7 @@ mod defects;
 mod deviation;
 mod error;
 mod field;
+mod files;
 mod measure;
 mod memory;
 mod peers;
@@ -18,6 +19,9 @@ mod random_tree;
 mod robust;
 mod scaling;
 mod scenes;
+#[path = "../../../tests/manifold3d/script.rs"]
+mod script;
+mod tally;
 mod timing;
 mod triangles;
 mod truth;
@@ -39,6 +43,8 @@ enum Question {
     Scaling(scaling::Options),
     /// Is every mesh manifold?
     Robust(robust::Options),
+    /// Is every mesh of scene files sound, and does manifold3d agree?
+    Files(files::Options),
     /// Does every mesh keep what is promised of it?
     Claims(claims::Options),
     /// How much memory does one mesh take?
@@ -54,6 +60,7 @@ fn main() {
         Question::Cells(options) => cells::run(&options),
         Question::Scaling(options) => scaling::run(&options),
         Question::Robust(options) => robust::run(&options),
+        Question::Files(options) => files::run(&options),
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
         Question::Cold(options) => cold::run(&options),

@@ -1,15 +1,15 @@
 //! Is every mesh manifold, resolved or not, wherever and however large the
 //! solid is?
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::path::PathBuf;
 
 use csg::{Mesher, Program};
 use rayon::prelude::*;
 
-use crate::defects::{largest_miss, size};
 use crate::poses::{Pose, pose};
 use crate::random_tree::{Position, random_tree};
 use crate::scenes;
+use crate::tally::{Case, Judge, Promise, Tally};
 
 #[derive(clap::Args)]
 pub struct Options {
@@ -44,11 +44,15 @@ pub struct Options {
     /// Trees in general position: no faces that coincide or touch
     #[arg(long)]
     general: bool,
+    /// Ask manifold3d whether it takes the meshes, and about the trees' volumes:
+    /// a Python that has it and numpy
+    #[arg(long)]
+    python: Option<PathBuf>,
 }
 
 /// Prints every failure, with what it takes to repeat it, and a summary.
 pub fn run(options: &Options) {
-    let tally = Tally::default();
+    let tally = Tally::new(options.python.as_deref().map(Judge::start));
     if !options.trees_only {
         for name in &options.scenes {
             every_grid(name, options, &tally);
@@ -64,7 +68,8 @@ pub fn run(options: &Options) {
             } else {
                 Position::Special
             };
-            let program = Program::lower(&random_tree(seed, position)).expect("a valid tree");
+            let solid = random_tree(seed, position);
+            let program = Program::lower(&solid).expect("a valid tree");
             let (how, mesher) = match options.tolerance {
                 Some(tolerance) => (
                     format!("to {tolerance}"),
@@ -77,21 +82,19 @@ pub fn run(options: &Options) {
                 program: &program,
                 genus: None,
                 rounding: 0.0,
-                is_promised: options.tolerance.is_some(),
+                promise: match options.tolerance {
+                    Some(_) => Promise::Kept,
+                    None => Promise::Manifold,
+                },
+                volume: tally
+                    .judge()
+                    .filter(|_| options.tolerance.is_some())
+                    .map(|judge| judge.volume(&solid)),
+                distance: options.tolerance.unwrap_or_default(),
             };
             tally.add(&case, &mesher);
         });
-    println!(
-        "{} meshes: {} not manifold, {} errors, {} of the wrong genus, {} with vertices off \
-         their surfaces; {} through themselves where none should be; {} with fallbacks",
-        tally.meshes.into_inner(),
-        tally.defective.into_inner(),
-        tally.errors.into_inner(),
-        tally.wrong_genus.into_inner(),
-        tally.off.into_inner(),
-        tally.crossed.into_inner(),
-        tally.with_fallbacks.into_inner(),
-    );
+    tally.print();
 }
 
 /// Meshes a scene at every grid in the poses asked for.
@@ -116,7 +119,9 @@ fn every_grid(name: &str, options: &Options, tally: &Tally) {
                 program: &program,
                 genus: scene.genus.filter(|_| cells >= resolving),
                 rounding: pose.rounding(),
-                is_promised: false,
+                promise: Promise::Manifold,
+                volume: None,
+                distance: 0.0,
             };
             let cell = 2.0 * scene.half * pose.scale / f64::from(cells);
             tally.add(&case, &Mesher::new().cell_size(cell));
@@ -144,80 +149,4 @@ fn smallest_feature(name: &str) -> Option<f64> {
         "S8" => 0.07,
         _ => return None,
     })
-}
-
-/// One mesh to make, and what to expect of it.
-struct Case<'a> {
-    what: String,
-    program: &'a Program,
-    genus: Option<i64>,
-    /// How far vertices may be off besides 1e-12 of the mesh's diagonal.
-    rounding: f64,
-    /// Whether there should be nothing to report.
-    is_promised: bool,
-}
-
-#[derive(Default)]
-struct Tally {
-    meshes: AtomicUsize,
-    defective: AtomicUsize,
-    errors: AtomicUsize,
-    wrong_genus: AtomicUsize,
-    off: AtomicUsize,
-    crossed: AtomicUsize,
-    with_fallbacks: AtomicUsize,
-}
-
-impl Tally {
-    fn failures(&self) -> usize {
-        [&self.defective, &self.errors, &self.wrong_genus, &self.off]
-            .map(|counter| counter.load(Ordering::Relaxed))
-            .iter()
-            .sum()
-    }
-
-    fn add(&self, case: &Case<'_>, mesher: &Mesher) {
-        let what = &case.what;
-        let count = |counter: &AtomicUsize| counter.fetch_add(1, Ordering::Relaxed);
-        count(&self.meshes);
-        let meshed = match mesher.mesh(case.program) {
-            Ok(meshed) => meshed,
-            Err(error) => {
-                count(&self.errors);
-                println!("{what}: {error}");
-                return;
-            }
-        };
-        let check = &meshed.report.check;
-        if !check.is_manifold() {
-            count(&self.defective);
-            println!("{what}: {check}");
-        } else if case.genus.is_some() && check.genus() != case.genus {
-            count(&self.wrong_genus);
-            println!("{what}: genus {:?} for {:?}", check.genus(), case.genus);
-        }
-        let fallbacks = &meshed.report.fallbacks;
-        if !fallbacks.is_empty() {
-            count(&self.with_fallbacks);
-        }
-        if case.is_promised {
-            for fallback in fallbacks {
-                println!("{what}: {fallback}");
-            }
-            let crossings = meshed.mesh.self_intersections().len();
-            if crossings > 0 {
-                count(&self.crossed);
-                println!("{what}: {crossings} places where it runs through itself");
-            }
-        }
-        // A vertex whose surfaces have no common point cannot be on them all.
-        if !fallbacks.iter().any(|f| f.kind.contains("common point")) {
-            let miss = largest_miss(case.program, &meshed.mesh);
-            let allowed = 1e-12 * size(&meshed.mesh) + case.rounding;
-            if miss > allowed {
-                count(&self.off);
-                println!("{what}: vertices off by {miss:e}, allowed {allowed:e}");
-            }
-        }
-    }
 }
