@@ -5,7 +5,7 @@
 use csg::{Mesh, Meshed, Mesher, Program, Solid};
 use stereotomy::{csg, scenes};
 
-use super::defects::{largest_miss, size};
+use super::defects::{largest_miss, measure, size};
 use super::hard_models;
 use super::measures::assert_agrees;
 use super::random::Random;
@@ -90,6 +90,52 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
     volumes
 }
 
+/// With a small ball aside: solids of planes alone are meshed without cells.
+fn beside_a_ball(solid: &Solid) -> Solid {
+    solid | Solid::sphere(0.1).translate([0.0, -1.5, 0.0])
+}
+
+/// Cells in a row may each see both planes of a wedge whose ridge lies outside
+/// of them all: where there is nothing to report, the ridge is where it should
+/// be and nowhere else.
+#[test]
+fn wedges_are_exact_or_reported_whatever_the_cells() {
+    let mut exact = 0;
+    let mut reported = Vec::new();
+    for degrees in [30f64, 10.0, 3.0, 1.0] {
+        let height = degrees.to_radians().tan();
+        let wedge = Solid::prism([[0.0, 0.0], [1.0, 0.0], [1.0, height]], 0.0..0.7);
+        let volume = 0.35 * height;
+        for wedge in [turned(&wedge), wedge] {
+            let solid = beside_a_ball(&wedge);
+            let program = Program::lower(&solid).expect("a valid solid");
+            for size in [0.1f64, 0.03, 1e-2, 3e-3, 1e-3] {
+                let cells = Mesher::new().cell_size(size.max(0.01));
+                for mesher in [Mesher::new().smallest_feature(size), cells] {
+                    let meshed = mesher.mesh(&program).expect("a mesh");
+                    let name = format!("{degrees} degrees, {} of {size}", meshed.report.method);
+                    assert_sound(&name, &program, &meshed);
+                    if let Some(first) = meshed.report.fallbacks.first() {
+                        reported.push(format!("{name}: {first}"));
+                        continue;
+                    }
+                    exact += 1;
+                    let volumes = volumes(&meshed.mesh);
+                    let off = volumes.iter().map(|v| (v / volume - 1.0).abs());
+                    let off = off.fold(f64::INFINITY, f64::min);
+                    assert!(volumes.len() == 2 && off < 1e-11, "{name}: {volumes:?}");
+                    assert_eq!(genus(&meshed), 0, "{name}");
+                    let defects = measure(&program, &meshed.mesh);
+                    assert_eq!(defects.folded, 0, "{name}: {:?}", defects.places);
+                    assert_eq!(meshed.mesh.self_intersections().len(), 0, "{name}");
+                }
+            }
+        }
+    }
+    // Most have something to report next to the ridge.
+    assert!(exact >= 16, "{exact}\n{}", reported.join("\n"));
+}
+
 #[test]
 fn walls_thinner_than_any_cell_are_two_sheets() {
     for thickness in [1e-2, 1e-4, 1e-6] {
@@ -108,15 +154,18 @@ fn walls_thinner_than_any_cell_are_two_sheets() {
         );
 
         let solid = turned(&(Solid::cube(1.0) - Solid::cube(1.0 - 2.0 * thickness)));
-        let (program, meshed) = mesh(&solid, 0.01);
+        let (program, meshed) = mesh(&beside_a_ball(&solid), 0.01);
         assert_sound("box", &program, &meshed);
         assert_eq!(
-            meshed.report.check.components, 2,
+            meshed.report.check.components, 3,
             "{thickness}: {:?}",
             meshed.report.fallbacks
         );
+        let [inner, _, outer] = volumes(&meshed.mesh)[..] else {
+            panic!("three parts");
+        };
         let volume = 1.0 - (1.0 - 2.0 * thickness).powi(3);
-        assert!((meshed.mesh.volume() - volume).abs() < 1e-14, "{thickness}");
+        assert!((outer + inner - volume).abs() < 1e-14, "{thickness}");
     }
 }
 
@@ -133,10 +182,12 @@ fn wires_slots_and_pin_holes_are_found() {
     );
 
     let slot = Solid::cuboid([1e-4, 3.0, 3.0]).translate([0.123, 0.0, 0.0]);
-    let (program, meshed) = mesh(&(Solid::cube(1.0) - slot), 1e-3);
+    let (program, meshed) = mesh(&beside_a_ball(&(Solid::cube(1.0) - slot)), 1e-3);
     assert_sound("slot", &program, &meshed);
-    assert_eq!(meshed.report.check.components, 2);
-    assert!((meshed.mesh.volume() - (1.0 - 1e-4)).abs() < 1e-14);
+    let [_, left, right] = volumes(&meshed.mesh)[..] else {
+        panic!("three parts");
+    };
+    assert!((left + right - (1.0 - 1e-4)).abs() < 1e-14);
 
     let mut random = Random::new(1);
     let holes = 60;
