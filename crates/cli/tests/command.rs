@@ -377,3 +377,60 @@ fn the_size_of_cells_says_as_much_as_their_number() {
         2,
     );
 }
+
+#[test]
+fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
+    let folder = Folder::new();
+    let measure = |options: &str| -> Value {
+        let output = folder.run(&format!("measure {options} --json -"));
+        serde_json::from_slice(&succeeded(&output).stdout).expect("JSON")
+    };
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let none: &[Value] = &[];
+    for tolerance in [1e-2, 1e-4] {
+        let json = measure(&format!("in.csg --tolerance {tolerance}"));
+        let deviation = number(&json["report"]["deviation"]);
+        // As few triangles as that takes: most of it is made use of.
+        assert!(
+            (0.3 * tolerance..=tolerance).contains(&deviation),
+            "{deviation}"
+        );
+        assert_eq!(
+            json["report"]["fallbacks"].as_array().expect("a list"),
+            none
+        );
+        let off = (number(&json["volume"]) - DRILLED_VOLUME).abs();
+        assert!(off <= tolerance * number(&json["area"]), "{off}");
+        assert_eq!(json["genus"], 5);
+    }
+    let text = folder.run("measure in.csg --tolerance 0.01");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(text.contains("deviation   at most 0.00"), "{text}");
+
+    let drum = "cylinder(h = 1, r1 = 1, r2 = 1, center = true);";
+    fs::write(folder.file("drum.csg"), drum).expect("a file");
+    let vertices = |options: &str| {
+        let json = measure(&format!("drum.csg --tolerance 1 {options}"));
+        json["vertices"].as_u64().expect("a count")
+    };
+    // 36 corners of both circles turn by ten degrees each.
+    assert!((72..=100).contains(&vertices("--angle 10")));
+    assert!(vertices("") < 36);
+    failed(&folder.run("measure drum.csg --angle 10"), 2);
+
+    // Cells down to a millionth would be far more than these.
+    let shell = "difference() { sphere(r = 1); sphere(r = 0.999); }";
+    fs::write(folder.file("shell.csg"), shell).expect("a file");
+    let json = measure("shell.csg --smallest-feature 0.01");
+    assert_eq!(json["report"]["method"], "adaptive");
+    assert_eq!(json["components"], 2);
+    assert_eq!(json["report"]["cell_size"], 0.01);
+    failed(
+        &folder.run("measure in.csg --smallest-feature 1 --cells 8"),
+        2,
+    );
+    for wrong in ["--tolerance 0", "--tolerance -1", "--smallest-feature 0"] {
+        let output = folder.run(&format!("measure in.csg {wrong}"));
+        assert!(!output.status.success(), "{wrong}");
+    }
+}

@@ -158,11 +158,18 @@ impl fmt::Display for Account {
         };
         writeln!(f, "state       {state}")?;
         if let Some(report) = &self.report {
+            if let Some(deviation) = report.deviation {
+                writeln!(f, "deviation   at most {deviation}")?;
+            }
             for reached in &report.limits_reached {
                 writeln!(f, "limit       {reached}")?;
             }
             for fallback in &report.fallbacks {
-                writeln!(f, "settled for {} x {}", fallback.count, fallback.kind)?;
+                write!(f, "settled for {} x {}", fallback.count, fallback.kind)?;
+                match fallback.places.first() {
+                    Some([x, y, z]) => writeln!(f, ", first at {x} {y} {z}")?,
+                    None => writeln!(f)?,
+                }
             }
         }
         if let Some(total) = self.seconds.get("total") {
