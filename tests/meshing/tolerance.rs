@@ -5,6 +5,7 @@ use glam::DVec3;
 use stereotomy::{csg, scenes};
 
 use super::defects::{largest_miss, size};
+use super::hard_models;
 
 /// Scenes, the cells that see all of their features, and their genus.
 fn scenes() -> Vec<(&'static str, Solid, u32, i64)> {
@@ -201,4 +202,41 @@ fn options_out_of_range_are_errors() {
             Err(csg::Error::InvalidOption(_))
         ));
     }
+}
+
+/// Without any option: whole, sound, and with nothing to report.
+#[test]
+fn defaults_give_a_good_mesh_of_any_model() {
+    let shell = |thickness| Solid::sphere(1.0) - Solid::sphere(1.0 - thickness);
+    let wire = Solid::cylinder(0.5e-3, -0.7..0.7).rotate_xyz(0.3, 0.4, 0.0);
+    let mut models = vec![
+        ("shell of 1e-2", shell(1e-2)),
+        ("shell of 1e-4", shell(1e-4)),
+        ("wire", Solid::cube(1.0) | wire),
+        ("cheese", scenes::cheese(60)),
+    ];
+    models.extend(scenes().into_iter().map(|(name, solid, ..)| (name, solid)));
+    models.extend(hard_models::all());
+    for (name, solid) in models {
+        let program = lower(&solid);
+        let meshed = Mesher::new().mesh(&program).expect("a mesh");
+        let Meshed { mesh, report, .. } = &meshed;
+        assert!(report.check.is_manifold(), "{name}: {}", report.check);
+        assert_eq!(report.fallbacks, [], "{name}");
+        assert_eq!(mesh.self_intersections(), [[0; 2]; 0], "{name}");
+        let bounds = program.bounds().expect("bounded").expect("not empty");
+        let tolerance = 1e-3 * bounds.size().max_element();
+        let bound = report.deviation.expect("a bound");
+        assert!(bound <= tolerance, "{name}: {bound}");
+        let explicit = Mesher::new().tolerance(tolerance).mesh(&program);
+        assert!(*mesh == explicit.expect("a mesh").mesh, "{name}");
+    }
+    // The wall of the finest shell is there.
+    let program = lower(&shell(1e-4));
+    let mesh = Mesher::new().mesh(&program).expect("a mesh").mesh;
+    let volume = scenes::shell_volume(1e-4);
+    assert!((mesh.volume() / volume - 1.0).abs() < 0.5);
+    let nothing = lower(&(Solid::sphere(1.0) - Solid::sphere(2.0)));
+    let empty = Mesher::new().mesh(&nothing).expect("an empty mesh").mesh;
+    assert_eq!(empty.triangles.len(), 0);
 }

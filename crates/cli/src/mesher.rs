@@ -12,14 +12,15 @@ use crate::progress::Progress;
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MesherOptions {
     /// Uniform cells, so many along the longest side of the solid's bounds
-    /// [default: 128; none for a solid bounded by planes alone, whose boundary
-    /// is found exactly; with a tolerance or a smallest feature, cells as large as
-    /// the solid is simple]
+    /// [default: 128 for a draft; else none, or cells as large as the solid is
+    /// simple]
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
     pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
-    /// triangles as that takes
+    /// triangles as that takes [default, without cells, their size or a smallest
+    /// feature: a thousandth of the solid's longest side; the boundary of a solid
+    /// bounded by planes alone is exact]
     #[arg(long, value_name = "DISTANCE", conflicts_with = "draft")]
     pub(crate) tolerance: Option<f64>,
     /// With a tolerance, the largest angle in degrees that a surface may turn
@@ -43,6 +44,17 @@ pub(crate) struct MesherOptions {
     /// The unit of the model's lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     pub(crate) unit: Unit,
+}
+
+impl MesherOptions {
+    /// Whether the mesh is to keep a tolerance, one that was given or the default.
+    fn is_to_tolerance(&self) -> bool {
+        let is_sized = self.draft
+            || self.cells.is_some()
+            || self.cell_size.is_some()
+            || self.smallest_feature.is_some();
+        self.tolerance.is_some() || !is_sized
+    }
 }
 
 /// How much a mesh may cost.
@@ -189,7 +201,7 @@ pub(crate) fn produce(
             let mut mesher = Mesher::new()
                 .normals()
                 // To a tolerance, a mesh that fails its check is made anew.
-                .check(check || options.tolerance.is_some())
+                .check(check || options.is_to_tolerance())
                 .unit(options.unit.length_unit())
                 .limits(options.limits.limits())
                 .progress(progress.callback());

@@ -83,10 +83,11 @@ impl Default for Mesher {
 }
 
 impl Mesher {
-    /// 128 cells along the longest side of the solid's bounds, in millimetres;
-    /// for a solid bounded by planes alone none at all, but its exact boundary.
-    /// That one is made with a [`Self::tolerance`], too, but not where
-    /// [`Self::cells`], their size or a box are given.
+    /// To a [`Self::tolerance`] of a thousandth of the longest side of the solid's
+    /// bounds, in millimetres; for a solid bounded by planes alone its exact
+    /// boundary. That one is made with a tolerance, too, but not where
+    /// [`Self::cells`], their size or a box are given. Drafts and solids in a box
+    /// that was given have 128 cells along the longest side.
     pub fn new() -> Self {
         Self {
             resolution: None,
@@ -230,7 +231,31 @@ impl Mesher {
     /// [`Error::TooLarge`] if the vertices outnumber an index,
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
-        Run::new(self, program)?.mesh()
+        match self.default_tolerance(program)? {
+            Some(tolerance) => {
+                let mesher = self.clone().tolerance(tolerance);
+                Run::new(&mesher, program)?.mesh()
+            }
+            None => Run::new(self, program)?.mesh(),
+        }
+    }
+
+    /// The tolerance where nothing says how fine the mesh should be.
+    fn default_tolerance(&self, program: &Program) -> Result<Option<f64>, Error> {
+        /// Of the longest side of the bounds.
+        const SHARE: f64 = 1e-3;
+        let is_sized = self.resolution.is_some()
+            || self.smallest_feature.is_some()
+            || self.tolerance.is_some()
+            || self.bounds.is_some();
+        if is_sized || matches!(self.method, Method::Draft) || evaluation::is_polyhedral(program) {
+            return Ok(None);
+        }
+        let size = program
+            .bounds()?
+            .map_or(0.0, |bounds| bounds.size().max_element());
+        // A box without extent holds no solid.
+        Ok(Some(SHARE * size).filter(|&tolerance| tolerance > 0.0))
     }
 
     fn goal(&self) -> Result<Option<Goal>, Error> {
