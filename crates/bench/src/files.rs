@@ -65,10 +65,11 @@ enum Way {
 }
 
 fn mesh(name: &str, solid: &Solid, ways: &[Way], tally: &Tally) {
+    const SEGMENTS: u32 = 256;
     let program = Program::lower(solid).unwrap_or_else(|e| panic!("{name}: {e}"));
     let bounds = program.bounds().unwrap_or_else(|e| panic!("{name}: {e}"));
     let size = bounds.map_or(1.0, |bounds| bounds.size().max_element());
-    let volume = tally.judge().map(|judge| judge.volume(solid));
+    let volume = tally.judge().map(|judge| judge.volume(solid, SEGMENTS));
     for &way in ways {
         let (how, mesher, promise, distance) = match way {
             Way::Cells(cells) => (

@@ -52,6 +52,8 @@ pub struct Options {
 
 /// Prints every failure, with what it takes to repeat it, and a summary.
 pub fn run(options: &Options) {
+    /// Of circles, where manifold3d tells the volume of a tree.
+    const SEGMENTS: u32 = 32;
     let tally = Tally::new(options.python.as_deref().map(Judge::start));
     if !options.trees_only {
         for name in &options.scenes {
@@ -89,7 +91,7 @@ pub fn run(options: &Options) {
                 volume: tally
                     .judge()
                     .filter(|_| options.tolerance.is_some())
-                    .map(|judge| judge.volume(&solid)),
+                    .map(|judge| judge.volume(&solid, SEGMENTS)),
                 distance: options.tolerance.unwrap_or_default(),
             };
             tally.add(&case, &mesher);

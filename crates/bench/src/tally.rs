@@ -57,11 +57,11 @@ impl Judge {
         }
     }
 
-    /// The volume of a solid, and a bound of what that is off.
-    pub fn volume(&self, solid: &Solid) -> (f64, f64) {
-        const SEGMENTS: u32 = 256;
+    /// The volume of a solid whose circles have so many segments, and a bound of
+    /// what that is off.
+    pub fn volume(&self, solid: &Solid, segments: u32) -> (f64, f64) {
         let mut script = self.script.lock().expect("no panic");
-        script.volume(solid, SEGMENTS)
+        script.volume(solid, segments)
     }
 
     fn status(&self, mesh: &Mesh) -> String {
