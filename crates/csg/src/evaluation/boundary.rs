@@ -6,7 +6,7 @@
 //! to their own sector of the face, and twins to their own wedge of the solid.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 
 use super::Scene;
@@ -283,7 +283,8 @@ impl Boundary {
             let is_alone = |h: u32| leaving[self.at(h).from as usize] == 1;
             if next == half_edge || next == twin && previous == twin {
                 // Nothing but this edge.
-                if next == twin && !(is_alone(half_edge) && is_alone(twin)) {
+                let is_touched = next == twin && !(is_alone(half_edge) && is_alone(twin));
+                if is_touched && self.lies_within_face(scene, half_edge) {
                     continue;
                 }
                 let HalfEdge { next, previous, .. } = *self.at(twin);
@@ -405,6 +406,19 @@ impl Boundary {
             }
         }
         Some(())
+    }
+
+    /// One half of each edge that joins two vertices, by their numbers in fans.
+    pub fn edges_between(&self, pairs: &[[u32; 2]]) -> Vec<u32> {
+        let (fan_of, _) = self.fans();
+        let pairs: FxHashSet<[u32; 2]> =
+            pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        let joins = |&half_edge: &u32| {
+            let twin = self.at(half_edge).twin;
+            let is_first = !self.is_removed(half_edge) && half_edge < twin;
+            is_first && pairs.contains(&[half_edge, twin].map(|h| fan_of[h as usize]))
+        };
+        (0..self.half_edges.len() as u32).filter(joins).collect()
     }
 
     /// Puts a vertex on an edge.

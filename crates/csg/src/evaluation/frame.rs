@@ -47,8 +47,9 @@ pub(super) struct Frame {
 const NEGLIGIBLE: f64 = 1e-10;
 
 impl Frame {
-    /// None for planes, and for quadrics that are pairs of planes or empty.
-    pub fn of(surface: &Surface) -> Option<Self> {
+    /// None for planes, and for quadrics that are pairs of planes or empty. No
+    /// point of the scene is farther from the origin than `reach`.
+    pub fn of(surface: &Surface, reach: f64) -> Option<Self> {
         if surface.is_plane() {
             return None;
         }
@@ -71,6 +72,10 @@ impl Frame {
         values.swap(odd, 2);
         axes.swap(odd, 2);
         let is_mixed = values[0] * values[1] < 0.0;
+        let is_like_cylinder = is_like_cylinder(surface, values, axes, reach);
+        if is_like_cylinder {
+            values[2] = 0.0;
+        }
         let mut center = surface.anchor;
         for (value, axis) in values.iter().zip(axes) {
             if *value != 0.0 {
@@ -82,7 +87,9 @@ impl Frame {
             surface.constant.abs() + surface.linear.length() * (center - surface.anchor).length();
         let is_through_center = rest.abs() <= NEGLIGIBLE * terms;
         let slope = surface.linear.dot(axes[2]);
-        let has_slope = values[2] == 0.0 && slope.abs() > NEGLIGIBLE * surface.linear.length();
+        let has_slope = values[2] == 0.0
+            && !is_like_cylinder
+            && slope.abs() > NEGLIGIBLE * surface.linear.length();
         let mut is_divided = false;
         let mut facing = [sign(values[0]); 2];
         let count = values.iter().filter(|v| **v != 0.0).count();
@@ -230,4 +237,22 @@ impl Frame {
             point
         }
     }
+}
+
+/// Whether a quadric of this diagonal form is like a cylinder along its last axis
+/// wherever the scene reaches: then a centre or an apex far away would only cost
+/// digits. With d the distance along the axis, the square of its radius changes
+/// by value d² + slope d, at most by half.
+fn is_like_cylinder(surface: &Surface, values: [f64; 3], axes: [DVec3; 3], reach: f64) -> bool {
+    if values[0] * values[1] <= 0.0 {
+        return false;
+    }
+    let off_axis: DVec3 = (0..2)
+        .map(|k| surface.linear.dot(axes[k]) / (2.0 * values[k]) * axes[k])
+        .sum();
+    let rest = surface.value(surface.anchor - off_axis);
+    let length = reach + surface.anchor.length();
+    let slope = surface.linear.dot(axes[2]).abs();
+    let change = (values[2].abs() * length + slope) * length;
+    rest * values[0] < 0.0 && change <= 0.5 * rest.abs()
 }

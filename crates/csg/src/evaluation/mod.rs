@@ -205,7 +205,9 @@ pub(crate) fn mesh(
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
-    let frames: Vec<Option<Frame>> = task.surfaces.iter().map(Frame::of).collect();
+    let reach = task.size.length();
+    let frames = task.surfaces.iter().map(|s| Frame::of(s, reach));
+    let frames: Vec<Option<Frame>> = frames.collect();
     let looks = looks(task.program.origins());
     let rounding = 16.0 * f64::EPSILON * task.origin.length();
     let scene = Scene {
@@ -374,60 +376,56 @@ fn trace<T>(
     Some(all)
 }
 
-/// Triangles of all faces. Where chords of curves run across each other, more of
-/// them are made.
+/// Triangles of all faces. Where chords of curves run across each other, or along a
+/// diagonal of another face, more of them are made.
 fn assemble(
     scene: &Scene<'_>,
     task: &Task<'_>,
     boundary: &mut Boundary,
     contacts: &[Contact],
 ) -> Option<Mesh> {
-    /// Times that edges of faces that cannot be cut are split.
-    const ROUNDS: u32 = 12;
-    let mut cut = Cut::default();
-    let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
-    for round in 0..=ROUNDS {
-        cut.cut_faces(scene, boundary, &faces);
-        let failed = |&face: &u32| cut.triangles[face as usize].is_none();
-        let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
-        if failed.is_empty() {
-            break;
+    const MOST_TRIES: u32 = 4;
+    for _ in 0..MOST_TRIES {
+        let Cut {
+            mut positions,
+            triangles,
+            ..
+        } = Cut::new(scene, boundary)?;
+        let triangles: Option<Vec<_>> = triangles.into_iter().collect();
+        let mut triangles = triangles?;
+        let faces = &boundary.faces;
+        add_contacts(scene, contacts, faces, &mut triangles, &mut positions);
+        for (side, triangles) in faces.iter().zip(&mut triangles) {
+            unfold(scene, side, triangles, &mut positions);
         }
-        scene.control.check().ok()?;
-        let mut crossing = Vec::new();
-        for face in failed {
-            let contours = &cut.contours[face as usize];
-            boundary.crossing_edges(scene, face, contours, &mut crossing);
+        let mut doubled = doubled_edges(&triangles, positions.len());
+        if !doubled.is_empty() {
+            part_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
+            doubled = doubled_edges(&triangles, positions.len());
         }
-        crossing.sort_unstable();
-        crossing.dedup();
-        if round == ROUNDS || crossing.is_empty() || !boundary.split(scene, &crossing) {
+        if doubled.is_empty() {
+            return Some(finished(task, faces, triangles, positions));
+        }
+        let doubled: Vec<[u32; 2]> = doubled.into_iter().map(|(ends, _)| ends).collect();
+        let chords = boundary.edges_between(&doubled);
+        if chords.is_empty() || !boundary.split(scene, &chords) {
             return None;
         }
-        // The faces on both sides have more corners.
-        let sides = crossing.iter().flat_map(|&edge| boundary.faces_of(edge));
-        faces = sides.collect();
-        faces.sort_unstable();
-        faces.dedup();
     }
+    None
+}
+
+/// The mesh of all faces' triangles.
+fn finished(
+    task: &Task<'_>,
+    faces: &[Side],
+    triangles: Vec<Vec<[u32; 3]>>,
+    positions: Vec<DVec3>,
+) -> Mesh {
     let mut mesh = Mesh {
-        positions: cut.positions,
+        positions,
         ..Mesh::default()
     };
-    let triangles: Option<Vec<_>> = cut.triangles.into_iter().collect();
-    let mut triangles = triangles?;
-    let faces = &boundary.faces;
-    add_contacts(scene, contacts, faces, &mut triangles, &mut mesh.positions);
-    for (side, triangles) in faces.iter().zip(&mut triangles) {
-        unfold(scene, side, triangles, &mut mesh.positions);
-    }
-    let doubled = faces_with_doubled_edges(&triangles, mesh.positions.len());
-    if !doubled.is_empty() {
-        part_diagonals(scene, faces, &doubled, &mut triangles, &mut mesh.positions);
-        if !faces_with_doubled_edges(&triangles, mesh.positions.len()).is_empty() {
-            return None;
-        }
-    }
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
     for (side, triangles) in faces.iter().zip(triangles) {
         if triangles.is_empty() {
@@ -441,7 +439,7 @@ fn assemble(
             .extend(std::iter::repeat_n(entry, triangles.len()));
         mesh.triangles.extend(triangles);
     }
-    Some(mesh)
+    mesh
 }
 
 /// Faces cut into triangles.
@@ -455,6 +453,39 @@ struct Cut {
 }
 
 impl Cut {
+    /// Cuts all faces; none where more chords do not help.
+    fn new(scene: &Scene<'_>, boundary: &mut Boundary) -> Option<Self> {
+        /// Times that edges of faces that cannot be cut are split.
+        const ROUNDS: u32 = 12;
+        let mut cut = Self::default();
+        let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
+        for round in 0..=ROUNDS {
+            cut.cut_faces(scene, boundary, &faces);
+            let failed = |&face: &u32| cut.triangles[face as usize].is_none();
+            let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
+            if failed.is_empty() {
+                return Some(cut);
+            }
+            scene.control.check().ok()?;
+            let mut crossing = Vec::new();
+            for face in failed {
+                let contours = &cut.contours[face as usize];
+                boundary.crossing_edges(scene, face, contours, &mut crossing);
+            }
+            crossing.sort_unstable();
+            crossing.dedup();
+            if round == ROUNDS || crossing.is_empty() || !boundary.split(scene, &crossing) {
+                return None;
+            }
+            // The faces on both sides have more corners.
+            let sides = crossing.iter().flat_map(|&edge| boundary.faces_of(edge));
+            faces = sides.collect();
+            faces.sort_unstable();
+            faces.dedup();
+        }
+        None
+    }
+
     /// Cuts some faces, for the first time or once more. Vertices keep their
     /// numbers when edges are split.
     fn cut_faces(&mut self, scene: &Scene<'_>, boundary: &Boundary, faces: &[u32]) {
@@ -490,10 +521,10 @@ impl Cut {
     }
 }
 
-/// The faces with a directed edge that occurs twice: diagonals of two faces, or a
-/// diagonal and an edge, may join the same two vertices. And those with triangles
+/// Directed edges that occur twice, with the faces: diagonals of two faces, or a
+/// diagonal and an edge, may join the same two vertices. And those of triangles
 /// back to back: of a lens of which three vertices are known.
-fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<u32> {
+fn doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<([u32; 2], u32)> {
     // The edges that leave each vertex, by counting.
     let mut starts = vec![0u32; vertices + 2];
     for &corner in triangles.iter().flatten().flatten() {
@@ -511,15 +542,12 @@ fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec
         }
     }
     let mut doubled = Vec::new();
-    for ends in starts[..=vertices].windows(2) {
+    for (from, ends) in (0u32..).zip(starts[..=vertices].windows(2)) {
         let leaving = &mut edges[ends[0] as usize..ends[1] as usize];
         leaving.sort_unstable();
         let same = leaving.chunk_by(|a, b| a.0 == b.0);
-        doubled.extend(
-            same.filter(|same| same.len() > 1)
-                .flatten()
-                .map(|edge| edge.1),
-        );
+        let same = same.filter(|same| same.len() > 1).flatten();
+        doubled.extend(same.map(|&(to, face)| ([from, to], face)));
     }
     let leaving = |vertex: u32| {
         let vertex = vertex as usize;
@@ -530,11 +558,9 @@ fn faces_with_doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec
             && let &[(r, _), (s, _)] = leaving(p)
             && [[vertex, q], [q, vertex]].contains(&[r, s])
         {
-            doubled.extend([one, other]);
+            doubled.extend([one, other].map(|face| ([vertex, p], face)));
         }
     }
-    doubled.sort_unstable();
-    doubled.dedup();
     doubled
 }
 
@@ -548,11 +574,14 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
 fn part_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
-    doubled: &[u32],
+    doubled: &[([u32; 2], u32)],
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
-    for &face in doubled {
+    let mut concerned: Vec<u32> = doubled.iter().map(|&(_, face)| face).collect();
+    concerned.sort_unstable();
+    concerned.dedup();
+    for face in concerned {
         let side = &faces[face as usize];
         let Some(frame) = &scene.frames[side.plane as usize] else {
             continue;

@@ -437,13 +437,10 @@ impl<'a> Run<'a> {
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            let mut narrow = std::mem::take(&mut outcome.tighter);
             if self.mesher.check {
-                for (place, surfaces) in crossings_of(&surfaced, task.origin) {
-                    outcome.unkept.push((Unkept::Crossing, place));
-                    narrow.extend(surfaces);
-                }
+                self.part_crossing(&mut surfaced, &mut outcome, task, goal)?;
             }
+            let mut narrow = std::mem::take(&mut outcome.tighter);
             narrow.sort_unstable();
             narrow.dedup();
             Ok((Refined { surfaced, outcome }, narrow))
@@ -484,6 +481,48 @@ impl<'a> Run<'a> {
             }
         }
         Ok(best)
+    }
+
+    /// Cuts up the triangles of a mesh that run through each other until none do, or
+    /// that does not help, and notes where they still do.
+    fn part_crossing(
+        &self,
+        surfaced: &mut Surfaced,
+        outcome: &mut Outcome,
+        task: &Task<'_>,
+        goal: &Goal,
+    ) -> Result<(), Error> {
+        const MOST_ROUNDS: u32 = 14;
+        let mut pairs = crossing_pairs(surfaced, task.origin);
+        if pairs.is_empty() {
+            return Ok(());
+        }
+        // Where the mesh is folded there are more and more.
+        let too_many = 4 * pairs.len() + 16;
+        let mut least = (surfaced.clone(), outcome.clone(), pairs.clone());
+        for _ in 0..MOST_ROUNDS {
+            self.control.check()?;
+            if !refine::part(surfaced, &task.surfaces, goal, &pairs, outcome) {
+                break;
+            }
+            pairs = crossing_pairs(surfaced, task.origin);
+            if pairs.len() < least.2.len() {
+                least = (surfaced.clone(), outcome.clone(), pairs.clone());
+            }
+            if pairs.is_empty() || pairs.len() > too_many {
+                break;
+            }
+        }
+        (*surfaced, *outcome, pairs) = least;
+        for pair in pairs {
+            let corner = surfaced.triangles[pair[0] as usize][0];
+            let place = surfaced.positions[corner as usize];
+            outcome.unkept.push((Unkept::Crossing, place));
+            let group = |triangle: u32| surfaced.groups[triangle as usize] as usize;
+            let surfaces = pair.map(|triangle| surfaced.surface_of_group[group(triangle)]);
+            outcome.tighter.extend(surfaces);
+        }
+        Ok(())
     }
 }
 
@@ -530,24 +569,15 @@ fn crossings(mesh: &Mesh) -> Vec<DVec3> {
         .collect()
 }
 
-/// The same of a mesh whose triangles know their surfaces, with those of both
-/// triangles, once its points are moved: rounding decides where faces meet in
-/// a plane.
-fn crossings_of(surfaced: &Surfaced, by: DVec3) -> Vec<(DVec3, [u32; 2])> {
+/// The pairs of triangles that run through each other once a mesh's points are
+/// moved: rounding decides where faces meet in a plane.
+fn crossing_pairs(surfaced: &Surfaced, by: DVec3) -> Vec<[u32; 2]> {
     let mesh = Mesh {
         positions: surfaced.positions.iter().map(|&p| p + by).collect(),
         triangles: surfaced.triangles.clone(),
         ..Mesh::default()
     };
-    let surface = |triangle: u32| {
-        let group = surfaced.groups[triangle as usize];
-        surfaced.surface_of_group[group as usize]
-    };
-    let place = |triangle: u32| surfaced.positions[mesh.triangles[triangle as usize][0] as usize];
-    let pairs = mesh.self_intersections().into_iter();
-    pairs
-        .map(|pair| (place(pair[0]), pair.map(surface)))
-        .collect()
+    mesh.self_intersections()
 }
 
 /// Moves all points.

@@ -16,6 +16,7 @@ use glam::DVec3;
 use super::chains::{chains, divide, move_vertices};
 use super::flips::{flip_all, flip_and_note};
 use super::half_edges::{HalfEdges, Kind, NONE, next};
+use super::part::Side;
 use super::regions::{Bend, Way};
 use super::shape::faces_out_in_the_middle;
 use super::tessellate::Fine;
@@ -80,11 +81,23 @@ impl<'m, 's> Grower<'m, 's> {
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
         self.halve_edges(1.0, Self::chords_of_developable);
         self.free_stuck();
-        let mut far = self.cut_far_triangles(control)?;
+        let far = self.cut_far_triangles(control)?;
         self.free_stuck();
+        self.settle(far);
+        for part in &self.fine.parts {
+            let surface = self.mesh.surface_index(3 * part.large);
+            let promised = self.goal.promised;
+            self.outcome
+                .note(part.deviation, part.farthest, &[surface], promised);
+        }
+        Ok(())
+    }
+
+    /// Puts vertices that are stuck on their surfaces, whatever they fold, and
+    /// measures triangles.
+    fn settle(&mut self, mut far: Vec<u32>) {
         if !self.stuck.is_empty() {
             for (vertex, place) in std::mem::take(&mut self.stuck) {
-                // On its surfaces, whatever it folds.
                 self.mesh.positions[vertex as usize] = place;
                 self.outcome.unkept.push((Unkept::Folded, place));
                 let around = self.mesh.around(vertex);
@@ -96,13 +109,33 @@ impl<'m, 's> Grower<'m, 's> {
         for triangle in far {
             self.measure(triangle);
         }
-        for part in &self.fine.parts {
-            let surface = self.mesh.surface_index(3 * part.large);
-            let promised = self.goal.promised;
-            self.outcome
-                .note(part.deviation, part.farthest, &[surface], promised);
+    }
+
+    /// Cuts sides at points of their surfaces or curves, and measures what comes of
+    /// it; whether anything was cut.
+    pub(super) fn cut_sides(&mut self, sides: &[Side]) -> bool {
+        self.changed.clear();
+        for side in sides {
+            let [from, to] = side.ends;
+            let ends_there = |&half: &u32| self.mesh.target(half) == to;
+            let Some(half) = self.mesh.around(from).find(ends_there) else {
+                continue;
+            };
+            if side.kind == Kind::Face && !self.splits_well(half, side.target) {
+                continue;
+            }
+            let vertex = self.mesh.add_vertex(side.target, side.kind);
+            self.insert(half, vertex, None);
+            if side.kind == Kind::Curve {
+                self.measure_chords_at(vertex);
+            }
         }
-        Ok(())
+        let is_cut = !self.changed.is_empty();
+        self.flip();
+        self.free_stuck();
+        let changed = self.flip_and_take_changed();
+        self.settle(changed);
+        is_cut
     }
 
     /// An error if there are more triangles, with those that the points of
@@ -180,6 +213,19 @@ impl<'m, 's> Grower<'m, 's> {
             before = end;
         }
         true
+    }
+
+    /// Measures the chords of a curve that end in a vertex.
+    fn measure_chords_at(&mut self, vertex: u32) {
+        let mesh = &*self.mesh;
+        for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
+            let sides = [half, mesh.twin(half)];
+            let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
+            let bound = deviation::of_chord(sides.map(|side| mesh.surface(side)), p, q);
+            let pair = sides.map(|side| mesh.surface_index(side));
+            let promised = self.goal.promised;
+            self.outcome.note(bound, p.midpoint(q), &pair, promised);
+        }
     }
 
     fn flip_everything(&mut self) {

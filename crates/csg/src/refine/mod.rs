@@ -21,6 +21,7 @@ pub(crate) mod deviation;
 mod flips;
 mod grow;
 mod half_edges;
+mod part;
 mod patch;
 mod patches;
 mod regions;
@@ -33,6 +34,7 @@ use rustc_hash::FxHashMap;
 
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
+pub(crate) use self::part::part;
 use self::regions::Way;
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
@@ -162,10 +164,7 @@ pub(crate) fn to_tolerance(
     goal: &Goal,
     control: &Control,
 ) -> Result<Outcome, Error> {
-    let size = surfaced
-        .positions
-        .iter()
-        .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+    let precision = precision(&surfaced.positions);
     let positions = std::mem::take(&mut surfaced.positions);
     let mesh = HalfEdges::new(
         positions.clone(),
@@ -190,12 +189,20 @@ pub(crate) fn to_tolerance(
     }
     coarsen::coarsen(&mut mesh, goal);
     control.check()?;
-    let mut grower = Grower::new(&mut mesh, goal, ON_SURFACE * size);
+    let mut grower = Grower::new(&mut mesh, goal, precision);
     grower.run(control)?;
     let (outcome, fine) = (grower.outcome, grower.fine);
     hand_back(&mesh, &fine, surfaced);
     control.check_triangles(surfaced.triangles.len())?;
     Ok(outcome)
+}
+
+/// How near points must come to their surfaces.
+fn precision(positions: &[DVec3]) -> f64 {
+    let size = positions
+        .iter()
+        .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+    ON_SURFACE * size
 }
 
 /// The mesh without what is gone, and with what was tessellated.
