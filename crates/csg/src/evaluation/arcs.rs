@@ -228,6 +228,13 @@ impl ArcTracer {
             if self.roots.is_lost {
                 return None;
             }
+            if self.roots.simple.len() > 1 {
+                let distance = |t: f64| {
+                    let at = curve.at(t);
+                    surface.value(at) / surface.gradient(at).length()
+                };
+                self.roots.join_close(distance, scene.rounding);
+            }
             let Roots {
                 simple, touching, ..
             } = &mut self.roots;

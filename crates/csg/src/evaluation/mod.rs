@@ -143,6 +143,8 @@ struct Scene<'a> {
     on_plane: f64,
     near: f64,
     weld: f64,
+    /// Distances that rounding may make.
+    rounding: f64,
     control: &'a Control,
 }
 
@@ -209,7 +211,7 @@ pub(crate) fn mesh(
     let frames = task.surfaces.iter().map(|s| Frame::of(s, reach));
     let frames: Vec<Option<Frame>> = frames.collect();
     let looks = looks(task.program.origins());
-    let rounding = 16.0 * f64::EPSILON * task.origin.length();
+    let rounding = 16.0 * f64::EPSILON * (task.origin.length() + longest);
     let scene = Scene {
         surfaces: &task.surfaces,
         planes: &planes,
@@ -218,6 +220,7 @@ pub(crate) fn mesh(
         on_plane: ON_PLANE * longest + rounding,
         near: NEAR * longest + rounding,
         weld: WELD * longest + 10.0 * rounding,
+        rounding,
         control: task.control,
     };
     let root = Block {

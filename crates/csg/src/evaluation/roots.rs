@@ -167,6 +167,21 @@ impl Roots {
         }
     }
 
+    /// Makes one place next to 0 of every two roots in order between which a
+    /// function of `value` stays within `rounding`: rounding alone parts them.
+    pub fn join_close(&mut self, value: impl Fn(f64) -> f64, rounding: f64) {
+        let mut index = 1;
+        while index < self.simple.len() {
+            let middle = 0.5 * (self.simple[index - 1] + self.simple[index]);
+            if value(middle).abs() <= rounding {
+                self.simple.drain(index - 1..=index);
+                self.touching.push(middle);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
     /// Adds the place at which a function is nearest to 0 on a stretch on which
     /// it is next to 0.
     fn touch(&mut self, stretch: Option<[Sample; 2]>, value: impl Fn(f64) -> f64) {

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::conics::OnConic;
-use super::curves::Stretches;
+use super::curves::{Stretches, is_straight};
 use super::half_edges::{HalfEdges, Kind, next};
 use super::shape::faces_out_in_the_middle;
 use super::{Goal, deviation};
@@ -117,6 +117,19 @@ pub(super) fn divide(
         },
         ..goal.clone()
     };
+    // Not to be followed where the surfaces touch along it, nor to be cut up.
+    let is_line = |w: &[DVec3]| is_straight(surfaces, w[0], w[1], precision);
+    if vertices.windows(2).all(is_line) {
+        let inner = &vertices[1..chain.len()];
+        let ends = [vertices[0], end];
+        let (deviation, farthest) = farthest(surfaces, ends, inner, chain.len());
+        return Some(Division {
+            points: inner.to_vec(),
+            ends: (1..=chain.len() as u32).collect(),
+            deviation,
+            farthest,
+        });
+    }
     if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {
         return divide_course(&course, &vertices, goal);
     }

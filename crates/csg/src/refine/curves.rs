@@ -128,12 +128,7 @@ impl<'a> Stretch<'a> {
             precision,
         };
         let along = to - from;
-        // A straight line on both surfaces.
-        let is_straight = surfaces.iter().all(|s| {
-            let sag = 0.125 * s.curvature_along(along).abs();
-            s.is_plane() || sag <= precision * s.gradient(from.midpoint(to)).length()
-        });
-        if is_straight {
+        if is_straight(surfaces, from, to, precision) {
             stretch.points[STEPS] = to;
             return Some(stretch);
         }
@@ -204,6 +199,15 @@ impl<'a> Stretch<'a> {
         let start = p.lerp(q, ((wanted - low) / (high - low)).clamp(0.0, 1.0));
         on_curve(self.surfaces, start, p.distance(q), self.precision)
     }
+}
+
+/// Whether the line between two points of two surfaces lies on both, but for
+/// `precision`.
+pub(super) fn is_straight(surfaces: [&Surface; 2], from: DVec3, to: DVec3, precision: f64) -> bool {
+    surfaces.iter().all(|s| {
+        let sag = 0.125 * s.curvature_along(to - from).abs();
+        s.is_plane() || sag <= precision * s.gradient(from.midpoint(to)).length()
+    })
 }
 
 /// A point of the curve in which two surfaces meet, within `reach` of another

@@ -287,6 +287,9 @@ fn shrunk(map: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
+/// Sine of an angle between surfaces that is none.
+const PARALLEL: f64 = 1e-6;
+
 /// A bound of the distance of any point of the chord to the curve in which two
 /// surfaces meet; of ends on both.
 ///
@@ -314,8 +317,6 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
         }
     }
     let touch = |at: DVec3| {
-        /// Sine of an angle that is none.
-        const PARALLEL: f64 = 1e-6;
         let [a, b] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
         a.cross(b).length() <= PARALLEL
     };
@@ -343,7 +344,9 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
 fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
     let gradients = [p, q].map(|at| {
         let gradient = surface.gradient(at);
-        gradient - gradient.dot(plane.linear) * plane.linear
+        let along = gradient - gradient.dot(plane.linear) * plane.linear;
+        let is_parallel = along.length() <= PARALLEL * gradient.length();
+        if is_parallel { DVec3::ZERO } else { along }
     });
     let mean = (gradients[0] + gradients[1]).normalize_or_zero();
     let slopes = gradients.map(|gradient| gradient.dot(mean));
