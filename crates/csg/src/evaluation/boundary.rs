@@ -41,6 +41,9 @@ pub(super) struct Boundary {
 /// Directions in a face that differ by less are the same, in radians.
 const SAME_DIRECTION: f64 = 1e-9;
 
+/// Of curvatures as a face is seen, about 1 where it has the size of its surface.
+const SAME_BEND: f64 = 1e-9;
+
 /// How a curve leaves a vertex in the plane in which its face is seen.
 #[derive(Clone, Copy, Debug)]
 struct Departure {
@@ -182,8 +185,9 @@ impl Boundary {
             let leaves = self.departure(scene, h, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);
             let is_same = turn.min(TAU - turn) < SAME_DIRECTION;
+            // Along one curve the face goes all around: both sides of a slit.
             let turn = match is_same {
-                true if leaves.bend < back.bend => 0.0,
+                true if back.bend - leaves.bend > SAME_BEND * back.bend.abs().max(1.0) => 0.0,
                 true => TAU,
                 false => turn,
             };
