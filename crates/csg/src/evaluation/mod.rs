@@ -86,6 +86,9 @@ pub(crate) const LONG_CHORDS: [f64; 3] = [0.5, 0.2, 0.06];
 /// The same where faces are so narrow that long chords are in each other's way.
 pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
 
+/// And where these are, too.
+pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
+
 /// Of the curves of more blocks some nearly touch another one, and it takes
 /// several tries to keep faces apart: cells are faster then, and keep the
 /// tolerance, too.

@@ -327,7 +327,11 @@ impl<'a> Run<'a> {
             ..goal.loosened(factor)
         };
         let mut best: Option<(Mesh, Report)> = None;
-        for turns in [&evaluation::LONG_CHORDS[..], &evaluation::SHORT_CHORDS] {
+        for turns in [
+            &evaluation::LONG_CHORDS[..],
+            &evaluation::SHORT_CHORDS,
+            &evaluation::SHORTEST_CHORDS,
+        ] {
             let mut report = report.clone();
             report.method = "boundary";
             let attempt =
