@@ -19,7 +19,7 @@ use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::{Mesh, MeshSurface};
 use crate::net;
 use crate::program::{Bounds, Program};
-use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
+use crate::refine::{self, Goal, Outcome, Surfaced, Unkept, Which};
 use crate::report::Report;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
@@ -503,17 +503,24 @@ impl<'a> Run<'a> {
         }
         // Where the mesh is folded there are more and more.
         let too_many = 4 * pairs.len() + 16;
-        let mut least = (surfaced.clone(), outcome.clone(), pairs.clone());
-        for _ in 0..MOST_ROUNDS {
-            self.control.check()?;
-            if !refine::part(surfaced, &task.surfaces, goal, &pairs, outcome) {
-                break;
+        let before = (surfaced.clone(), outcome.clone(), pairs);
+        let mut least = before.clone();
+        for which in [Which::Worst, Which::Chords] {
+            (*surfaced, *outcome, pairs) = before.clone();
+            for _ in 0..MOST_ROUNDS {
+                self.control.check()?;
+                if !refine::part(surfaced, &task.surfaces, goal, &pairs, which, outcome) {
+                    break;
+                }
+                pairs = crossing_pairs(surfaced, task.origin);
+                if pairs.len() < least.2.len() {
+                    least = (surfaced.clone(), outcome.clone(), pairs.clone());
+                }
+                if pairs.is_empty() || pairs.len() > too_many {
+                    break;
+                }
             }
-            pairs = crossing_pairs(surfaced, task.origin);
-            if pairs.len() < least.2.len() {
-                least = (surfaced.clone(), outcome.clone(), pairs.clone());
-            }
-            if pairs.is_empty() || pairs.len() > too_many {
+            if least.2.is_empty() {
                 break;
             }
         }

@@ -34,7 +34,7 @@ use rustc_hash::FxHashMap;
 
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
-pub(crate) use self::part::part;
+pub(crate) use self::part::{Which, part};
 use self::regions::Way;
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;

@@ -13,6 +13,16 @@ use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
 
+/// Which sides are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Which {
+    /// Those that stray most.
+    Worst,
+    /// Chords of curves, if there are any that stray: of faces that touch along
+    /// one, those inside of faces may be as long as the gap takes to open.
+    Chords,
+}
+
 /// Cuts sides of the pairs of triangles, and notes in `outcome` how far what comes
 /// of it strays; false if there is nothing to be cut.
 pub(crate) fn part(
@@ -20,6 +30,7 @@ pub(crate) fn part(
     surfaces: &[Surface],
     goal: &Goal,
     pairs: &[[u32; 2]],
+    which: Which,
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
@@ -35,7 +46,7 @@ pub(crate) fn part(
     };
     let mut sides: Vec<Side> = pairs
         .iter()
-        .flat_map(|&pair| worst_sides(&mesh, pair, precision))
+        .flat_map(|&pair| worst_sides(&mesh, pair, which, precision))
         .collect();
     sides.sort_unstable_by_key(|side| side.ends);
     sides.dedup_by_key(|side| side.ends);
@@ -58,14 +69,21 @@ pub(super) struct Side {
 }
 
 /// The sides of two triangles that stray most.
-fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
+fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f64) -> Vec<Side> {
     /// Of the farthest one's distance.
     const FAR: f64 = 0.5;
+    /// The same for chords of curves, if they are asked for.
+    const NOT_NEAR: f64 = 0.05;
     let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
     let sides = halves.filter_map(|half| cut_of(mesh, half, precision));
     let mut sides: Vec<(f64, Side)> = sides.filter(|side| side.0 > 100.0 * precision).collect();
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);
-    sides.retain(|side| side.0 >= FAR * farthest);
+    let is_chord = |side: &(f64, Side)| side.1.kind == Kind::Curve && side.0 >= NOT_NEAR * farthest;
+    if which == Which::Chords && sides.iter().any(is_chord) {
+        sides.retain(is_chord);
+    } else {
+        sides.retain(|side| side.0 >= FAR * farthest);
+    }
     sides.into_iter().map(|(_, side)| side).collect()
 }
 
