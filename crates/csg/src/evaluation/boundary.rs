@@ -412,15 +412,23 @@ impl Boundary {
         Some(())
     }
 
-    /// One half of each edge that joins two vertices, by their numbers in fans.
-    pub fn edges_between(&self, pairs: &[[u32; 2]]) -> Vec<u32> {
+    /// One half of each edge along a curve that joins two vertices, by their
+    /// numbers in fans.
+    pub fn curves_between(&self, scene: &Scene<'_>, pairs: &[[u32; 2]]) -> Vec<u32> {
+        if pairs.is_empty() {
+            return Vec::new();
+        }
         let (fan_of, _) = self.fans();
-        let pairs: FxHashSet<[u32; 2]> =
-            pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        let both_ways = pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]);
+        let pairs: FxHashSet<[u32; 2]> = both_ways.collect();
         let joins = |&half_edge: &u32| {
             let twin = self.at(half_edge).twin;
             let is_first = !self.is_removed(half_edge) && half_edge < twin;
-            is_first && pairs.contains(&[half_edge, twin].map(|h| fan_of[h as usize]))
+            is_first
+                && pairs.contains(&[half_edge, twin].map(|h| fan_of[h as usize]))
+                && self
+                    .surfaces_of(scene, half_edge)
+                    .is_some_and(|s| !s.iter().all(|s| s.is_plane()))
         };
         (0..self.half_edges.len() as u32).filter(joins).collect()
     }

@@ -19,8 +19,15 @@ pub(crate) enum Curve {
     Ellipse { center: DVec3, a: DVec3, b: DVec3 },
     /// center + cosh t a + sinh t b: one branch.
     Hyperbola { center: DVec3, a: DVec3, b: DVec3 },
-    /// point + t a + t² b, a and b at right angles.
-    Parabola { point: DVec3, a: DVec3, b: DVec3 },
+    /// point + (t a + t² b) / (1 + k t²), a and b at right angles: a parabola, or
+    /// the half of an ellipse (k > 0) or hyperbola (k < 0) around the vertex
+    /// `point` whose centre is far away.
+    Parabola {
+        point: DVec3,
+        a: DVec3,
+        b: DVec3,
+        k: f64,
+    },
     /// Where the lines on a quadric meet another one.
     Rulings(Box<Rulings>),
 }
@@ -103,6 +110,11 @@ pub(super) enum Meets {
     Curve,
 }
 
+/// t where t / (1 + k t²), on the way from 0, is a number.
+fn of_share(number: f64, k: f64) -> f64 {
+    2.0 * number / (1.0 + (1.0 - 4.0 * k * number * number).max(0.0).sqrt())
+}
+
 impl Curve {
     pub fn at(&self, t: f64) -> DVec3 {
         match self {
@@ -112,7 +124,7 @@ impl Curve {
                 center + cos * a + sin * b
             }
             &Self::Hyperbola { center, a, b } => center + t.cosh() * a + t.sinh() * b,
-            &Self::Parabola { point, a, b } => point + t * (a + t * b),
+            &Self::Parabola { point, a, b, k } => point + t / (1.0 + k * t * t) * (a + t * b),
             Self::Rulings(rulings) => rulings.at(t),
         }
     }
@@ -126,7 +138,7 @@ impl Curve {
                 cos * b - sin * a
             }
             Self::Hyperbola { a, b, .. } => t.sinh() * a + t.cosh() * b,
-            Self::Parabola { a, b, .. } => *a + 2.0 * t * b,
+            Self::Parabola { a, b, k, .. } => (1.0 - k * t * t) * a + 2.0 * t * b,
             Self::Rulings(rulings) => rulings.at(t + 1e-6) - rulings.at(t - 1e-6),
         }
     }
@@ -158,8 +170,8 @@ impl Curve {
                 (x > 0.0).then(|| y.asinh())
             }
             Self::Parabola {
-                point: start, a, ..
-            } => Some((point - start).dot(*a) / a.length_squared()),
+                point: start, a, k, ..
+            } => Some(of_share((point - start).dot(*a) / a.length_squared(), *k)),
             Self::Rulings(_) => None,
         }
     }
@@ -198,8 +210,8 @@ impl Curve {
                 let end = far.asinh() + 1.0;
                 Some([-end, end])
             }
-            Self::Parabola { point, a, .. } => {
-                let end = (reach + (around - point).length()) / a.length();
+            Self::Parabola { point, a, k, .. } => {
+                let end = of_share((reach + (around - point).length()) / a.length(), *k);
                 Some([-end, end])
             }
         }
@@ -316,15 +328,19 @@ impl Curve {
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
-            &Self::Parabola { point, a, b } => {
+            &Self::Parabola { point, a, b, k } => {
                 let form = Form::of(surface, point, a, b);
                 let [xx, yy, xy] = form.square;
                 let [x, y] = form.linear;
-                // In t: x t + (xx + y) t² + xy t³ + yy t⁴.
-                let value = |t: f64| form.constant + t * (x + t * (xx + y + t * (xy + t * yy)));
+                let c = form.constant;
+                // Times (1 + k t²)², which is about 1.
+                let square = xx + y + 2.0 * k * c;
+                let cube = xy + k * x;
+                let fourth = yy + k * (y + k * c);
+                let value = |t: f64| c + t * (x + t * (square + t * (cube + t * fourth)));
                 let bend = |from: f64, to: f64| {
                     let t = from.abs().max(to.abs());
-                    2.0 * (xx + y).abs() + t * (6.0 * xy.abs() + 12.0 * t * yy.abs())
+                    2.0 * square.abs() + t * (6.0 * cube.abs() + 12.0 * t * fourth.abs())
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }

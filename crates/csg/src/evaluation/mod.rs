@@ -390,8 +390,8 @@ fn assemble(
     boundary: &mut Boundary,
     contacts: &[Contact],
 ) -> Option<Mesh> {
-    const MOST_TRIES: u32 = 4;
-    for _ in 0..MOST_TRIES {
+    const MOST_TRIES: u32 = 6;
+    for tries in 1..=MOST_TRIES {
         let Cut {
             mut positions,
             triangles,
@@ -401,9 +401,15 @@ fn assemble(
         let mut triangles = triangles?;
         let faces = &boundary.faces;
         add_contacts(scene, contacts, faces, &mut triangles, &mut positions);
+        let mut coarse = Vec::new();
         for (side, triangles) in faces.iter().zip(&mut triangles) {
-            unfold(scene, side, triangles, &mut positions);
+            unfold(scene, side, triangles, &mut positions, &mut coarse);
         }
+        let coarse = boundary.curves_between(scene, &coarse);
+        if tries < MOST_TRIES && !coarse.is_empty() && boundary.split(scene, &coarse) {
+            continue;
+        }
+        let faces = &boundary.faces;
         let mut doubled = doubled_edges(&triangles, positions.len());
         if !doubled.is_empty() {
             part_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
@@ -413,7 +419,7 @@ fn assemble(
             return Some(finished(task, faces, triangles, positions));
         }
         let doubled: Vec<[u32; 2]> = doubled.into_iter().map(|(ends, _)| ends).collect();
-        let chords = boundary.edges_between(&doubled);
+        let chords = boundary.curves_between(scene, &doubled);
         if chords.is_empty() || !boundary.split(scene, &chords) {
             return None;
         }

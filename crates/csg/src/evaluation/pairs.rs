@@ -4,7 +4,7 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::curve::{BEGIN, Branch, Branches, Curve, Form};
-use super::pencil;
+use super::{NEAR, pencil};
 use crate::program::Surface;
 
 /// Why the curves of two surfaces are not known.
@@ -102,6 +102,41 @@ pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> SmallVec<
     branches.into_iter().map(|branch| branch.curve).collect()
 }
 
+/// The conic in which a quadric is 0 that changes from `foot` by value d² + slope d
+/// along each of two axes, more along the first, by its vertex: if the centre is so
+/// far from a scene around the origin that digits would be lost, and the vertex is
+/// not.
+fn near_parabola(
+    quadric: &Surface,
+    foot: DVec3,
+    [(first, u, x), (second, v, slope)]: [(f64, DVec3, f64); 2],
+    near: f64,
+) -> Option<Curve> {
+    /// From the origin, in sizes of the scene.
+    const FAR: f64 = 100.0;
+    let scene = near / NEAR;
+    if slope.abs() < 2.0 * second.abs() * FAR * scene {
+        return None;
+    }
+    let on_axis = foot - x / (2.0 * first) * u;
+    let rest = quadric.value(on_axis);
+    let discriminant = slope * slope - 4.0 * second * rest;
+    if discriminant <= 0.0 {
+        return None;
+    }
+    let at_vertex = discriminant.sqrt().copysign(slope);
+    let vertex = on_axis - 2.0 * rest / (slope + at_vertex) * v;
+    let k = first * second / (at_vertex * at_vertex);
+    let most = vertex.length() + scene;
+    // There a half of the conic goes on and on.
+    (16.0 * k.abs() * most * most <= 1.0).then(|| Curve::Parabola {
+        point: vertex,
+        a: u,
+        b: -first / at_vertex * v,
+        k,
+    })
+}
+
 /// The conic in which a plane cuts a quadric.
 pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Branches, Unknown> {
     let foot = quadric.anchor - plane.value(quadric.anchor) * plane.linear;
@@ -133,6 +168,15 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     let mut branches = Branches::new();
     let mut center = foot - x / (2.0 * first) * u;
     if second != 0.0 {
+        let axes = if first.abs() >= second.abs() {
+            [(first, u, x), (second, v, y)]
+        } else {
+            [(second, v, y), (first, u, x)]
+        };
+        if let Some(curve) = near_parabola(quadric, foot, axes, near) {
+            branches.push(Branch::new(curve));
+            return Ok(branches);
+        }
         center -= y / (2.0 * second) * v;
         let rest = quadric.value(center);
         // Of the points in the plane where the gradient points into it, the
@@ -195,6 +239,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
             point: center - rest / y * v,
             a: u,
             b: -first / y * v,
+            k: 0.0,
         }));
         return Ok(branches);
     }

@@ -27,12 +27,15 @@ pub(super) fn faces_out(surface: &Surface, along_normal: bool, [a, b, c]: [DVec3
 }
 
 /// Cuts a curved face up anew if one of its triangles does not face outwards
-/// clearly, with more vertices where it takes them.
+/// clearly, with more vertices where it takes them. Chords at the rim of triangles
+/// that still do not are added to `coarse`, by their ends: vertices next to them
+/// are seen on the other side of the chord than of its curve.
 pub(super) fn unfold(
     scene: &Scene<'_>,
     side: &Side,
     triangles: &mut Vec<[u32; 3]>,
     positions: &mut Vec<DVec3>,
+    coarse: &mut Vec<[u32; 2]>,
 ) {
     const MOST_ROUNDS: usize = 8;
     let Some(frame) = &scene.frames[side.plane as usize] else {
@@ -76,6 +79,13 @@ pub(super) fn unfold(
         }
         if positions.len() == before {
             break;
+        }
+    }
+    for triangle in 0..picture.triangles.len() as u32 {
+        if !is_good(&picture.triangles[triangle as usize], positions) {
+            let rim = 3 * triangle..3 * triangle + 3;
+            let rim = rim.filter(|&half| picture.twins[half as usize] == NONE);
+            coarse.extend(rim.map(|half| picture.ends(half)));
         }
     }
     *triangles = picture.triangles;

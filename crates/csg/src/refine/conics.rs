@@ -27,7 +27,8 @@ pub(super) struct Conic {
     bend: f64,
 }
 
-/// Surfaces nearer to each other than this many times the precision touch.
+/// Surfaces nearer to each other than this many times the precision touch: as near
+/// as in [`crate::evaluation`].
 const NEAR: f64 = 1e3;
 
 /// Vertices farther from a conic than this many times the precision are not on
