@@ -58,7 +58,7 @@ use std::time::Instant;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 pub(crate) use self::curve::Curve;
 pub(crate) use self::pairs::conics;
@@ -69,6 +69,7 @@ use self::cells::{Block, cut};
 use self::contacts::{Contact, add_contacts};
 use self::frame::Frame;
 use self::lines::{Piece, Tracer};
+use self::picture::Picture;
 use self::sectors::Side;
 use self::triangulate::{Named, triangulate};
 use self::unfold::unfold;
@@ -580,9 +581,9 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// Faces on both sides of a curve may have cut off the same ear along it: those
-/// that are curved are cut again, with a vertex in the middle of every triangle
-/// in place of the edges between them.
+/// Faces on both sides of a curve may have cut off the same ear along it: in those
+/// that are curved the diagonals get a vertex in their middle, and so does a face
+/// of one triangle.
 fn part_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
@@ -590,6 +591,7 @@ fn part_diagonals(
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
+    let ends: FxHashSet<[u32; 2]> = doubled.iter().map(|&(ends, _)| ends).collect();
     let mut concerned: Vec<u32> = doubled.iter().map(|&(_, face)| face).collect();
     concerned.sort_unstable();
     concerned.dedup();
@@ -599,27 +601,24 @@ fn part_diagonals(
             continue;
         };
         let surface = &scene.surfaces[side.plane as usize];
+        let lift = |sum: DVec3, count: f64| frame.lift(surface, side.patch, sum / count);
         let triangles = &mut triangles[face as usize];
-        let mut beyond: FxHashMap<[u32; 2], u32> = FxHashMap::default();
-        let first = positions.len() as u32;
-        for (&corners, middle) in triangles.iter().zip(first..) {
-            let centroid = corners
-                .iter()
-                .map(|&c| positions[c as usize])
-                .sum::<DVec3>()
-                / 3.0;
-            positions.push(frame.lift(surface, side.patch, centroid));
-            beyond.extend(sides(corners).map(|edge| (edge, middle)));
+        let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+        if let &[corners] = picture.triangles.as_slice() {
+            let sum = corners.iter().map(|&c| positions[c as usize]).sum();
+            positions.push(lift(sum, 3.0));
+            picture.split_triangle(0, positions.len() as u32 - 1, positions);
         }
-        let old = std::mem::take(triangles);
-        for (corners, middle) in old.into_iter().zip(first..) {
-            for [a, b] in sides(corners) {
-                triangles.push(match beyond.get(&[b, a]) {
-                    None => [a, b, middle],
-                    Some(&other) => [a, other, middle],
-                });
+        // Others are only added behind.
+        for half in 0..picture.twins.len() as u32 {
+            let [from, to] = picture.ends(half);
+            let is_doubled = ends.contains(&[from, to]) || ends.contains(&[to, from]);
+            if is_doubled && picture.twins[half as usize] != picture::NONE {
+                positions.push(lift(positions[from as usize] + positions[to as usize], 2.0));
+                picture.split_edge(half, positions.len() as u32 - 1, positions);
             }
         }
+        *triangles = picture.triangles;
     }
 }
 

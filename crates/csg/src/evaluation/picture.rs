@@ -127,7 +127,7 @@ impl<'a> Picture<'a> {
     }
 
     /// Splits a triangle at a new vertex inside.
-    fn split_triangle(&mut self, first: u32, vertex: u32, positions: &[DVec3]) {
+    pub fn split_triangle(&mut self, first: u32, vertex: u32, positions: &[DVec3]) {
         let [a, b, c] = self.triangles[first as usize];
         let [ab, bc, ca] = [0, 1, 2].map(|k| self.twins[3 * first as usize + k]);
         let second = self.add();
