@@ -98,7 +98,8 @@ struct Sides<'a> {
     mesh: &'a Mesh,
     step: f64,
     /// Of each of the mesh's surfaces, whether the gradient points out of the
-    /// solid (1) or into it (-1) or, on different triangles, both (0).
+    /// solid (1) or into it (-1) or, on different triangles, both, or neither can
+    /// be told (0).
     outward: Vec<f64>,
 }
 
@@ -120,12 +121,10 @@ impl<'a> Sides<'a> {
                 .iter()
                 .step_by(triangles.len().div_ceil(ASKED).max(1));
             let sides: Vec<f64> = asked.map(|&index| sides.ask(index)).collect();
-            if sides.iter().all(|&side| side >= 0.0) {
-                1.0
-            } else if sides.iter().all(|&side| side <= 0.0) {
-                -1.0
-            } else {
-                0.0
+            match [1.0, -1.0].map(|side| sides.contains(&side)) {
+                [true, false] => 1.0,
+                [false, true] => -1.0,
+                _ => 0.0,
             }
         };
         let outward = triangles.iter().map(ask).collect();
