@@ -85,8 +85,8 @@ const SAME_DIRECTION: f64 = 1e-7;
 
 impl ArcTracer {
     /// Appends all pieces of edges in a block, chords that turn by no more than
-    /// about `turn`, and contacts. None where curves are not known in closed form, or so near
-    /// to other surfaces that it cannot be told what meets along them.
+    /// about `turn`, and contacts. None where curves are not known in closed form,
+    /// or so near to other surfaces that it cannot be told what meets along them.
     pub fn trace(
         &mut self,
         scene: &Scene<'_>,
