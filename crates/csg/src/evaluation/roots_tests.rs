@@ -106,10 +106,11 @@ fn surface(random: &mut Random) -> Surface {
     }
 }
 
-/// A surface moved and bent so that its value at a point is `value`, and its
-/// gradient there at right angles to a direction.
-fn tangent(surface: &Surface, at: DVec3, direction: DVec3, value: f64) -> Surface {
-    let along = direction.normalize();
+/// A surface moved and bent so that its value at a place on a curve is `value`, and
+/// its gradient there at right angles to the curve.
+fn tangent(surface: &Surface, stretch: &Stretch, t: f64, value: f64) -> Surface {
+    let at = stretch.curve.at(t);
+    let along = stretch.curve.direction(t).normalize();
     let mut moved = *surface;
     moved.linear -= surface.gradient(at).dot(along) * along;
     if moved.is_plane() {
@@ -117,6 +118,23 @@ fn tangent(surface: &Surface, at: DVec3, direction: DVec3, value: f64) -> Surfac
     }
     moved.constant += value - moved.value(at);
     moved
+}
+
+/// Visits a place on each curve of many random pairs of quadrics, unless it is far
+/// away or the curve turns back there.
+fn on_random_curves(seed: u64, mut visit: impl FnMut(&Stretch, f64, &mut Random)) {
+    let mut random = Random(seed);
+    for _ in 0..400 {
+        let pair = [quadric(&mut random), quadric(&mut random)];
+        for stretch in Stretch::of(&pair) {
+            let t = stretch.at(0.1 + 0.8 * random.unit());
+            let (at, direction) = (stretch.curve.at(t), stretch.curve.direction(t));
+            if at.length() > 2.0 || direction.length() < 1e-9 {
+                continue;
+            }
+            visit(&stretch, t, &mut random);
+        }
+    }
 }
 
 fn has(found: &[f64], wanted: f64, within: f64) -> bool {
@@ -160,76 +178,55 @@ fn roots_on_curves_of_degree_four_are_those_between_samples() {
 
 #[test]
 fn surfaces_that_touch_curves_of_degree_four_are_found() {
-    let mut random = Random(5);
     let mut touched = 0;
-    for case in 0..400 {
-        let pair = [quadric(&mut random), quadric(&mut random)];
-        for stretch in Stretch::of(&pair) {
-            let t = stretch.at(0.1 + 0.8 * random.unit());
-            let (at, direction) = (stretch.curve.at(t), stretch.curve.direction(t));
-            if at.length() > 2.0 || direction.length() < 1e-9 {
-                continue;
-            }
-            let third = tangent(&surface(&mut random), at, direction, 0.0);
-            let found = stretch.roots(&third);
-            touched += 1;
-            // Where it touches the value is rounding within 1e-6 of it, and more.
-            let near = [&found.touching, &found.simple].map(|roots| has(roots, t, 1e-4));
-            assert!(
-                near.contains(&true),
-                "case {case}: {t} is missing in {found:?}"
-            );
-            for root in stretch.sampled(&third) {
-                let is_found = has(&found.simple, root, 1e-9) || (root - t).abs() < 1e-4;
-                assert!(is_found, "case {case}: {root} is missing in {found:?}");
-            }
+    on_random_curves(5, |stretch, t, random| {
+        let third = tangent(&surface(random), stretch, t, 0.0);
+        let found = stretch.roots(&third);
+        touched += 1;
+        // Where it touches the value is rounding within 1e-6 of it, and more.
+        let near = [&found.touching, &found.simple].map(|roots| has(roots, t, 1e-4));
+        assert!(near.contains(&true), "{t} is missing in {found:?}");
+        for root in stretch.sampled(&third) {
+            let is_found = has(&found.simple, root, 1e-9) || (root - t).abs() < 1e-4;
+            assert!(is_found, "{root} is missing in {found:?}");
         }
-    }
+    });
     assert!(touched > 300, "{touched}");
 }
 
 /// Two roots next to each other, far closer than any samples.
 #[test]
 fn close_pairs_of_roots_on_curves_of_degree_four_are_told_apart() {
-    let mut random = Random(9);
     let mut pairs = 0;
-    for case in 0..400 {
-        let pair = [quadric(&mut random), quadric(&mut random)];
-        for stretch in Stretch::of(&pair) {
-            let t = stretch.at(0.1 + 0.8 * random.unit());
-            let (at, direction) = (stretch.curve.at(t), stretch.curve.direction(t));
-            if at.length() > 2.0 || direction.length() < 1e-9 {
+    on_random_curves(9, |stretch, t, random| {
+        let base = surface(random);
+        for half in [1e-2, 1e-3, 1e-4] {
+            // The value half the distance away, where it grows with the square.
+            let touching = tangent(&base, stretch, t, 0.0);
+            let [left, right] = [t - half, t + half].map(|t| stretch.value(&touching, t));
+            let is_even = left * right > 0.0 && (left / right - 1.0).abs() < 0.3;
+            let weight = stretch.rulings().weighted(t).1;
+            let power = if base.is_plane() { 1 } else { 2 };
+            let drop = 0.5 * left / weight.powi(power);
+            if !is_even || drop.abs() < 1e3 * NEAR {
                 continue;
             }
-            let base = surface(&mut random);
-            for half in [1e-2, 1e-3, 1e-4] {
-                // The value half the distance away, where it grows with the square.
-                let touching = tangent(&base, at, direction, 0.0);
-                let [left, right] = [t - half, t + half].map(|t| stretch.value(&touching, t));
-                let is_even = left * right > 0.0 && (left / right - 1.0).abs() < 0.3;
-                let weight = stretch.rulings().weighted(t).1;
-                let power = if base.is_plane() { 1 } else { 2 };
-                let drop = 0.5 * left / weight.powi(power);
-                if !is_even || drop.abs() < 1e3 * NEAR {
-                    continue;
-                }
-                let third = tangent(&base, at, direction, -drop);
-                let brackets = [[t - half, t], [t, t + half]];
-                let sign = |t: f64| stretch.value(&third, t) <= 0.0;
-                if brackets.iter().any(|b| sign(b[0]) == sign(b[1])) {
-                    continue;
-                }
-                pairs += 1;
-                let found = stretch.roots(&third);
-                for bracket in brackets {
-                    let root = stretch.bisect(&third, bracket);
-                    assert!(
-                        has(&found.simple, root, 1e-8),
-                        "case {case}, {half}: {root} is missing in {found:?}"
-                    );
-                }
+            let third = tangent(&base, stretch, t, -drop);
+            let brackets = [[t - half, t], [t, t + half]];
+            let sign = |t: f64| stretch.value(&third, t) <= 0.0;
+            if brackets.iter().any(|b| sign(b[0]) == sign(b[1])) {
+                continue;
+            }
+            pairs += 1;
+            let found = stretch.roots(&third);
+            for bracket in brackets {
+                let root = stretch.bisect(&third, bracket);
+                assert!(
+                    has(&found.simple, root, 1e-8),
+                    "{half}: {root} is missing in {found:?}"
+                );
             }
         }
-    }
+    });
     assert!(pairs > 300, "{pairs}");
 }
