@@ -86,7 +86,7 @@ impl Boundary {
         all.find_apexes(scene);
         all.link_contours(scene)?;
         all.simplify(scene)?;
-        all.part_double_edges(scene)?;
+        all.split_double_edges(scene)?;
         Some(all)
     }
 
@@ -388,9 +388,9 @@ impl Boundary {
         (fan_of, point_of)
     }
 
-    /// Parts edges that have both vertices in common by vertices in the middles of
+    /// Splits edges that have both vertices in common by vertices in the middles of
     /// their curves; none where one cannot be found.
-    fn part_double_edges(&mut self, scene: &Scene<'_>) -> Option<()> {
+    fn split_double_edges(&mut self, scene: &Scene<'_>) -> Option<()> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);
@@ -406,7 +406,7 @@ impl Boundary {
         for alike in edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1) {
             for &(_, half_edge) in alike {
                 let middle = self.middle(scene, half_edge)?;
-                self.part(half_edge, middle);
+                self.split_at(half_edge, middle);
             }
         }
         Some(())
@@ -434,7 +434,7 @@ impl Boundary {
     }
 
     /// Puts a vertex on an edge.
-    pub fn part(&mut self, half_edge: u32, point: DVec3) {
+    pub fn split_at(&mut self, half_edge: u32, point: DVec3) {
         let twin = self.at(half_edge).twin;
         let middle = self.points.len() as u32;
         self.points.push(point);

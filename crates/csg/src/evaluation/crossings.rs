@@ -15,7 +15,7 @@ impl Boundary {
         edges.iter().all(|&half_edge| {
             let middle = self.middle(scene, half_edge);
             if let Some(middle) = middle {
-                self.part(half_edge, middle);
+                self.split_at(half_edge, middle);
             }
             middle.is_some()
         })

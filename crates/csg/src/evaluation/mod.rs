@@ -413,7 +413,7 @@ fn assemble(
         let faces = &boundary.faces;
         let mut doubled = doubled_edges(&triangles, positions.len());
         if !doubled.is_empty() {
-            part_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
+            split_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
             doubled = doubled_edges(&triangles, positions.len());
         }
         if doubled.is_empty() {
@@ -584,7 +584,7 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
 /// Faces on both sides of a curve may have cut off the same ear along it: in those
 /// that are curved the diagonals get a vertex in their middle, and so does a face
 /// of one triangle.
-fn part_diagonals(
+fn split_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
     doubled: &[([u32; 2], u32)],

@@ -1,11 +1,12 @@
 //! One run of a mesher: which way the mesh is made, what is done when it fails
 //! or costs too much, and what a finished mesh still gets.
 
+mod tolerance;
+
 use std::time::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::{Meshed, Mesher, Method, Task};
@@ -16,10 +17,10 @@ use crate::error::Error;
 use crate::evaluation;
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
-use crate::mesh::{Mesh, MeshSurface};
+use crate::mesh::Mesh;
 use crate::net;
 use crate::program::{Bounds, Program};
-use crate::refine::{self, Goal, Outcome, Surfaced, Unkept, Which};
+use crate::refine::{Goal, Unkept};
 use crate::report::Report;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
@@ -34,12 +35,6 @@ pub(super) struct Run<'a> {
     goal: Option<Goal>,
     start: Instant,
     control: Control,
-}
-
-/// A mesh brought to a tolerance.
-struct Refined {
-    surfaced: Surfaced,
-    outcome: Outcome,
 }
 
 impl<'a> Run<'a> {
@@ -373,168 +368,6 @@ impl<'a> Run<'a> {
         control.check_triangles(mesh.triangles.len())?;
         control.again(Demand::ExactBoundary).check_memory(bytes)
     }
-
-    /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
-    /// only that fits the limits.
-    fn refine(
-        &self,
-        mesh: &mut Mesh,
-        task: &Task<'_>,
-        goal: &Goal,
-        report: &mut Report,
-    ) -> Result<(), Error> {
-        let start = Instant::now();
-        merge_alike(mesh, task.program);
-        let coarse = Surfaced {
-            positions: std::mem::take(&mut mesh.positions),
-            triangles: std::mem::take(&mut mesh.triangles),
-            groups: std::mem::take(&mut mesh.triangle_surfaces),
-            surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
-        };
-        let asked = goal.tolerance;
-        let most = if self.mesher.limits.partial {
-            task.size.length().max(asked)
-        } else {
-            asked
-        };
-        let (refined, reached) = fit(asked, most, HALVINGS, |tolerance| {
-            self.refine_to(&coarse, task, goal.loosened(tolerance / asked))
-        })?;
-        let Surfaced {
-            positions,
-            triangles,
-            groups,
-            ..
-        } = refined.surfaced;
-        mesh.positions = positions;
-        mesh.triangles = triangles;
-        mesh.triangle_surfaces = groups;
-        let outcome = refined.outcome;
-        report.deviation = Some(outcome.deviation);
-        report.farthest = Some(outcome.farthest + task.origin);
-        for (reason, place) in outcome.unkept {
-            report.add_fallback(reason.describe(), place + task.origin);
-        }
-        report.limits_reached.extend(reached);
-        report.end_stage("refine", start);
-        Ok(())
-    }
-
-    /// A mesh to a tolerance, and to so much less on surfaces where that is not
-    /// proven, or, if it is to be checked, where the mesh would run through itself,
-    /// that it is and does not.
-    fn refine_to(
-        &self,
-        coarse: &Surfaced,
-        task: &Task<'_>,
-        mut goal: Goal,
-    ) -> Result<Refined, Error> {
-        const MOST_TRIES: u32 = 8;
-        /// Of a mesh that is not checked.
-        const FEW_TRIES: u32 = 3;
-        /// In a row, that were no better.
-        const MOST_IN_VAIN: u32 = 3;
-        const FINER: f64 = 0.4;
-        /// So many times as many triangles are not worth it.
-        const MOST_GROWTH: usize = 20;
-        let control = self.control.again(Demand::Tolerance(goal.tolerance));
-        let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
-            let mut surfaced = coarse.clone();
-            let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            if self.mesher.check {
-                self.part_crossing(&mut surfaced, &mut outcome, task, goal)?;
-            }
-            let mut narrow = std::mem::take(&mut outcome.tighter);
-            narrow.sort_unstable();
-            narrow.dedup();
-            Ok((Refined { surfaced, outcome }, narrow))
-        };
-        let (mut best, mut narrow) = attempt(&goal)?;
-        let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
-        let mut in_vain = 0;
-        // At first it may be enough that no vertex of the surfaces is removed.
-        let (tries, most_in_vain, at_first) = if self.mesher.check {
-            (MOST_TRIES, MOST_IN_VAIN, 1.0)
-        } else {
-            (FEW_TRIES, 1, FINER)
-        };
-        for _ in 1..tries {
-            if narrow.is_empty() || in_vain == most_in_vain {
-                break;
-            }
-            for &surface in &narrow {
-                let tight = goal.tight.entry(surface);
-                tight
-                    .and_modify(|share| *share *= FINER)
-                    .or_insert(at_first);
-            }
-            let refined = match attempt(&goal) {
-                // Better one that runs through itself than none.
-                Err(error) if is_too_much(&error).is_some() => break,
-                result => result?,
-            };
-            narrow = refined.1;
-            in_vain += 1;
-            let is_too_large = refined.0.surfaced.triangles.len() > most_triangles;
-            if refined.0.outcome.unkept.len() < best.outcome.unkept.len() {
-                best = refined.0;
-                in_vain = 0;
-            }
-            if is_too_large {
-                break;
-            }
-        }
-        Ok(best)
-    }
-
-    /// Cuts up the triangles of a mesh that run through each other until none do, or
-    /// that does not help, and notes where they still do.
-    fn part_crossing(
-        &self,
-        surfaced: &mut Surfaced,
-        outcome: &mut Outcome,
-        task: &Task<'_>,
-        goal: &Goal,
-    ) -> Result<(), Error> {
-        const MOST_ROUNDS: u32 = 14;
-        let mut pairs = crossing_pairs(surfaced, task.origin);
-        if pairs.is_empty() {
-            return Ok(());
-        }
-        // Where the mesh is folded there are more and more.
-        let too_many = 4 * pairs.len() + 16;
-        let before = (surfaced.clone(), outcome.clone(), pairs);
-        let mut least = before.clone();
-        for which in [Which::Worst, Which::Chords] {
-            (*surfaced, *outcome, pairs) = before.clone();
-            for _ in 0..MOST_ROUNDS {
-                self.control.check()?;
-                if !refine::part(surfaced, &task.surfaces, goal, &pairs, which, outcome) {
-                    break;
-                }
-                pairs = crossing_pairs(surfaced, task.origin);
-                if pairs.len() < least.2.len() {
-                    least = (surfaced.clone(), outcome.clone(), pairs.clone());
-                }
-                if pairs.is_empty() || pairs.len() > too_many {
-                    break;
-                }
-            }
-            if least.2.is_empty() {
-                break;
-            }
-        }
-        (*surfaced, *outcome, pairs) = least;
-        for pair in pairs {
-            let corner = surfaced.triangles[pair[0] as usize][0];
-            let place = surfaced.positions[corner as usize];
-            outcome.unkept.push((Unkept::Crossing, place));
-            let group = |triangle: u32| surfaced.groups[triangle as usize] as usize;
-            let surfaces = pair.map(|triangle| surfaced.surface_of_group[group(triangle)]);
-            outcome.tighter.extend(surfaces);
-        }
-        Ok(())
-    }
 }
 
 /// Whether a mesh to a tolerance is not to be tried in another way: nothing is to
@@ -547,48 +380,12 @@ fn is_too_late(error: &Error) -> bool {
     matches!(error, Error::LimitReached(reached) if matches!(reached.limit, Limit::Time(_)))
 }
 
-/// Makes one entry of those of a mesh's surfaces that only differ in which of
-/// several primitives of the same kind, name and colour they come from: borders
-/// between them on one surface would keep vertices that nobody needs.
-fn merge_alike(mesh: &mut Mesh, program: &Program) {
-    let origin = |entry: &MeshSurface| &program.origins()[entry.primitive as usize];
-    let mut kept: Vec<MeshSurface> = Vec::new();
-    let mut of_surface: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-    let mut merged = Vec::with_capacity(mesh.surfaces.len());
-    for entry in &mesh.surfaces {
-        let known = of_surface.entry(entry.surface).or_default();
-        let alike = known
-            .iter()
-            .find(|&&k| origin(&kept[k as usize]) == origin(entry));
-        merged.push(alike.copied().unwrap_or_else(|| {
-            kept.push(entry.clone());
-            known.push(kept.len() as u32 - 1);
-            kept.len() as u32 - 1
-        }));
-    }
-    for index in &mut mesh.triangle_surfaces {
-        *index = merged[*index as usize];
-    }
-    mesh.surfaces = kept;
-}
-
 /// Places where a mesh runs through itself.
 fn crossings(mesh: &Mesh) -> Vec<DVec3> {
     let pairs = mesh.self_intersections().into_iter();
     pairs
         .map(|[triangle, _]| mesh.corners(triangle as usize)[0])
         .collect()
-}
-
-/// The pairs of triangles that run through each other once a mesh's points are
-/// moved: rounding decides where faces meet in a plane.
-fn crossing_pairs(surfaced: &Surfaced, by: DVec3) -> Vec<[u32; 2]> {
-    let mesh = Mesh {
-        positions: surfaced.positions.iter().map(|&p| p + by).collect(),
-        triangles: surfaced.triangles.clone(),
-        ..Mesh::default()
-    };
-    mesh.self_intersections()
 }
 
 /// Moves all points.

@@ -23,9 +23,11 @@
 //! [`of_chord`] says. What this rests on is that the mesh has the boundary's
 //! topology.
 
-use glam::DVec3;
-use smallvec::SmallVec;
+mod chord;
 
+use glam::DVec3;
+
+pub(crate) use self::chord::of_chord;
 use super::regions::Region;
 use crate::program::Surface;
 
@@ -284,166 +286,6 @@ fn shrunk(map: impl Fn(f64) -> f64) -> f64 {
         map(2.0 * bound)
     } else {
         f64::INFINITY
-    }
-}
-
-/// Sine of an angle between surfaces that is none.
-const PARALLEL: f64 = 1e-6;
-
-/// A bound of the distance of any point of the chord to the curve in which two
-/// surfaces meet; of ends on both.
-///
-/// With the equations scaled to unit gradients at the middle of a part of the
-/// chord, J their Jacobian there and F their values, |J⁺ F| is the distance to
-/// first order; along the path x' = -J(x)⁺ F the Jacobian changes by at most
-/// E = L · (distance from the middle), which lengthens the path by at most
-/// 1 / (1 - |J⁺| E). Near a point where the surfaces touch that proves nothing,
-/// but a part of the chord is at most as far from the curve as from the
-/// chord's end. Where they touch at both ends, and so all along the curve, one
-/// surface goes on where the other ends: then it is the distance to the
-/// surfaces, near which the true boundary is to second order.
-#[must_use]
-pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
-    let off_plane = |plane: &Surface| plane.value(p).abs().max(plane.value(q).abs());
-    let [a, b] = surfaces;
-    if a.is_plane() && b.is_plane() {
-        return off_plane(a).max(off_plane(b));
-    }
-    let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
-    if plane.is_plane() {
-        let bound = of_chord_in_plane(plane, surface, p, q);
-        if bound < f64::INFINITY {
-            return bound + off_plane(plane);
-        }
-    }
-    let touch = |at: DVec3| {
-        let [a, b] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
-        a.cross(b).length() <= PARALLEL
-    };
-    if touch(p) && touch(q) {
-        let bounds = surfaces.map(|s| of_triangle(s, [p, q, q]));
-        return bounds[0].max(bounds[1]);
-    }
-    let chord = Chord {
-        surfaces,
-        p,
-        along: q - p,
-        at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
-    };
-    let (bound, first_order) = chord.bound(0.0, 1.0);
-    if bound <= 1.02 * first_order {
-        return bound;
-    }
-    bound.min(chord.bound_by_halves(first_order))
-}
-
-/// The same in a plane, to which the chord and the way from it are held: there
-/// it is the distance to a conic. Along the chord f = 4 m λ μ plus what it is at
-/// the ends, with m = f in its middle, λ + μ = 1 and the slope s λ + t μ at least
-/// (√s λ + √t μ)² >= 4 √(s t) λ μ.
-fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
-    let gradients = [p, q].map(|at| {
-        let gradient = surface.gradient(at);
-        let along = gradient - gradient.dot(plane.linear) * plane.linear;
-        let is_parallel = along.length() <= PARALLEL * gradient.length();
-        if is_parallel { DVec3::ZERO } else { along }
-    });
-    let mean = (gradients[0] + gradients[1]).normalize_or_zero();
-    let slopes = gradients.map(|gradient| gradient.dot(mean));
-    let middle = 0.125 * surface.curvature_along(q - p).abs();
-    let at_ends = surface.value(p).abs().max(surface.value(q).abs());
-    let shrinkage = shrinkage(surface);
-    shrunk(|distance| {
-        let [s, t] = slopes.map(|slope| slope - shrinkage * distance);
-        if s.min(t) <= 0.0 {
-            return f64::INFINITY;
-        }
-        middle / (s * t).sqrt() + at_ends / s.min(t)
-    })
-}
-
-/// A chord under examination.
-struct Chord<'a> {
-    surfaces: [&'a Surface; 2],
-    p: DVec3,
-    along: DVec3,
-    /// f and g in the middle; at share t of the chord they are 4t(1 - t) of
-    /// that.
-    at_middle: [f64; 2],
-}
-
-impl Chord<'_> {
-    /// A bound for the part between two shares of the chord, and the distance
-    /// to first order.
-    fn bound(&self, from: f64, to: f64) -> (f64, f64) {
-        let middle = self.p + 0.5 * (from + to) * self.along;
-        let gradients = self.surfaces.map(|s| s.gradient(middle));
-        let lengths = gradients.map(DVec3::length);
-        let cosine = gradients[0].dot(gradients[1]) / (lengths[0] * lengths[1]);
-        let [r1, r2] = [0, 1].map(|i| self.at_middle[i] / lengths[i]);
-        let [l1, l2] = [0, 1].map(|i| hessian_norm(self.surfaces[i]) / lengths[i]);
-        let nearest_half = 0.5f64.clamp(from, to);
-        let weight = 4.0 * nearest_half * (1.0 - nearest_half);
-        let first_order = weight
-            * ((r1 * r1 - 2.0 * cosine * r1 * r2 + r2 * r2) / (1.0 - cosine * cosine)).sqrt();
-        if first_order.is_nan() {
-            return (f64::INFINITY, 0.0);
-        }
-        // |J⁺| times the change of J per length.
-        let rate = ((l1 * l1 + l2 * l2) / (1.0 - cosine.abs())).sqrt();
-        let at_end = 0.5 * (to - from) * rate * self.along.length();
-        let is_whole = from == 0.0 && to == 1.0;
-        let longer = |distance: f64| {
-            let room = 1.0 - rate * distance;
-            let slope = at_end / room;
-            if room <= 0.0 || slope >= 1.0 {
-                f64::INFINITY
-            } else if is_whole {
-                // Away from the middle F shrinks as 1 - u² while J changes by
-                // slope u: the greatest of (1 - u²) / (1 - slope u).
-                first_order * 2.0 / (1.0 + (1.0 - slope * slope).sqrt()) / room
-            } else {
-                first_order / (1.0 - slope) / room
-            }
-        };
-        // A distance that the map shrinks is a bound, and so is its image.
-        let mut bound = 1.25 * longer(1.25 * first_order);
-        if bound == f64::INFINITY || longer(bound) > bound {
-            return (f64::INFINITY, first_order);
-        }
-        for _ in 0..3 {
-            bound = longer(bound);
-        }
-        (bound, first_order)
-    }
-
-    /// The same by parts, the worst of which is halved until it is within
-    /// `enough`: towards an end where the surfaces touch they become ever
-    /// smaller.
-    fn bound_by_halves(&self, enough: f64) -> f64 {
-        const MOST_PARTS: usize = 64;
-        let length = self.along.length();
-        let part = |from: f64, to: f64| {
-            let (bound, _) = self.bound(from, to);
-            // No farther than from the chord's ends.
-            let bound = bound.min(to * length).min((1.0 - from) * length);
-            (bound, from, to)
-        };
-        let mut parts: SmallVec<[(f64, f64, f64); MOST_PARTS]> = SmallVec::new();
-        parts.push(part(0.0, 1.0));
-        loop {
-            let worst = parts.iter_mut().max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some(worst) = worst else {
-                return f64::INFINITY;
-            };
-            let (bound, from, to) = *worst;
-            let middle = 0.5 * (from + to);
-            *worst = part(from, middle);
-            if bound <= 1.02 * enough || parts.len() == MOST_PARTS {
-                return bound;
-            }
-            parts.push(part(middle, to));
-        }
     }
 }
 

@@ -11,14 +11,16 @@
 //! Faces that bend both ways and come to many triangles are left to
 //! [`super::patches`].
 
+mod insert;
+mod measure;
+
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
 use super::flips::{flip_all, flip_and_note};
-use super::half_edges::{HalfEdges, Kind, NONE, next};
-use super::part::Side;
+use super::half_edges::{HalfEdges, Kind, NONE};
 use super::regions::{Bend, Way};
-use super::shape::faces_out_in_the_middle;
+use super::separate::Side;
 use super::tessellate::Fine;
 use super::{BYTES_PER_TRIANGLE, Goal, Outcome, Unkept, deviation};
 use crate::control::Control;
@@ -84,31 +86,17 @@ impl<'m, 's> Grower<'m, 's> {
         let far = self.cut_far_triangles(control)?;
         self.free_stuck();
         self.settle(far);
-        for part in &self.fine.parts {
-            let surface = self.mesh.surface_index(3 * part.large);
+        for subdivision in &self.fine.subdivisions {
+            let surface = self.mesh.surface_index(3 * subdivision.large);
             let promised = self.goal.promised;
-            self.outcome
-                .note(part.deviation, part.farthest, &[surface], promised);
+            self.outcome.note(
+                subdivision.deviation,
+                subdivision.farthest,
+                &[surface],
+                promised,
+            );
         }
         Ok(())
-    }
-
-    /// Puts vertices that are stuck on their surfaces, whatever they fold, and
-    /// measures triangles.
-    fn settle(&mut self, mut far: Vec<u32>) {
-        if !self.stuck.is_empty() {
-            for (vertex, place) in std::mem::take(&mut self.stuck) {
-                self.mesh.positions[vertex as usize] = place;
-                self.outcome.unkept.push((Unkept::Folded, place));
-                let around = self.mesh.around(vertex);
-                let surfaces = around.map(|half| self.mesh.surface_index(half));
-                self.outcome.tighter.extend(surfaces);
-            }
-            far = (0..self.mesh.triangle_count()).collect();
-        }
-        for triangle in far {
-            self.measure(triangle);
-        }
     }
 
     /// Cuts sides at points of their surfaces or curves, and measures what comes of
@@ -146,24 +134,6 @@ impl<'m, 's> Grower<'m, 's> {
         let triangles = triangles + 2 * waiting as usize;
         control.check_triangles(triangles)?;
         control.check_memory(BYTES_PER_TRIANGLE * triangles)
-    }
-
-    /// Measures the edges between planes, which stay as they are.
-    fn measure_straight_edges(&mut self) {
-        let mesh = &*self.mesh;
-        for half in 0..mesh.halves.len() as u32 {
-            let twin = mesh.twin(half);
-            if half < twin && !mesh.is_gone(half / 3) && mesh.is_feature(half) {
-                let surfaces = [mesh.surface(half), mesh.surface(twin)];
-                let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
-                if surfaces.iter().all(|s| s.is_plane()) {
-                    let bound = deviation::of_chord(surfaces, p, q);
-                    let pair = [half, twin].map(|side| mesh.surface_index(side));
-                    let promised = self.goal.promised;
-                    self.outcome.note(bound, p.midpoint(q), &pair, promised);
-                }
-            }
-        }
     }
 
     /// Finds the points that every edge along a curve needs.
@@ -213,19 +183,6 @@ impl<'m, 's> Grower<'m, 's> {
             before = end;
         }
         true
-    }
-
-    /// Measures the chords of a curve that end in a vertex.
-    fn measure_chords_at(&mut self, vertex: u32) {
-        let mesh = &*self.mesh;
-        for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
-            let sides = [half, mesh.twin(half)];
-            let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
-            let bound = deviation::of_chord(sides.map(|side| mesh.surface(side)), p, q);
-            let pair = sides.map(|side| mesh.surface_index(side));
-            let promised = self.goal.promised;
-            self.outcome.note(bound, p.midpoint(q), &pair, promised);
-        }
     }
 
     fn flip_everything(&mut self) {
@@ -492,163 +449,6 @@ impl<'m, 's> Grower<'m, 's> {
         }
         stay_far.extend(far);
         Ok(stay_far)
-    }
-
-    /// Whether a triangle is as near to its surface as the tolerance: then it is
-    /// measured, and one that was changed later may have been.
-    fn note_if_near(&mut self, triangle: u32) -> bool {
-        let region = self.mesh.region(3 * triangle);
-        // Those in planes are as near as their edges.
-        if self.mesh.is_gone(triangle) || region.bend == Bend::Flat || region.way == Way::Done {
-            return true;
-        }
-        let surface = &self.mesh.surfaces[region.surface as usize];
-        let corners = self.mesh.corners(triangle);
-        let tolerance = self.goal.tolerance_on(region.surface);
-        let is_within =
-            |distance| deviation::is_within(surface, region.shrinkage, corners, distance);
-        // Most are nearer than the farthest one so far.
-        if is_within(self.outcome.deviation.min(tolerance)) {
-            return true;
-        }
-        let mut bound = deviation::of_triangle(surface, corners);
-        // Neither proof is the better one everywhere.
-        if bound > tolerance && is_within(tolerance) {
-            bound = tolerance;
-        }
-        if bound <= tolerance {
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let surface = self.mesh.surface_index(3 * triangle);
-            self.outcome
-                .note(bound, middle, &[surface], self.goal.promised);
-        }
-        bound <= tolerance
-    }
-
-    /// Bounds the distance of a triangle, however far it is.
-    fn measure(&mut self, triangle: u32) {
-        if self.note_if_near(triangle) {
-            return;
-        }
-        let region = self.mesh.region(3 * triangle);
-        let surface = &self.mesh.surfaces[region.surface as usize];
-        let corners = self.mesh.corners(triangle);
-        let promised = self.goal.promised;
-        let bound = if deviation::is_within(surface, region.shrinkage, corners, promised) {
-            promised
-        } else {
-            deviation::of_triangle(surface, corners)
-        };
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        // A smaller tolerance would not bring its corners to the surface.
-        let is_off = |&corner: &DVec3| deviation::first_order(surface, corner) >= promised;
-        let tighter = (!corners.iter().any(is_off)).then_some(region.surface);
-        self.outcome
-            .note(bound, middle, tighter.as_slice(), promised);
-    }
-
-    /// Whether the four triangles that a split leaves face the right way.
-    fn splits_well(&self, half: u32, target: DVec3) -> bool {
-        let mesh = &*self.mesh;
-        let side_is_good = |half: u32| {
-            let (surface, region) = (mesh.surface(half), mesh.region(half));
-            let u = mesh.at(mesh.origin(half));
-            let w = mesh.at(mesh.target(half));
-            let c = mesh.at(mesh.apex(half));
-            faces_out_in_the_middle(surface, region, [u, target, c])
-                && faces_out_in_the_middle(surface, region, [target, w, c])
-        };
-        side_is_good(half) && side_is_good(mesh.twin(half))
-    }
-
-    /// Splits an edge at a new vertex, which on a face must split it well; `on`
-    /// is the piece that the edge beyond it stands for.
-    fn insert(&mut self, half: u32, vertex: u32, on: Option<Piece>) {
-        let target = self.mesh.at(vertex);
-        let is_face = self.mesh.kinds[vertex as usize] == Kind::Face;
-        let is_free = is_face || self.splits_well(half, target);
-        if !is_free {
-            let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
-            let share = (target - p).dot(q - p) / p.distance_squared(q);
-            self.mesh.positions[vertex as usize] = p.lerp(q, share.clamp(0.05, 0.95));
-        }
-        let rest = self.mesh.split(half, vertex);
-        if let Some(piece) = on {
-            self.add_piece(rest, piece);
-        }
-        if !is_free && !self.push(vertex, target) {
-            self.stuck.push((vertex, target));
-        }
-        self.touch(vertex);
-    }
-
-    /// All edges around a vertex are to be looked at again.
-    fn touch(&mut self, vertex: u32) {
-        for spoke in self.mesh.around(vertex) {
-            self.stack.push(next(spoke));
-            self.changed.extend([spoke, self.mesh.twin(spoke)]);
-        }
-    }
-
-    /// Moves a vertex, flipping the edges that are in its way, each where the way
-    /// crosses it; as far as it may go.
-    fn push(&mut self, vertex: u32, target: DVec3) -> bool {
-        const MOST_FLIPS: usize = 24;
-        for _ in 0..MOST_FLIPS {
-            let mesh = &mut *self.mesh;
-            let from = mesh.at(vertex);
-            let faces = |half: u32, at: DVec3, [b, c]: [u32; 2]| {
-                let corners = [at, mesh.at(b), mesh.at(c)];
-                faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
-            };
-            // Where on the way a triangle at the vertex has no area left.
-            let crossing = |rim: u32| {
-                let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
-                let [before, after] = [from, target].map(|at| {
-                    let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
-                    let normal = (ends[0] - at).cross(ends[1] - at);
-                    mesh.region(rim).outward * normal.dot(gradient)
-                });
-                (before / (before - after)).clamp(0.0, 1.0)
-            };
-            let blocked = mesh.around(vertex).map(next);
-            let blocked = blocked
-                .filter(|&rim| !faces(rim, target, [mesh.origin(rim), mesh.target(rim)]))
-                .map(|rim| (crossing(rim), rim))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((share, rim)) = blocked else {
-                mesh.positions[vertex as usize] = target;
-                return true;
-            };
-            if mesh.is_feature(rim) {
-                return false;
-            }
-            let (b, c) = (mesh.origin(rim), mesh.target(rim));
-            let beyond = mesh.apex(mesh.twin(rim));
-            let at = from.lerp(target, share);
-            if !faces(rim, at, [b, beyond])
-                || !faces(rim, at, [beyond, c])
-                || mesh.are_joined(vertex, beyond)
-            {
-                return false;
-            }
-            mesh.positions[vertex as usize] = at;
-            mesh.flip(rim);
-        }
-        false
-    }
-
-    /// Tries again to bring vertices to where they ought to be.
-    pub(super) fn free_stuck(&mut self) {
-        let stuck = std::mem::take(&mut self.stuck);
-        for (vertex, target) in stuck {
-            if self.push(vertex, target) {
-                self.touch(vertex);
-            } else {
-                self.stuck.push((vertex, target));
-            }
-        }
-        self.flip();
     }
 }
 

@@ -10,6 +10,8 @@
 //!    ([`patches`]), which [`tessellate`] then fills with small ones in one step.
 //! 4. [`deviation`] bounds how far the result strays.
 //!
+//! Where triangles of the result run through each other, [`mod@separate`] cuts them up.
+//!
 //! Vertices never leave their surfaces. One thread does all but the
 //! tessellation, in a fixed order.
 
@@ -21,10 +23,10 @@ pub(crate) mod deviation;
 mod flips;
 mod grow;
 mod half_edges;
-mod part;
 mod patch;
 mod patches;
 mod regions;
+mod separate;
 mod shape;
 mod smooth;
 mod tessellate;
@@ -34,8 +36,8 @@ use rustc_hash::FxHashMap;
 
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
-pub(crate) use self::part::{Which, part};
 use self::regions::Way;
+pub(crate) use self::separate::{Which, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;
@@ -212,9 +214,9 @@ fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
     let mut places = vec![NONE; mesh.positions.len()];
     let mut places_on_sides = vec![NONE; fine.points.len()];
     let mut positions = Vec::with_capacity(mesh.positions.len() + fine.points.len());
-    for part in &fine.parts {
+    for subdivision in &fine.subdivisions {
         let first_inner = positions.len() as u32;
-        positions.extend_from_slice(&part.inner);
+        positions.extend_from_slice(&subdivision.inner);
         let mut place = |vertex: u32| {
             let (place, position) = if vertex >= ON_SIDE {
                 let point = (vertex - ON_SIDE) as usize;
@@ -230,8 +232,11 @@ fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
             }
             *place
         };
-        let group = mesh.region(3 * part.large).group;
-        let triangles = part.triangles.iter().map(|corners| corners.map(&mut place));
+        let group = mesh.region(3 * subdivision.large).group;
+        let triangles = subdivision
+            .triangles
+            .iter()
+            .map(|corners| corners.map(&mut place));
         surfaced.triangles.extend(triangles);
         surfaced.groups.resize(surfaced.triangles.len(), group);
     }

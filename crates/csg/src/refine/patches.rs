@@ -66,12 +66,12 @@ impl Grower<'_, '_> {
     /// surfaces of those that join two that are joined by another face.
     fn note_fine_edges(&mut self) -> Vec<u32> {
         let mut doubled = Vec::new();
-        for part in &self.fine.parts {
-            for &[a, b, c] in &part.triangles {
+        for subdivision in &self.fine.subdivisions {
+            for &[a, b, c] in &subdivision.triangles {
                 for edge in [[a, b], [b, c], [c, a]] {
                     let is_on_rim = edge.iter().all(|&vertex| vertex < INNER);
                     if is_on_rim && !self.mesh.fine_edges.insert(edge) {
-                        doubled.push(self.mesh.surface_index(3 * part.large));
+                        doubled.push(self.mesh.surface_index(3 * subdivision.large));
                     }
                 }
             }
@@ -91,8 +91,12 @@ impl Grower<'_, '_> {
             control.check()?;
             self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces, control)?;
             tries += 1;
-            let parts = self.fine.parts.iter().filter(|part| part.is_folded);
-            let folded: Vec<u32> = parts.map(|part| part.large).collect();
+            let subdivisions = self
+                .fine
+                .subdivisions
+                .iter()
+                .filter(|subdivision| subdivision.is_folded);
+            let folded: Vec<u32> = subdivisions.map(|subdivision| subdivision.large).collect();
             if !folded.is_empty() && tries < MOST_TRIES {
                 for triangle in folded {
                     self.cut_folded(triangle);

@@ -1,4 +1,4 @@
-//! Parts triangles that run through each other though their surfaces do not: cuts
+//! Separates triangles that run through each other though their surfaces do not: cuts
 //! the sides of both that stray most from surfaces and curves, at points of them.
 //!
 //! All vertices being on the solid's boundary, and all triangles in its topology,
@@ -25,7 +25,7 @@ pub(crate) enum Which {
 
 /// Cuts sides of the pairs of triangles, and notes in `outcome` how far what comes
 /// of it strays; false if there is nothing to be cut.
-pub(crate) fn part(
+pub(crate) fn separate(
     surfaced: &mut Surfaced,
     surfaces: &[Surface],
     goal: &Goal,

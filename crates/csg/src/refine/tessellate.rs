@@ -25,7 +25,7 @@ use crate::error::Error;
 pub(super) const ON_SIDE: u32 = 1 << 31;
 
 /// Marks vertices inside of large triangles: the rest is their number in
-/// [`Part::inner`].
+/// [`Subdivision::inner`].
 pub(super) const INNER: u32 = 1 << 30;
 
 /// About what is held for each small triangle at a time.
@@ -36,12 +36,12 @@ const BYTES_PER_FINE: usize = 80;
 pub(super) struct Fine {
     /// Those on sides, not all of which are in use.
     pub points: Vec<DVec3>,
-    pub parts: Vec<Part>,
+    pub subdivisions: Vec<Subdivision>,
 }
 
 /// A large triangle and its small ones.
 #[derive(Default)]
-pub(super) struct Part {
+pub(super) struct Subdivision {
     /// Its number in the half-edge mesh.
     pub large: u32,
     pub inner: Vec<DVec3>,
@@ -93,12 +93,12 @@ impl<'m, 's> Tessellator<'m, 's> {
         for &triangle in &wanted {
             large[triangle as usize].rows = rows_of(mesh, triangle, goal);
         }
-        let part = |large| Part {
+        let subdivision = |large| Subdivision {
             large,
             is_stale: true,
-            ..Part::default()
+            ..Subdivision::default()
         };
-        let parts = wanted.into_iter().map(part).collect();
+        let subdivisions = wanted.into_iter().map(subdivision).collect();
         Self {
             mesh,
             goal,
@@ -106,7 +106,7 @@ impl<'m, 's> Tessellator<'m, 's> {
             sides: vec![Side::default(); mesh.halves.len()],
             fine: Fine {
                 points: Vec::new(),
-                parts,
+                subdivisions,
             },
         }
     }
@@ -120,18 +120,21 @@ impl<'m, 's> Tessellator<'m, 's> {
             control.check_triangles(open + fine)?;
             control.check_memory(BYTES_PER_TRIANGLE * open + BYTES_PER_FINE * fine)?;
             self.fill();
-            let parts = &mut self.fine.parts;
-            let strays = |part: &Part| part.deviation > self.goal.tolerance;
-            let is_folded = parts.iter().any(|part| part.is_folded);
-            if is_folded || tries == MOST_TRIES || !parts.iter().any(strays) {
+            let subdivisions = &mut self.fine.subdivisions;
+            let strays = |subdivision: &Subdivision| subdivision.deviation > self.goal.tolerance;
+            let is_folded = subdivisions.iter().any(|subdivision| subdivision.is_folded);
+            if is_folded || tries == MOST_TRIES || !subdivisions.iter().any(strays) {
                 break;
             }
-            for part in parts.iter_mut().filter(|part| strays(part)) {
-                let excess = (part.deviation / self.goal.tolerance).min(4.0);
-                let Large { rows, strays } = &mut self.large[part.large as usize];
+            for subdivision in subdivisions
+                .iter_mut()
+                .filter(|subdivision| strays(subdivision))
+            {
+                let excess = (subdivision.deviation / self.goal.tolerance).min(4.0);
+                let Large { rows, strays } = &mut self.large[subdivision.large as usize];
                 *rows = (*rows * excess.sqrt()).max(f64::from(whole(*rows)) + 0.01);
                 *strays = true;
-                part.is_stale = true;
+                subdivision.is_stale = true;
             }
         }
         Ok(self.fine)
@@ -141,23 +144,23 @@ impl<'m, 's> Tessellator<'m, 's> {
     /// come to: by Euler's formula two for each vertex inside and one for each
     /// but two on the rim.
     fn count(&self) -> (usize, usize) {
-        let parts = self.fine.parts.iter();
-        let fine = parts.clone().map(|part| {
-            let rows = whole(self.large[part.large as usize].rows) as usize;
+        let subdivisions = self.fine.subdivisions.iter();
+        let fine = subdivisions.clone().map(|subdivision| {
+            let rows = whole(self.large[subdivision.large as usize].rows) as usize;
             let inner = rows.saturating_sub(1) * rows.saturating_sub(2) / 2;
-            let sides = 3 * part.large as usize..3 * part.large as usize + 3;
+            let sides = 3 * subdivision.large as usize..3 * subdivision.large as usize + 3;
             let on_sides: u32 = self.sides[sides].iter().map(|side| side.count).sum();
             1 + on_sides as usize + 2 * inner
         });
         let live = self.mesh.triangle_count() as usize - self.mesh.free.len();
-        (live - parts.len(), fine.sum())
+        (live - subdivisions.len(), fine.sum())
     }
 
     /// Finds the points on all sides that are new or need more than they have.
     fn cut_sides(&mut self, pieces: &[Piece]) {
         let mesh = self.mesh;
-        for index in 0..self.fine.parts.len() {
-            let triangle = self.fine.parts[index].large;
+        for index in 0..self.fine.subdivisions.len() {
+            let triangle = self.fine.subdivisions[index].large;
             for half in 3 * triangle..3 * triangle + 3 {
                 let twin = mesh.twin(half);
                 let own = self.large[triangle as usize];
@@ -192,7 +195,7 @@ impl<'m, 's> Tessellator<'m, 's> {
                 let known = &mut self.sides[half as usize];
                 if (known.first, known.count) != (side.first, side.count) {
                     *known = side;
-                    self.fine.parts[index].is_stale = true;
+                    self.fine.subdivisions[index].is_stale = true;
                 }
             }
         }
@@ -225,18 +228,18 @@ impl<'m, 's> Tessellator<'m, 's> {
     fn fill(&mut self) {
         /// Triangles worth a task of their own.
         const FEWEST: usize = 8;
-        let mut parts = std::mem::take(&mut self.fine.parts);
-        let stale = parts.par_iter_mut().with_min_len(FEWEST);
-        stale.for_each_init(Patch::default, |patch, part| {
-            if part.is_stale {
-                self.fill_one(patch, part);
+        let mut subdivisions = std::mem::take(&mut self.fine.subdivisions);
+        let stale = subdivisions.par_iter_mut().with_min_len(FEWEST);
+        stale.for_each_init(Patch::default, |patch, subdivision| {
+            if subdivision.is_stale {
+                self.fill_one(patch, subdivision);
             }
         });
-        self.fine.parts = parts;
+        self.fine.subdivisions = subdivisions;
     }
 
-    fn fill_one(&self, patch: &mut Patch, part: &mut Part) {
-        let triangle = part.large;
+    fn fill_one(&self, patch: &mut Patch, subdivision: &mut Subdivision) {
+        let triangle = subdivision.large;
         let mesh = self.mesh;
         let half = 3 * triangle;
         let (surface, region) = (mesh.surface(half), mesh.region(half));
@@ -262,31 +265,34 @@ impl<'m, 's> Tessellator<'m, 's> {
         patch.starts[3] = patch.names.len() as u32;
         let rows = whole(self.large[triangle as usize].rows);
         patch.fill(surface, region, rows);
-        part.inner.clear();
-        part.inner
+        subdivision.inner.clear();
+        subdivision
+            .inner
             .extend_from_slice(&patch.positions[patch.starts[3] as usize..]);
-        self.judge(patch, part);
-        part.is_stale = false;
+        self.judge(patch, subdivision);
+        subdivision.is_stale = false;
     }
 
     /// Bounds how far the small triangles stray, and hands them over.
-    fn judge(&self, patch: &mut Patch, part: &mut Part) {
-        let half = 3 * part.large;
+    fn judge(&self, patch: &mut Patch, subdivision: &mut Subdivision) {
+        let half = 3 * subdivision.large;
         let (surface, region) = (self.mesh.surface(half), self.mesh.region(half));
         let corner = |&at: &DVec3| Corner::new(surface, at);
         patch.corners.extend(patch.positions.iter().map(corner));
         let judge = Judge::new(surface, region, self.goal.tolerance);
-        (part.deviation, part.is_folded) = (0.0, false);
-        part.triangles.clear();
+        (subdivision.deviation, subdivision.is_folded) = (0.0, false);
+        subdivision.triangles.clear();
         for small in &patch.triangles {
             let corners = small.map(|c| patch.corners[c as usize]);
             let bound = judge.judge(&corners);
-            part.is_folded |= bound.is_none();
+            subdivision.is_folded |= bound.is_none();
             let bound = bound.unwrap_or(f64::INFINITY);
-            if bound > part.deviation {
-                (part.deviation, part.farthest) = (bound, corners[0].at);
+            if bound > subdivision.deviation {
+                (subdivision.deviation, subdivision.farthest) = (bound, corners[0].at);
             }
-            part.triangles.push(small.map(|c| patch.names[c as usize]));
+            subdivision
+                .triangles
+                .push(small.map(|c| patch.names[c as usize]));
         }
     }
 }

@@ -1,0 +1,114 @@
+//! New vertices on edges, and the way of those to their surfaces that would fold a
+//! triangle on it.
+
+use glam::DVec3;
+
+use super::{Grower, Piece};
+use crate::refine::half_edges::{Kind, next};
+use crate::refine::shape::faces_out_in_the_middle;
+
+impl Grower<'_, '_> {
+    /// Whether the four triangles that a split leaves face the right way.
+    pub(super) fn splits_well(&self, half: u32, target: DVec3) -> bool {
+        let mesh = &*self.mesh;
+        let side_is_good = |half: u32| {
+            let (surface, region) = (mesh.surface(half), mesh.region(half));
+            let u = mesh.at(mesh.origin(half));
+            let w = mesh.at(mesh.target(half));
+            let c = mesh.at(mesh.apex(half));
+            faces_out_in_the_middle(surface, region, [u, target, c])
+                && faces_out_in_the_middle(surface, region, [target, w, c])
+        };
+        side_is_good(half) && side_is_good(mesh.twin(half))
+    }
+
+    /// Splits an edge at a new vertex, which on a face must split it well; `on`
+    /// is the piece that the edge beyond it stands for.
+    pub(super) fn insert(&mut self, half: u32, vertex: u32, on: Option<Piece>) {
+        let target = self.mesh.at(vertex);
+        let is_face = self.mesh.kinds[vertex as usize] == Kind::Face;
+        let is_free = is_face || self.splits_well(half, target);
+        if !is_free {
+            let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
+            let share = (target - p).dot(q - p) / p.distance_squared(q);
+            self.mesh.positions[vertex as usize] = p.lerp(q, share.clamp(0.05, 0.95));
+        }
+        let rest = self.mesh.split(half, vertex);
+        if let Some(piece) = on {
+            self.add_piece(rest, piece);
+        }
+        if !is_free && !self.push(vertex, target) {
+            self.stuck.push((vertex, target));
+        }
+        self.touch(vertex);
+    }
+
+    /// All edges around a vertex are to be looked at again.
+    fn touch(&mut self, vertex: u32) {
+        for spoke in self.mesh.around(vertex) {
+            self.stack.push(next(spoke));
+            self.changed.extend([spoke, self.mesh.twin(spoke)]);
+        }
+    }
+
+    /// Moves a vertex, flipping the edges that are in its way, each where the way
+    /// crosses it; as far as it may go.
+    fn push(&mut self, vertex: u32, target: DVec3) -> bool {
+        const MOST_FLIPS: usize = 24;
+        for _ in 0..MOST_FLIPS {
+            let mesh = &mut *self.mesh;
+            let from = mesh.at(vertex);
+            let faces = |half: u32, at: DVec3, [b, c]: [u32; 2]| {
+                let corners = [at, mesh.at(b), mesh.at(c)];
+                faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
+            };
+            // Where on the way a triangle at the vertex has no area left.
+            let crossing = |rim: u32| {
+                let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
+                let [before, after] = [from, target].map(|at| {
+                    let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
+                    let normal = (ends[0] - at).cross(ends[1] - at);
+                    mesh.region(rim).outward * normal.dot(gradient)
+                });
+                (before / (before - after)).clamp(0.0, 1.0)
+            };
+            let blocked = mesh.around(vertex).map(next);
+            let blocked = blocked
+                .filter(|&rim| !faces(rim, target, [mesh.origin(rim), mesh.target(rim)]))
+                .map(|rim| (crossing(rim), rim))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((share, rim)) = blocked else {
+                mesh.positions[vertex as usize] = target;
+                return true;
+            };
+            if mesh.is_feature(rim) {
+                return false;
+            }
+            let (b, c) = (mesh.origin(rim), mesh.target(rim));
+            let beyond = mesh.apex(mesh.twin(rim));
+            let at = from.lerp(target, share);
+            if !faces(rim, at, [b, beyond])
+                || !faces(rim, at, [beyond, c])
+                || mesh.are_joined(vertex, beyond)
+            {
+                return false;
+            }
+            mesh.positions[vertex as usize] = at;
+            mesh.flip(rim);
+        }
+        false
+    }
+
+    /// Tries again to bring vertices to where they ought to be.
+    pub(in super::super) fn free_stuck(&mut self) {
+        let stuck = std::mem::take(&mut self.stuck);
+        for (vertex, target) in stuck {
+            if self.push(vertex, target) {
+                self.touch(vertex);
+            } else {
+                self.stuck.push((vertex, target));
+            }
+        }
+        self.flip();
+    }
+}

@@ -1,0 +1,111 @@
+//! How far what is made strays: noted in the outcome.
+
+use glam::DVec3;
+
+use super::Grower;
+use crate::refine::regions::{Bend, Way};
+use crate::refine::{Unkept, deviation};
+
+impl Grower<'_, '_> {
+    /// Measures the edges between planes, which stay as they are.
+    pub(super) fn measure_straight_edges(&mut self) {
+        let mesh = &*self.mesh;
+        for half in 0..mesh.halves.len() as u32 {
+            let twin = mesh.twin(half);
+            if half < twin && !mesh.is_gone(half / 3) && mesh.is_feature(half) {
+                let surfaces = [mesh.surface(half), mesh.surface(twin)];
+                let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
+                if surfaces.iter().all(|s| s.is_plane()) {
+                    let bound = deviation::of_chord(surfaces, p, q);
+                    let pair = [half, twin].map(|side| mesh.surface_index(side));
+                    let promised = self.goal.promised;
+                    self.outcome.note(bound, p.midpoint(q), &pair, promised);
+                }
+            }
+        }
+    }
+
+    /// Measures the chords of a curve that end in a vertex.
+    pub(super) fn measure_chords_at(&mut self, vertex: u32) {
+        let mesh = &*self.mesh;
+        for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
+            let sides = [half, mesh.twin(half)];
+            let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
+            let bound = deviation::of_chord(sides.map(|side| mesh.surface(side)), p, q);
+            let pair = sides.map(|side| mesh.surface_index(side));
+            let promised = self.goal.promised;
+            self.outcome.note(bound, p.midpoint(q), &pair, promised);
+        }
+    }
+
+    /// Whether a triangle is as near to its surface as the tolerance: then it is
+    /// measured, and one that was changed later may have been.
+    pub(super) fn note_if_near(&mut self, triangle: u32) -> bool {
+        let region = self.mesh.region(3 * triangle);
+        // Those in planes are as near as their edges.
+        if self.mesh.is_gone(triangle) || region.bend == Bend::Flat || region.way == Way::Done {
+            return true;
+        }
+        let surface = &self.mesh.surfaces[region.surface as usize];
+        let corners = self.mesh.corners(triangle);
+        let tolerance = self.goal.tolerance_on(region.surface);
+        let is_within =
+            |distance| deviation::is_within(surface, region.shrinkage, corners, distance);
+        // Most are nearer than the farthest one so far.
+        if is_within(self.outcome.deviation.min(tolerance)) {
+            return true;
+        }
+        let mut bound = deviation::of_triangle(surface, corners);
+        // Neither proof is the better one everywhere.
+        if bound > tolerance && is_within(tolerance) {
+            bound = tolerance;
+        }
+        if bound <= tolerance {
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let surface = self.mesh.surface_index(3 * triangle);
+            self.outcome
+                .note(bound, middle, &[surface], self.goal.promised);
+        }
+        bound <= tolerance
+    }
+
+    /// Bounds the distance of a triangle, however far it is.
+    fn measure(&mut self, triangle: u32) {
+        if self.note_if_near(triangle) {
+            return;
+        }
+        let region = self.mesh.region(3 * triangle);
+        let surface = &self.mesh.surfaces[region.surface as usize];
+        let corners = self.mesh.corners(triangle);
+        let promised = self.goal.promised;
+        let bound = if deviation::is_within(surface, region.shrinkage, corners, promised) {
+            promised
+        } else {
+            deviation::of_triangle(surface, corners)
+        };
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        // A smaller tolerance would not bring its corners to the surface.
+        let is_off = |&corner: &DVec3| deviation::first_order(surface, corner) >= promised;
+        let tighter = (!corners.iter().any(is_off)).then_some(region.surface);
+        self.outcome
+            .note(bound, middle, tighter.as_slice(), promised);
+    }
+
+    /// Puts vertices that are stuck on their surfaces, whatever they fold, and
+    /// measures triangles.
+    pub(super) fn settle(&mut self, mut far: Vec<u32>) {
+        if !self.stuck.is_empty() {
+            for (vertex, place) in std::mem::take(&mut self.stuck) {
+                self.mesh.positions[vertex as usize] = place;
+                self.outcome.unkept.push((Unkept::Folded, place));
+                let around = self.mesh.around(vertex);
+                let surfaces = around.map(|half| self.mesh.surface_index(half));
+                self.outcome.tighter.extend(surfaces);
+            }
+            far = (0..self.mesh.triangle_count()).collect();
+        }
+        for triangle in far {
+            self.measure(triangle);
+        }
+    }
+}
