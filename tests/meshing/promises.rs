@@ -3,6 +3,7 @@
 //! or the report names the place where it is not.
 
 use std::f64::consts::{PI, TAU};
+use std::time::Instant;
 
 use csg::{Meshed, Mesher, Plane, Program, Solid};
 use glam::{DVec3, dvec3};
@@ -372,4 +373,17 @@ fn what_is_smaller_than_the_smallest_feature_is_reported() {
             }
         }
     }
+}
+
+/// A ball that touches a spheroid all around is tried in several ways.
+#[test]
+fn stages_take_the_whole_time_with_tries_that_fail() {
+    let lens = Solid::ellipsoid([1.0, 1.0, 2.0]) - Solid::sphere(1.0);
+    let program = Program::lower(&lens.rotate_xyz(0.3, 0.5, 0.7)).expect("a valid solid");
+    let start = Instant::now();
+    let report = Mesher::new().mesh(&program).expect("a mesh").report;
+    let whole = start.elapsed().as_secs_f64();
+    let told: f64 = report.stages.iter().map(|stage| stage.1).sum();
+    println!("{:?}", report.stages);
+    assert!(told <= whole && told >= 0.9 * whole, "{told} of {whole}");
 }

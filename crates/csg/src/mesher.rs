@@ -5,6 +5,7 @@ mod run;
 mod task;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use self::run::Run;
 pub(crate) use self::task::Task;
@@ -231,12 +232,13 @@ impl Mesher {
     /// [`Error::TooLarge`] if the vertices outnumber an index,
     /// [`Error::Cancelled`] when asked to stop.
     pub fn mesh(&self, program: &Program) -> Result<Meshed, Error> {
+        let start = Instant::now();
         match self.default_tolerance(program)? {
             Some(tolerance) => {
                 let mesher = self.clone().tolerance(tolerance);
-                Run::new(&mesher, program)?.mesh()
+                Run::new(&mesher, program, start)?.mesh()
             }
-            None => Run::new(self, program)?.mesh(),
+            None => Run::new(self, program, start)?.mesh(),
         }
     }
 

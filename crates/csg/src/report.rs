@@ -50,7 +50,9 @@ pub struct Report {
     /// Closed, oriented, manifold? Checked on the finished mesh.
     pub check: MeshCheck,
     /// Seconds of each stage, in the order in which they ran, one after
-    /// another.
+    /// another; together the time that the mesh took. The stage "rest" is that
+    /// of tries whose mesh was not kept, wherever they were, and of what lies
+    /// between stages.
     pub stages: Vec<(&'static str, f64)>,
 }
 

@@ -26,6 +26,9 @@ use crate::report::Report;
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
 const CHECK_BYTES: usize = 100;
 
+/// The stage of tries whose mesh was not kept, and of what lies between stages.
+const REST: &str = "rest";
+
 /// A mesher with valid options at work.
 pub(super) struct Run<'a> {
     mesher: &'a Mesher,
@@ -38,8 +41,8 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub fn new(mesher: &'a Mesher, program: &'a Program) -> Result<Self, Error> {
-        let start = Instant::now();
+    /// Of work that began at `start`.
+    pub fn new(mesher: &'a Mesher, program: &'a Program, start: Instant) -> Result<Self, Error> {
         if let Some(angle) = mesher.feature_angle
             && !(0.0..=std::f64::consts::PI).contains(&angle)
         {
@@ -70,11 +73,10 @@ impl<'a> Run<'a> {
         let mut mesh = self.shape(&mut report)?;
         mesh.unit = mesher.unit;
         let start = Instant::now();
-        if !report.limits_reached.is_empty() {
-            let told: f64 = report.stages.iter().map(|(_, seconds)| seconds).sum();
-            let tries = (start - self.start).as_secs_f64() - told;
-            report.stages.push(("beyond limits", tries.max(0.0)));
-        }
+        // Each try writes its own report, and only one of them is kept.
+        let whole = (start - self.start).as_secs_f64();
+        let told: f64 = report.stages.iter().map(|(_, seconds)| seconds).sum();
+        report.stages.push((REST, (whole - told).max(0.0)));
         if mesher.normals {
             mesh.corner_normals = finish::corner_normals(self.program, &mesh);
             report.end_stage("normals", start);
