@@ -167,7 +167,12 @@ impl ArcTracer {
             let wedges = if low >= high {
                 open.clone()
             } else if self.changes[stretch] {
-                self.wedges(arc, 0.5 * (low + high), stretch)?
+                let wedges = self.wedges(arc, 0.5 * (low + high), stretch);
+                if wedges.is_none() && arc.is_short([low, high]) {
+                    open.clone()
+                } else {
+                    wedges?
+                }
             } else {
                 Wedges::new()
             };
@@ -449,6 +454,13 @@ impl Arc<'_> {
         let direction = self.curve.direction(at).normalize_or_zero();
         let [a, b] = half_planes.map(|half_plane| self.towards(half_plane, point, direction));
         direction.dot(a.cross(b))
+    }
+
+    /// Whether a stretch of the curve is one point but for rounding.
+    fn is_short(&self, [start, end]: [f64; 2]) -> bool {
+        let middle = self.curve.at(0.5 * (start + end));
+        let is_here = |t: f64| self.curve.at(t).distance(middle) <= self.scene.weld;
+        is_here(start) && is_here(end)
     }
 
     /// The direction in which half of a tangent plane extends from a point.
