@@ -223,6 +223,94 @@ fn known_solids_need_no_cells() {
     }
 }
 
+/// Name, solid, volume, area at most.
+fn touching_along_conics() -> Vec<(&'static str, Solid, f64, f64)> {
+    const ANGLE: f64 = 0.5;
+    let ball = || Solid::sphere(1.0);
+    let above = || Solid::half_space([0.0, 0.0, -1.0], 0.0);
+    let below = |z: f64| Solid::half_space([0.0, 0.0, 1.0], z);
+    let (tan, cos) = (ANGLE.tan(), ANGLE.cos());
+    let height = cos.recip() + tan;
+    vec![
+        (
+            "pipe less a ball",
+            Solid::cylinder(1.0, -2.0..2.0) - ball(),
+            4.0 * PI - 4.0 / 3.0 * PI,
+            44.0,
+        ),
+        (
+            "spheroid less a ball",
+            Solid::ellipsoid([1.0, 1.0, 2.0]) - ball(),
+            4.0 / 3.0 * PI,
+            36.0,
+        ),
+        (
+            "ball less a spheroid",
+            ball() - Solid::ellipsoid([1.0, 1.0, 0.5]),
+            2.0 / 3.0 * PI,
+            23.0,
+        ),
+        (
+            "spheroids",
+            Solid::ellipsoid([1.0, 1.0, 1.5]) - Solid::ellipsoid([1.0, 1.0, 0.5]),
+            4.0 / 3.0 * PI,
+            28.0,
+        ),
+        (
+            "ellipsoids",
+            Solid::ellipsoid([1.0, 0.7, 1.5]) - Solid::ellipsoid([1.0, 0.7, 0.5]),
+            4.0 / 3.0 * PI * 0.7,
+            24.0,
+        ),
+        (
+            "cone less a ball",
+            (Solid::infinite_cone(ANGLE) & above() & below(2.0))
+                - Solid::sphere(ANGLE.sin()).translate([0.0, 0.0, 1.0]),
+            8.0 / 3.0 * PI * tan * tan - 4.0 / 3.0 * PI * ANGLE.sin().powi(3),
+            15.0,
+        ),
+        // There the solid goes on smoothly.
+        (
+            "egg",
+            (Solid::ellipsoid([1.0, 1.0, 1.5]) & above()) | (ball() & below(0.0)),
+            2.0 / 3.0 * PI * 2.5,
+            16.0,
+        ),
+        (
+            "ball under a cone",
+            Solid::cone(1.0, 0.0..tan.recip())
+                | Solid::sphere(cos.recip()).translate([0.0, 0.0, -tan]),
+            PI / 3.0 / tan + PI * height * height * (cos.recip() - height / 3.0),
+            21.0,
+        ),
+    ]
+}
+
+#[test]
+fn quadrics_may_touch_along_conics() {
+    for (name, solid, volume, area) in touching_along_conics() {
+        for (solid, tolerance) in [turned(&solid), solid]
+            .iter()
+            .flat_map(|solid| [0.1, 0.03, 0.01].map(|tolerance| (solid, tolerance)))
+        {
+            let program = Program::lower(solid).expect("a valid solid");
+            let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            let name = format!("{name} to {tolerance}");
+            assert_eq!(report.method, "boundary", "{name}");
+            assert_eq!(report.fallbacks, [], "{name}");
+            assert!(report.check.is_manifold(), "{name}: {}", report.check);
+            let off = (mesh.volume() - volume).abs();
+            assert!(off < tolerance * area, "{name}: {off}");
+            let bound = report.deviation.expect("a bound");
+            assert!(bound <= tolerance, "{name}: {bound}");
+            assert_eq!(mesh.self_intersections(), [[0; 2]; 0], "{name}");
+            let defects = measure(&program, &mesh);
+            assert_eq!(defects.folded, 0, "{name}: {:?}", defects.places);
+        }
+    }
+}
+
 #[test]
 fn one_and_eight_threads_give_the_same_mesh() {
     let balls = scenes::cheese(100);

@@ -356,6 +356,60 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn quadrics_that_touch_along_a_conic_have_it_in_common_once() {
+        let mut random = Random(3);
+        for case in 0..300 {
+            let touching = quadric(&mut random);
+            // Another one of their pencil with a plane counted twice.
+            let mut number = || 2.0 * random.unit() - 1.0;
+            let normal = DVec3::new(number(), number(), number()).normalize();
+            let (factor, share) = (0.5 * number(), 1.0 + 0.5 * number());
+            let foot = touching.anchor + 0.3 * number() * normal;
+            let [x, y, z] = normal.to_array();
+            let square = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x];
+            let offset = normal.dot(touching.anchor - foot);
+            let other = Surface {
+                anchor: touching.anchor,
+                quadratic: std::array::from_fn(|k| {
+                    share * touching.quadratic[k] + factor * square[k]
+                }),
+                linear: share * touching.linear + 2.0 * factor * offset * normal,
+                constant: share * touching.constant + factor * offset * offset,
+            };
+            let plane = Surface {
+                anchor: foot,
+                quadratic: [0.0; 6],
+                linear: normal,
+                constant: 0.0,
+            };
+            let [wanted, found] = [
+                curves(&plane, &touching, 1e-9),
+                curves(&touching, &other, 1e-9),
+            ]
+            .map(|curves| curves.map_or(0, |branches| branches.len()));
+            assert_eq!(
+                found,
+                wanted,
+                "case {case} {factor} {share} {foot} {normal}{touching:?} {:?}",
+                curves(&touching, &other, 1e-9)
+            );
+            let branches = curves(&touching, &other, 1e-9).unwrap_or_default();
+            for branch in branches {
+                assert!(!matches!(branch.curve, Curve::Rulings(_)), "case {case}");
+                let [start, end] = branch.curve.range(DVec3::ZERO, 3.0).expect("a range");
+                for k in 0..50 {
+                    let at = branch.curve.at(start + f64::from(k) / 50.0 * (end - start));
+                    let off = plane
+                        .value(at)
+                        .abs()
+                        .max(solve::residual([&touching].into_iter(), at));
+                    assert!(off < 1e-9 * (1.0 + at.length()), "case {case}: {off}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn curves_are_all_that_two_surfaces_have_in_common() {
         const NEAR: f64 = 1e-9;
         let mut random = Random(7);

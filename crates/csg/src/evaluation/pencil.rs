@@ -38,8 +38,8 @@ struct Pencil<'a> {
 /// Angles whose cosine and sine are factors of singular matrices.
 struct Singular {
     angles: Vec<f64>,
-    /// Where two coincide.
-    doubled: Vec<f64>,
+    /// Where several may coincide.
+    multiple: Vec<f64>,
 }
 
 /// What a quadric of the pencil is good for.
@@ -78,11 +78,10 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
     // Conics first, which are the simplest curves.
     let Singular {
         mut angles,
-        doubled,
+        multiple,
     } = pencil.singular_members();
-    for angle in doubled {
-        let (sin, cos) = angle.sin_cos();
-        if let Some(known) = pencil.on_planes(&pencil.combined([cos, sin]), near) {
+    for angle in multiple {
+        if let Some(known) = pencil.on_planes(angle, near) {
             return known;
         }
     }
@@ -150,7 +149,7 @@ impl<'a> Pencil<'a> {
         trig.roots(1e-14 * trig.magnitude(), &mut roots);
         let half = |doubled: f64| 0.5 * doubled;
         Singular {
-            doubled: roots.touching.into_iter().map(half).collect(),
+            multiple: multiple_roots(&trig).into_iter().map(half).collect(),
             angles: roots.simple.into_iter().map(half).collect(),
         }
     }
@@ -163,12 +162,26 @@ impl<'a> Pencil<'a> {
     /// The curves in a quadric of the pencil that is a pair of planes, if it is:
     /// of real ones, or of complex ones, which have a line in common that may meet
     /// the surfaces in two contacts.
-    fn on_planes(&self, member: &DMat4, near: f64) -> Option<Result<Branches, Unknown>> {
-        let (values, vectors) = jacobi(member.to_cols_array_2d());
-        let mut order = [0, 1, 2, 3];
-        order.sort_by(|&i, &j| values[j].abs().total_cmp(&values[i].abs()));
-        let values = order.map(|k| values[k]);
-        let vectors = order.map(|k| DVec4::from_array(vectors[k]));
+    fn on_planes(&self, angle: f64, near: f64) -> Option<Result<Branches, Unknown>> {
+        /// The same of a pair of planes before its angle is refined.
+        const NEARLY: f64 = 1e-4;
+        let (sin, cos) = angle.sin_cos();
+        let (values, vectors) = eigenvectors(&self.combined([cos, sin]));
+        if values[2].abs() > NEARLY * values[0].abs() {
+            return None;
+        }
+        // The one that vanishes on the eigenvectors of the values next to 0: a step of
+        // Rayleigh's quotient iteration.
+        let [x, y] = self.matrices.map(|matrix| {
+            let on = |v: DVec4| v.dot(matrix * v);
+            on(vectors[2]) + on(vectors[3])
+        });
+        let length = x.hypot(y);
+        let (values, vectors) = if length > NEARLY {
+            eigenvectors(&self.combined([y / length, -x / length]))
+        } else {
+            (values, vectors)
+        };
         let is_null = |value: f64| value.abs() <= NO_PLANE * values[0].abs();
         if !is_null(values[2]) {
             return None;
@@ -439,6 +452,37 @@ impl<'a> Pencil<'a> {
             _ => Err(Unknown::NoForm),
         }
     }
+}
+
+/// Where a polynomial of degree two may have roots of multiplicity four, three and
+/// two: there its third, second or first derivative has a simple one, which alone
+/// is known to the last digits.
+fn multiple_roots(trig: &Trig) -> SmallVec<[f64; 4]> {
+    /// Of the greatest value: what is less may be 0.
+    const SMALL: f64 = 1e-9;
+    let first = trig.derivative();
+    let second = first.derivative();
+    let third = second.derivative();
+    let mut found = SmallVec::new();
+    for derivative in [third, second, first] {
+        let mut roots = Roots::default();
+        derivative.roots(1e-14 * derivative.magnitude(), &mut roots);
+        let is_root = |t: &f64| trig.value(*t).abs() <= SMALL * trig.magnitude();
+        found.extend(roots.simple.into_iter().filter(is_root));
+    }
+    found
+}
+
+/// The eigenvalues of a symmetric matrix from the largest to the least, and their
+/// eigenvectors.
+fn eigenvectors(matrix: &DMat4) -> ([f64; 4], [DVec4; 4]) {
+    let (values, vectors) = jacobi(matrix.to_cols_array_2d());
+    let mut order = [0, 1, 2, 3];
+    order.sort_by(|&i, &j| values[j].abs().total_cmp(&values[i].abs()));
+    (
+        order.map(|k| values[k]),
+        order.map(|k| DVec4::from_array(vectors[k])),
+    )
 }
 
 /// What a quadric has, given by its matrix.

@@ -121,6 +121,15 @@ impl Trig {
         product
     }
 
+    pub fn derivative(&self) -> Self {
+        let mut derivative = *self;
+        for (k, term) in derivative.terms.iter_mut().enumerate() {
+            let [c, s] = *term;
+            *term = [k as f64 * s, -(k as f64) * c];
+        }
+        derivative
+    }
+
     /// Of a polynomial that is 0 at `middle` - `half` and `middle` + `half` its
     /// quotient by cos(t - middle) - cos(half).
     pub fn without_roots(&self, middle: f64, half: f64) -> Self {

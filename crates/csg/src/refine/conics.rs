@@ -16,7 +16,7 @@ use super::Goal;
 use super::chains::Course;
 use super::curves::on_curve;
 use crate::evaluation::{Curve, conics};
-use crate::program::Surface;
+use crate::program::{Surface, eigen_symmetric};
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
 pub(super) struct Conic {
@@ -40,7 +40,8 @@ const ON_CONIC: f64 = 1e2;
 ///
 /// A combination a - λ b that is a pair of planes vanishes along the line
 /// through two points of one of the planes, which tells λ; its gradient there
-/// is that plane's normal.
+/// is that plane's normal. Where both planes are one, in which the quadrics touch,
+/// there is no gradient, but only one direction in which the combination bends.
 fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     /// Coefficients below this share of the largest are rounding.
     const NEGLIGIBLE: f64 = 1e-11;
@@ -56,10 +57,14 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     let anchor = p + along / 3.0;
     let normal = a.gradient(anchor) - factor * b.gradient(anchor);
     let size = a.gradient(anchor).length() + factor.abs() * b.gradient(anchor).length();
-    if normal.length() <= 1e-4 * size {
-        return None;
-    }
-    let normal = normal.normalize_or_zero();
+    let normal = if normal.length() > 1e-4 * size {
+        normal.normalize_or_zero()
+    } else {
+        let (values, axes) = eigen_symmetric(std::array::from_fn(|k| {
+            a.quadratic[k] - factor * b.quadratic[k]
+        }));
+        axes.col(DVec3::from(values).abs().max_position())
+    };
     let (u, v) = normal.any_orthonormal_pair();
     let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
     let vanishes = bends.iter().all(|bend| bend.abs() <= NEGLIGIBLE * scale);
