@@ -384,6 +384,5 @@ fn stages_take_the_whole_time_with_tries_that_fail() {
     let report = Mesher::new().mesh(&program).expect("a mesh").report;
     let whole = start.elapsed().as_secs_f64();
     let told: f64 = report.stages.iter().map(|stage| stage.1).sum();
-    println!("{:?}", report.stages);
     assert!(told <= whole && told >= 0.9 * whole, "{told} of {whole}");
 }

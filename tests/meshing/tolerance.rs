@@ -204,6 +204,20 @@ fn options_out_of_range_are_errors() {
     }
 }
 
+/// Holes that are small beside the tolerance, of which thousands cut each other.
+#[test]
+fn ten_thousand_holes_need_no_option() {
+    const HOLES: u32 = 10_000;
+    let program = lower(&scenes::cheese(HOLES));
+    let Meshed { mesh, report, .. } = Mesher::new().mesh(&program).expect("a mesh");
+    assert!(report.check.is_manifold(), "{}", report.check);
+    assert_eq!(report.fallbacks, []);
+    let bound = report.deviation.expect("a bound");
+    assert!(bound <= 2e-3, "{bound}");
+    let volume = scenes::cheese_volume(HOLES).expect("a known one");
+    assert!((mesh.volume() - volume).abs() <= bound * mesh.area());
+}
+
 /// Without any option: whole, sound, and with nothing to report.
 #[test]
 fn defaults_give_a_good_mesh_of_any_model() {

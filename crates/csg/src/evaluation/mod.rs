@@ -90,15 +90,6 @@ pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
 /// And where these are, too.
 pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
 
-/// Of the curves of more blocks some nearly touch another one, and it takes
-/// several tries to keep faces apart: cells are faster then, and keep the
-/// tolerance, too.
-pub(crate) const FEW_BLOCKS: usize = 256;
-
-/// Where a mesh is to be checked, it may take longer than with cells if it is
-/// perfect then.
-pub(crate) const MANY_BLOCKS: usize = 1024;
-
 /// Points nearer to each other than this share of the scene are one vertex.
 const WELD: f64 = 3e-11;
 
@@ -196,7 +187,7 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 /// vertices are on their surfaces, of the right topology, to be refined.
 ///
 /// Chords of curves turn by no more than about the first of `turns` that will
-/// do, if there are no more than `most_blocks`.
+/// do.
 ///
 /// None where surfaces meet at so small angles, or so nearly in one point, that
 /// rounding leaves contours open, or where their curves are not known. Takes
@@ -205,7 +196,6 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 pub(crate) fn mesh(
     task: &Task<'_>,
     turns: &[f64],
-    most_blocks: usize,
     report: &mut Report,
 ) -> Result<Option<Mesh>, Error> {
     let start = Instant::now();
@@ -243,9 +233,6 @@ pub(crate) fn mesh(
         });
         mesh_of(&scene, task, traced, report, start)?
     } else {
-        if blocks.len() > most_blocks {
-            return Ok(None);
-        }
         mesh_of_curved(&scene, task, &blocks, turns, report)?
     };
     if let Some(mesh) = mesh.as_ref().filter(|_| is_polyhedral(task.program)) {

@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
         let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(mut mesh) = evaluation::mesh(&task, &[], 0, report)? else {
+        let Some(mut mesh) = evaluation::mesh(&task, &[], report)? else {
             return Ok(None);
         };
         self.check_size(&mesh, &control)?;
@@ -314,11 +314,6 @@ impl<'a> Run<'a> {
         }
         let control = self.control.again(Demand::ExactBoundary);
         let task = task.with(&control);
-        let most_blocks = if self.mesher.check {
-            evaluation::MANY_BLOCKS
-        } else {
-            evaluation::FEW_BLOCKS
-        };
         let goal = Goal {
             even_curves: true,
             ..goal.loosened(factor)
@@ -331,14 +326,13 @@ impl<'a> Run<'a> {
         ] {
             let mut report = report.clone();
             report.method = "boundary";
-            let attempt =
-                evaluation::mesh(&task, turns, most_blocks, &mut report).and_then(|mesh| {
-                    let Some(mut mesh) = mesh else {
-                        return Ok(None);
-                    };
-                    self.refine(&mut mesh, &task, &goal, &mut report)?;
-                    Ok(Some(mesh))
-                });
+            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|mesh| {
+                let Some(mut mesh) = mesh else {
+                    return Ok(None);
+                };
+                self.refine(&mut mesh, &task, &goal, &mut report)?;
+                Ok(Some(mesh))
+            });
             let mesh = match attempt {
                 Ok(Some(mesh)) => mesh,
                 Ok(None) => break,
