@@ -6,14 +6,19 @@ use std::path::PathBuf;
 
 use csg::{Meshed, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
+use stereotomy::io::scene::ReadOptions;
 use stereotomy::{csg, io};
 
 use super::defects::{largest_miss, measure, size};
 
 fn model(name: &str) -> Solid {
+    read(name, &ReadOptions::default())
+}
+
+fn read(name: &str, options: &ReadOptions) -> Solid {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");
     let file = folder.join(name).with_extension("csg");
-    let scene = io::scene::read_file(&file, &io::scene::ReadOptions::default());
+    let scene = io::scene::read_file(&file, options);
     scene
         .unwrap_or_else(|e| panic!("{}: {e}", file.display()))
         .solid
@@ -104,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 25] = [
+const MODELS: [&str; 33] = [
     "ball-on-plate",
     "ball-through-edges",
     "block-of-cubes",
@@ -112,21 +117,29 @@ const MODELS: [&str; 25] = [
     "capsule",
     "cone",
     "conical-pit",
+    "contact-parted-by-rounding",
     "crossing-pipes",
     "cubes-sharing-a-corner",
     "cubes-sharing-an-edge",
     "dimples",
+    "doubled-chords",
+    "doubled-diagonals",
     "half-cone",
     "half-hourglass",
     "hourglass",
+    "near-cylinders",
+    "near-parabola",
     "octahedron",
     "plate",
     "pyramid-12",
     "pyramid-4",
     "pyramid-5",
     "pyramid-8",
+    "random-tree",
     "rods-side-by-side",
     "rounded-edge",
+    "slit-along-a-curve",
+    "slit-between-cones",
     "spire",
     "thin-wall",
     "wedge",
@@ -289,4 +302,25 @@ fn what_is_thinner_than_a_cell_is_reported_beside_what_is_not() {
     }
     let report = mesh(&block, 16).report;
     assert!(report.fallbacks.is_empty(), "{:?}", report.fallbacks);
+}
+
+/// With true circles and with polygons in their place.
+#[test]
+fn nothing_is_to_be_reported_to_a_tolerance_in_both_modes() {
+    const TOLERANCE: f64 = 0.01;
+    for name in MODELS {
+        for faceted in [false, true] {
+            let solid = read(name, &ReadOptions::default().faceted(faceted));
+            let program = Program::lower(&solid).expect("a valid solid");
+            let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            let name = format!("{name}, faceted: {faceted}");
+            assert!(report.check.is_manifold(), "{name}: {}", report.check);
+            assert_eq!(report.fallbacks, [], "{name}");
+            assert!(report.deviation.is_some_and(|d| d <= TOLERANCE), "{name}");
+            assert_eq!(mesh.self_intersections(), [[0; 2]; 0], "{name}");
+            let found = measure(&program, &mesh);
+            assert_eq!(found.folded, 0, "{name}: {found:?}");
+        }
+    }
 }
