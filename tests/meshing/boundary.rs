@@ -351,8 +351,9 @@ fn in_general_position(random: &mut Random) -> Solid {
     solid
 }
 
-/// Meshes solids, of which nothing must be reported nor wrong.
-fn assert_promises_are_kept(solids: u64, solid: impl Fn(&mut Random) -> Solid) {
+/// Meshes solids, of which nothing must be reported nor wrong, and counts their
+/// triangles.
+fn assert_promises_are_kept(solids: u64, solid: impl Fn(&mut Random) -> Solid) -> usize {
     let mut triangles = 0;
     for seed in 0..solids {
         let program = Program::lower(&solid(&mut Random::new(seed))).expect("valid");
@@ -366,11 +367,25 @@ fn assert_promises_are_kept(solids: u64, solid: impl Fn(&mut Random) -> Solid) {
         assert_eq!(defects.folded, 0, "seed {seed}: {:?}", defects.places);
         triangles += mesh.triangles.len();
     }
-    // Otherwise little was tried.
-    assert!(triangles as u64 > 200 * solids, "{triangles}");
+    triangles
 }
 
 #[test]
 fn promises_are_kept_in_general_position() {
-    assert_promises_are_kept(80, in_general_position);
+    let triangles = assert_promises_are_kept(80, in_general_position);
+    // Otherwise little was tried.
+    assert!(triangles > 200 * 80, "{triangles}");
+}
+
+/// Its cylinder touches its planes, and so do the curves in which balls meet it.
+#[test]
+fn curves_may_touch_planes_anywhere() {
+    let triangles = assert_promises_are_kept(60, |random| {
+        let corners = Solid::cube(2.0) - Solid::cylinder(1.0, -2.0..2.0);
+        let ball = Solid::sphere(random.between(0.8, 1.3));
+        let place = [(); 3].map(|()| random.between(0.0, 0.6));
+        let [x, y, z] = [(); 3].map(|()| random.between(0.0, TAU));
+        (corners & ball.translate(place)).rotate_xyz(x, y, z)
+    });
+    assert!(triangles > 60 * 60, "{triangles}");
 }

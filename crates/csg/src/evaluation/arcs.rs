@@ -505,19 +505,21 @@ impl Arc<'_> {
     /// distance from the surface itself is 0 to second order there, so that it
     /// tells only half the digits.
     fn nearest(&self, third: &Surface, near: f64, range: f64) -> f64 {
-        const REACH: f64 = 1e-5;
+        /// How far from it, of the range.
+        const REACHES: [f64; 3] = [1e-5, 1e-4, 1e-3];
         let [a, b] = self.surfaces;
         let slope = |t: f64| {
             let at = self.curve.at(t);
             third.gradient(at).dot(a.gradient(at).cross(b.gradient(at)))
         };
-        let ends = [near - REACH * range, near + REACH * range];
-        let values = ends.map(slope);
-        if values[0] * values[1] < 0.0 {
-            bracketed(slope, ends, values)
-        } else {
-            near
+        for reach in REACHES {
+            let ends = [near - reach * range, near + reach * range];
+            let values = ends.map(slope);
+            if values[0] * values[1] < 0.0 {
+                return bracketed(slope, ends, values);
+            }
         }
+        near
     }
 
     /// The place at which the curve touches a surface of the cell.
