@@ -409,6 +409,52 @@ pub(super) mod tests {
         }
     }
 
+    /// Planes nearly along a ruling of a cone: the centres of the conics are up to
+    /// 1e10 away.
+    #[test]
+    fn conics_whose_centre_is_far_away_keep_their_digits() {
+        const NEAR: f64 = 1e-9;
+        let cone = Surface {
+            anchor: DVec3::new(0.1, -0.2, 0.3),
+            quadratic: [1.0, 1.0, -1.0, 0.0, 0.0, 0.0],
+            linear: DVec3::ZERO,
+            constant: 0.0,
+        };
+        let mut random = Random(11);
+        for tilt in [1e-4, 1e-6, 1e-8, 1e-10].into_iter().flat_map(|t| [t, -t]) {
+            let plane = Surface {
+                anchor: cone.anchor + 0.5 * DVec3::X,
+                quadratic: [0.0; 6],
+                linear: DVec3::new(1.0, 0.0, -1.0 + tilt).normalize(),
+                constant: 0.0,
+            };
+            let found = conics(&plane, &cone, NEAR);
+            for curve in &found {
+                let Some([start, end]) = curve.range(DVec3::ZERO, 3.0) else {
+                    continue;
+                };
+                for k in 0..=50 {
+                    let at = curve.at(start + f64::from(k) / 50.0 * (end - start));
+                    let off = solve::residual([&plane, &cone].into_iter(), at);
+                    assert!(off < 1e-14 * (1.0 + at.length_squared()), "{tilt}: {off}");
+                }
+            }
+            let mut points = 0;
+            for _ in 0..50 {
+                let start = DVec3::from_array(std::array::from_fn(|_| 2.0 * random.unit() - 1.0));
+                let common = solve::common_point(&[&plane, &cone], start, 0.5);
+                if common.residual > 1e-13 || common.point.length() > 2.0 {
+                    continue;
+                }
+                points += 1;
+                let off = found.iter().map(|c| distance(c, common.point));
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off < 1e-7, "{tilt}: {off}");
+            }
+            assert!(points > 10, "{points}");
+        }
+    }
+
     #[test]
     fn curves_are_all_that_two_surfaces_have_in_common() {
         const NEAR: f64 = 1e-9;

@@ -108,3 +108,127 @@ fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)
     let ends = [a.min(b), a.max(b)];
     Some((target.distance(middle), Side { ends, target, kind }))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::program::Program;
+    use crate::refine::deviation::of_triangle;
+    use crate::solid::Solid;
+
+    /// Two concentric spheres, each of so many times the triangles of an octahedron.
+    fn spheres(radii: [f64; 2], rows: [u32; 2]) -> (Surfaced, Vec<Surface>) {
+        let solid = Solid::sphere(radii[0]) - Solid::sphere(radii[1]);
+        let program = Program::lower(&solid).expect("a valid solid");
+        let surfaces = program.surfaces().to_vec();
+        let mut all = Surfaced {
+            surface_of_group: vec![0, 1],
+            ..Surfaced::default()
+        };
+        for (group, (&radius, rows)) in (0u32..).zip(radii.iter().zip(rows)) {
+            let on = surfaces
+                .iter()
+                .position(|s| s.value(radius * DVec3::X).abs() < 1e-14);
+            all.surface_of_group[group as usize] = on.expect("its surface") as u32;
+            octahedron(radius, rows, group, &mut all);
+        }
+        (all, surfaces)
+    }
+
+    /// Adds an octahedron of which each triangle is cut into `rows` rows of
+    /// triangles, all vertices at a distance from the origin; the second one's
+    /// triangles face inwards.
+    fn octahedron(radius: f64, rows: u32, group: u32, all: &mut Surfaced) {
+        let mut number_of = std::collections::HashMap::new();
+        for signs in 0..8u32 {
+            let sign = |axis: u32| 1.0 - 2.0 * f64::from(signs >> axis & 1);
+            let signs = DVec3::new(sign(0), sign(1), sign(2));
+            let is_mirrored = (signs.x * signs.y * signs.z < 0.0) != (group == 1);
+            let mut vertex = |i: u32, j: u32| {
+                let place = DVec3::new(f64::from(i), f64::from(j), f64::from(rows - i - j));
+                let place = signs * place + DVec3::ZERO;
+                let key = place.to_array().map(|k| k as i32);
+                *number_of.entry(key).or_insert_with(|| {
+                    all.positions.push(radius * place.normalize());
+                    all.positions.len() as u32 - 1
+                })
+            };
+            let mut triangles = Vec::new();
+            for i in 0..rows {
+                for j in 0..rows - i {
+                    triangles.push([vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)]);
+                    if i + j + 1 < rows {
+                        triangles.push([vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)]);
+                    }
+                }
+            }
+            for [a, b, c] in triangles {
+                all.triangles
+                    .push(if is_mirrored { [a, c, b] } else { [a, b, c] });
+                all.groups.push(group);
+            }
+        }
+    }
+
+    fn mesh(surfaced: &Surfaced) -> Mesh {
+        Mesh::new(surfaced.positions.clone(), surfaced.triangles.clone())
+    }
+
+    /// The long chords of one sphere run through another one just below it.
+    #[test]
+    fn spheres_that_cross_by_their_chords_are_separated() {
+        for (radii, rows) in [
+            ([1.0, 0.97], [4, 9]),
+            ([1.0, 0.9], [2, 12]),
+            ([1.0, 0.99], [5, 8]),
+        ] {
+            let (mut surfaced, surfaces) = spheres(radii, rows);
+            assert!(mesh(&surfaced).check().is_manifold());
+            let goal = Goal {
+                tolerance: 0.2,
+                promised: 0.2,
+                even_curves: false,
+                angle: None,
+                tight: rustc_hash::FxHashMap::default(),
+            };
+            let mut outcome = Outcome::default();
+            let before = mesh(&surfaced).self_intersections();
+            assert!(before.len() > 20, "{radii:?}: {}", before.len());
+            let mut pairs = before;
+            for _ in 0..14 {
+                if pairs.is_empty() {
+                    break;
+                }
+                assert!(separate(
+                    &mut surfaced,
+                    &surfaces,
+                    &goal,
+                    &pairs,
+                    Which::Worst,
+                    &mut outcome
+                ));
+                pairs = mesh(&surfaced).self_intersections();
+            }
+            assert_eq!(pairs, [[0; 2]; 0], "{radii:?}");
+            let made = mesh(&surfaced);
+            assert!(made.check().is_manifold());
+            assert_eq!(made.check().components, 2);
+            // All vertices are where they belong, and the outcome says how far
+            // what was made strays.
+            let mut farthest = 0.0f64;
+            for (corners, &group) in surfaced.triangles.iter().zip(&surfaced.groups) {
+                let corners = corners.map(|c| surfaced.positions[c as usize]);
+                for corner in corners {
+                    assert!((corner.length() - radii[group as usize]).abs() < 1e-14);
+                }
+                let surface = surfaced.surface_of_group[group as usize] as usize;
+                farthest = farthest.max(of_triangle(&surfaces[surface], corners));
+            }
+            assert_eq!(outcome.unkept, [], "{radii:?}");
+            assert!(farthest < 0.2, "{farthest}");
+        }
+    }
+}
