@@ -19,13 +19,14 @@ pub(crate) enum Curve {
     Ellipse { center: DVec3, a: DVec3, b: DVec3 },
     /// center + cosh t a + sinh t b: one branch.
     Hyperbola { center: DVec3, a: DVec3, b: DVec3 },
-    /// point + (t a + t² b) / (1 + k t²), a and b at right angles: a parabola, or
-    /// the half of an ellipse (k > 0) or hyperbola (k < 0) around the vertex
-    /// `point` whose centre is far away.
+    /// point + (t a + t² b) / (1 + l t + k t²), a and b at right angles: a conic
+    /// from a point of it, where it has the direction a. A parabola, or the part
+    /// near by of one whose centre or vertex is far away.
     Parabola {
         point: DVec3,
         a: DVec3,
         b: DVec3,
+        l: f64,
         k: f64,
     },
     /// Where the lines on a quadric meet another one.
@@ -110,9 +111,10 @@ pub(super) enum Meets {
     Curve,
 }
 
-/// t where t / (1 + k t²), on the way from 0, is a number.
-fn of_share(number: f64, k: f64) -> f64 {
-    2.0 * number / (1.0 + (1.0 - 4.0 * k * number * number).max(0.0).sqrt())
+/// t where t / (1 + l t + k t²), on the way from 0, is a number.
+fn of_share(number: f64, [l, k]: [f64; 2]) -> f64 {
+    let rest = 1.0 - l * number;
+    2.0 * number / (rest + (rest * rest - 4.0 * k * number * number).max(0.0).sqrt())
 }
 
 impl Curve {
@@ -124,7 +126,9 @@ impl Curve {
                 center + cos * a + sin * b
             }
             &Self::Hyperbola { center, a, b } => center + t.cosh() * a + t.sinh() * b,
-            &Self::Parabola { point, a, b, k } => point + t / (1.0 + k * t * t) * (a + t * b),
+            &Self::Parabola { point, a, b, l, k } => {
+                point + t / (1.0 + (l + k * t) * t) * (a + t * b)
+            }
             Self::Rulings(rulings) => rulings.at(t),
         }
     }
@@ -138,7 +142,7 @@ impl Curve {
                 cos * b - sin * a
             }
             Self::Hyperbola { a, b, .. } => t.sinh() * a + t.cosh() * b,
-            Self::Parabola { a, b, k, .. } => (1.0 - k * t * t) * a + 2.0 * t * b,
+            Self::Parabola { a, b, l, k, .. } => (1.0 - k * t * t) * a + (2.0 + l * t) * t * b,
             Self::Rulings(rulings) => rulings.at(t + 1e-6) - rulings.at(t - 1e-6),
         }
     }
@@ -170,8 +174,15 @@ impl Curve {
                 (x > 0.0).then(|| y.asinh())
             }
             Self::Parabola {
-                point: start, a, k, ..
-            } => Some(of_share((point - start).dot(*a) / a.length_squared(), *k)),
+                point: start,
+                a,
+                l,
+                k,
+                ..
+            } => {
+                let number = (point - start).dot(*a) / a.length_squared();
+                Some(of_share(number, [*l, *k]))
+            }
             Self::Rulings(_) => None,
         }
     }
@@ -210,9 +221,9 @@ impl Curve {
                 let end = far.asinh() + 1.0;
                 Some([-end, end])
             }
-            Self::Parabola { point, a, k, .. } => {
-                let end = of_share((reach + (around - point).length()) / a.length(), *k);
-                Some([-end, end])
+            Self::Parabola { point, a, l, k, .. } => {
+                let far = (reach + (around - point).length()) / a.length();
+                Some([-far, far].map(|number| of_share(number, [*l, *k])))
             }
         }
     }
@@ -249,6 +260,9 @@ impl Curve {
                 (total, length)
             }
         };
+        if total == 0.0 {
+            return 1;
+        }
         let turn = turn * (size * total / length).sqrt().min(2.0);
         (total / turn).ceil().clamp(1.0, 1e4) as u32
     }
@@ -328,16 +342,17 @@ impl Curve {
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
-            &Self::Parabola { point, a, b, k } => {
+            &Self::Parabola { point, a, b, l, k } => {
                 let form = Form::of(surface, point, a, b);
                 let [xx, yy, xy] = form.square;
                 let [x, y] = form.linear;
                 let c = form.constant;
-                // Times (1 + k t²)², which is about 1.
-                let square = xx + y + 2.0 * k * c;
-                let cube = xy + k * x;
+                // Times (1 + l t + k t²)², which is about 1.
+                let once = x + 2.0 * l * c;
+                let square = xx + y + l * x + (l * l + 2.0 * k) * c;
+                let cube = xy + k * x + l * (y + 2.0 * k * c);
                 let fourth = yy + k * (y + k * c);
-                let value = |t: f64| c + t * (x + t * (square + t * (cube + t * fourth)));
+                let value = |t: f64| c + t * (once + t * (square + t * (cube + t * fourth)));
                 let bend = |from: f64, to: f64| {
                     let t = from.abs().max(to.abs());
                     2.0 * square.abs() + t * (6.0 * cube.abs() + 12.0 * t * fourth.abs())

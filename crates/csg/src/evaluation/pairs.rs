@@ -3,7 +3,7 @@
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
-use super::curve::{BEGIN, Branch, Branches, Curve, Form};
+use super::curve::{BEGIN, Branch, Branches, Curve, Form, polar};
 use super::{NEAR, pencil};
 use crate::program::Surface;
 
@@ -102,6 +102,9 @@ pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> SmallVec<
     branches.into_iter().map(|branch| branch.curve).collect()
 }
 
+/// What is farther from the origin than so many sizes of the scene is far away.
+const FAR: f64 = 100.0;
+
 /// The conic in which a quadric is 0 that changes from `foot` by value d² + slope d
 /// along each of two axes, more along the first, by its vertex: if the centre is so
 /// far from a scene around the origin that digits would be lost, and the vertex is
@@ -112,8 +115,6 @@ fn near_parabola(
     [(first, u, x), (second, v, slope)]: [(f64, DVec3, f64); 2],
     near: f64,
 ) -> Option<Curve> {
-    /// From the origin, in sizes of the scene.
-    const FAR: f64 = 100.0;
     let scene = near / NEAR;
     if slope.abs() < 2.0 * second.abs() * FAR * scene {
         return None;
@@ -133,8 +134,57 @@ fn near_parabola(
         point: vertex,
         a: u,
         b: -first / at_vertex * v,
+        l: 0.0,
         k,
     })
+}
+
+/// The two parts, all that is near a scene around the origin, of the conic in which
+/// a quadric is 0 that changes from `foot` by value d² + slope d along each of two
+/// axes, more along the first: if they run along the second axis, nearly straight,
+/// and meet, if at all, so far away that seen from there digits would be lost.
+fn near_lines(
+    quadric: &Surface,
+    foot: DVec3,
+    [(first, u, x), (second, v, _)]: [(f64, DVec3, f64); 2],
+    near: f64,
+) -> Option<SmallVec<[Curve; 2]>> {
+    let scene = near / NEAR;
+    let on_axis = foot - x / (2.0 * first) * u;
+    let middle = on_axis - on_axis.dot(v) * v;
+    let rest = quadric.value(middle);
+    let slope = quadric.gradient(middle).dot(v);
+    let far = FAR * scene;
+    if (second.abs() * far + slope.abs()) * far > 0.5 * rest.abs() {
+        return None;
+    }
+    let off = (-rest / first).sqrt();
+    if off.is_nan() {
+        return Some(SmallVec::new());
+    }
+    let part = |off: f64| {
+        let point = middle + off * u;
+        // In the plane: across the conic, and along it.
+        let gradient = quadric.gradient(point);
+        let across = gradient.dot(u) * u + gradient.dot(v) * v;
+        let steep = across.length();
+        let across = across / steep;
+        let along = across.dot(u) * v - across.dot(v) * u;
+        // bend d² + mixed d e + other e² + steep e = 0, d along and e across.
+        let [bend, other] = [along, across].map(|d| 0.5 * quadric.curvature_along(d));
+        let mixed = 2.0 * polar(quadric, along, across);
+        let (l, k) = (-mixed / steep, bend * other / (steep * steep));
+        let most = point.length() + scene;
+        // There a half of the conic goes on and on.
+        (16.0 * (l.abs() + k.abs() * most) * most <= 1.0).then(|| Curve::Parabola {
+            point,
+            a: along,
+            b: -bend / steep * across,
+            l,
+            k,
+        })
+    };
+    [off, -off].into_iter().map(part).collect()
 }
 
 /// The conic in which a plane cuts a quadric.
@@ -167,12 +217,16 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     }
     let mut branches = Branches::new();
     let mut center = foot - x / (2.0 * first) * u;
+    let axes = if first.abs() >= second.abs() {
+        [(first, u, x), (second, v, y)]
+    } else {
+        [(second, v, y), (first, u, x)]
+    };
+    let is_ruled = second == 0.0 && y.abs() <= NEGLIGIBLE * quadric.gradient(center).length();
+    if !is_ruled && let Some(parts) = near_lines(quadric, foot, axes, near) {
+        return Ok(parts.into_iter().map(Branch::new).collect());
+    }
     if second != 0.0 {
-        let axes = if first.abs() >= second.abs() {
-            [(first, u, x), (second, v, y)]
-        } else {
-            [(second, v, y), (first, u, x)]
-        };
         if let Some(curve) = near_parabola(quadric, foot, axes, near) {
             branches.push(Branch::new(curve));
             return Ok(branches);
@@ -233,12 +287,13 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
         return Ok(branches);
     }
     let rest = quadric.value(center);
-    if y.abs() > NEGLIGIBLE * quadric.gradient(center).length() {
+    if !is_ruled {
         // first x² + y y + rest = 0.
         branches.push(Branch::new(Curve::Parabola {
             point: center - rest / y * v,
             a: u,
             b: -first / y * v,
+            l: 0.0,
             k: 0.0,
         }));
         return Ok(branches);
@@ -350,6 +405,51 @@ pub(super) mod tests {
                 for t in [-0.7, 0.0, 0.4] {
                     let at = branch.curve.at(t);
                     assert!(solve::residual([&plane, &saddle].into_iter(), at) < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn planes_nearly_along_a_cylinder_cut_it_in_two_known_to_the_last_digits() {
+        let cylinder = Surface {
+            anchor: DVec3::new(0.2, -0.1, 0.3),
+            quadratic: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            linear: DVec3::ZERO,
+            constant: -0.5625,
+        };
+        for power in 1..11 {
+            let tilt = 10f64.powi(-power);
+            let plane = Surface {
+                anchor: DVec3::new(0.5, 0.3, 0.1),
+                quadratic: [0.0; 6],
+                linear: DVec3::new(0.8, 0.6, tilt).normalize(),
+                constant: 0.0,
+            };
+            let found = curves(&plane, &cylinder, NEAR).expect("they are known");
+            for side in [-1.0, 1.0] {
+                for z in [-0.5, 0.0, 0.4] {
+                    let height = plane.linear.z * (z - plane.anchor.z)
+                        / plane.linear.x.hypot(plane.linear.y);
+                    let foot = DVec3::new(0.5, 0.3, 0.0) - height * DVec3::new(0.8, 0.6, 0.0);
+                    let along = DVec3::new(-0.6, 0.8, 0.0);
+                    // From the axis.
+                    let off = foot - cylinder.anchor.with_z(0.0);
+                    let (b, c) = (off.dot(along), off.length_squared() - 0.5625);
+                    let point = foot + (side * (b * b - c).sqrt() - b) * along + z * DVec3::Z;
+                    let on = found.iter().map(|branch| distance(&branch.curve, point));
+                    let nearest = on.fold(f64::INFINITY, f64::min);
+                    assert!(nearest < 1e-7, "{tilt}: {nearest} {found:?}");
+                }
+            }
+            for branch in &found {
+                for t in [-0.6, 0.1, 0.5] {
+                    let at = branch.curve.at(t);
+                    if at.length() > 2.0 {
+                        continue;
+                    }
+                    let off = solve::residual([&plane, &cylinder].into_iter(), at);
+                    assert!(off < 1e-13, "{tilt}: {off} {found:?}");
                 }
             }
         }
