@@ -59,6 +59,10 @@ impl Boundary {
     pub fn link(scene: &Scene<'_>, pieces: &[Piece]) -> Option<Self> {
         let mut all = Self::default();
         let mut welder = Welder::new(scene.weld);
+        // Vertices at apexes of cones are there to the last bit.
+        for apex in scene.surfaces.iter().filter_map(Surface::apex) {
+            welder.number(apex);
+        }
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
         for piece in pieces {
@@ -83,28 +87,10 @@ impl Boundary {
             }
         }
         all.points = welder.points;
-        all.find_apexes(scene);
         all.link_contours(scene)?;
         all.simplify(scene)?;
         all.split_double_edges(scene)?;
         Some(all)
-    }
-
-    /// Moves the vertices at apexes of cones there, to the last bit.
-    fn find_apexes(&mut self, scene: &Scene<'_>) {
-        let apexes: Vec<Option<DVec3>> = self
-            .faces
-            .iter()
-            .map(|side| scene.surfaces[side.plane as usize].apex())
-            .collect();
-        for half_edge in &self.half_edges {
-            if let Some(apex) = apexes[half_edge.face as usize] {
-                let point = &mut self.points[half_edge.from as usize];
-                if point.distance_squared(apex) <= scene.weld * scene.weld {
-                    *point = apex;
-                }
-            }
-        }
     }
 
     pub fn at(&self, half_edge: u32) -> &HalfEdge {

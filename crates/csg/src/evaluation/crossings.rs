@@ -36,8 +36,9 @@ impl Boundary {
     }
 
     /// Adds the edges that run across others of the same face as it is seen: of
-    /// each two the one that is farther from its curve. Half-edges are given by
-    /// contour.
+    /// each two the one that is farther from its curve. If there are none, the one
+    /// that is farthest of each contour that goes around the wrong way. Half-edges
+    /// are given by contour.
     pub fn crossing_edges(
         &self,
         scene: &Scene<'_>,
@@ -61,6 +62,7 @@ impl Boundary {
             let middle = self.middle(scene, half_edge);
             middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
         };
+        let known = crossing.len();
         for (k, (first, ends, places)) in edges.iter().enumerate() {
             for (second, others, other_places) in &edges[k + 1..] {
                 if *second == self.at(*first).twin || !cross(*ends, *places, *others, *other_places)
@@ -71,6 +73,18 @@ impl Boundary {
                 let worse = if one >= other { *first } else { *second };
                 // One half of an edge stands for both.
                 crossing.push(worse.min(self.at(worse).twin));
+            }
+        }
+        if crossing.len() > known {
+            return;
+        }
+        // A face narrower than its curves bend may be turned over as a whole.
+        for contour in contours {
+            let area = |&h: &u32| flat(self.at(h).from).perp_dot(flat(self.end(h)));
+            if contour.iter().map(area).sum::<f64>() <= 0.0 {
+                let by_sagitta = |a: &&u32, b: &&u32| sagitta(**a).total_cmp(&sagitta(**b));
+                let worst = contour.iter().max_by(by_sagitta);
+                crossing.extend(worst.map(|&h| h.min(self.at(h).twin)));
             }
         }
     }

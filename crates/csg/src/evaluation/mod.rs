@@ -379,6 +379,8 @@ fn assemble(
     contacts: &[Contact],
 ) -> Option<Mesh> {
     const MOST_TRIES: u32 = 6;
+    /// Splits make triangles Delaunay again, and with that other diagonals.
+    const MOST_SPLITS: u32 = 4;
     for tries in 1..=MOST_TRIES {
         let Cut {
             mut positions,
@@ -399,7 +401,10 @@ fn assemble(
         }
         let faces = &boundary.faces;
         let mut doubled = doubled_edges(&triangles, positions.len());
-        if !doubled.is_empty() {
+        for _ in 0..MOST_SPLITS {
+            if doubled.is_empty() {
+                break;
+            }
             split_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
             doubled = doubled_edges(&triangles, positions.len());
         }

@@ -172,10 +172,12 @@ impl Roots {
     pub fn join_close(&mut self, value: impl Fn(f64) -> f64, rounding: f64) {
         let mut index = 1;
         while index < self.simple.len() {
-            let middle = 0.5 * (self.simple[index - 1] + self.simple[index]);
-            if value(middle).abs() <= rounding {
+            let [a, b] = [self.simple[index - 1], self.simple[index]];
+            // Where it touches 0 between them it stays there at one place alone.
+            let within = |share: &f64| value(a + share * (b - a)).abs() <= rounding;
+            if [0.2, 0.5, 0.8].iter().all(within) {
                 self.simple.drain(index - 1..=index);
-                self.touching.push(middle);
+                self.touching.push(0.5 * (a + b));
             } else {
                 index += 1;
             }

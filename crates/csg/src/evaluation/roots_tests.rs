@@ -255,4 +255,12 @@ fn roots_that_rounding_parts_are_joined() {
     };
     roots.join_close(|_| 0.0, ROUNDING);
     assert_eq!(roots.simple, [0.3 + half]);
+    // Between two others it may touch 0, and in their middle at that.
+    let mut roots = Roots {
+        simple: vec![-1.0, 1.0],
+        ..Roots::default()
+    };
+    roots.join_close(|t| (t * t - 1.0) * t * t, ROUNDING);
+    assert_eq!(roots.simple, [-1.0, 1.0]);
+    assert!(roots.touching.is_empty());
 }
