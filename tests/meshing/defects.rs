@@ -138,14 +138,21 @@ impl<'a> Sides<'a> {
     }
 
     /// Whether the gradient of a triangle's surface points out of the solid
-    /// next to its centroid (1), into it (-1), or neither, where the centroid
-    /// lies beyond an edge (0).
+    /// next to its centroid (1), into it (-1), or neither can be told (0): the
+    /// centroid lies beyond an edge, or another surface is nearer than the step.
     fn ask(&self, triangle: usize) -> f64 {
         let surface = self.surface(triangle);
         let mut on = self.mesh.corners(triangle).iter().sum::<DVec3>() / 3.0;
         for _ in 0..3 {
             let gradient = surface.gradient(on);
             on -= surface.value(on) * gradient / gradient.length_squared();
+        }
+        let is_near = |other: &Surface| {
+            !std::ptr::eq(other, surface)
+                && other.value(on).abs() <= 2.0 * self.step * other.gradient(on).length()
+        };
+        if self.program.surfaces().iter().any(is_near) {
+            return 0.0;
         }
         let out = surface.gradient(on).normalize_or_zero() * self.step;
         let inside = |point| self.program.contains(point);

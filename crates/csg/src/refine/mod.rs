@@ -37,7 +37,7 @@ use rustc_hash::FxHashMap;
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
 use self::regions::Way;
-pub(crate) use self::separate::{Which, separate};
+pub(crate) use self::separate::{Which, folded, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;
@@ -107,6 +107,8 @@ pub(crate) enum Unkept {
     Folded,
     /// The mesh runs through itself.
     Crossing,
+    /// A triangle faces into the solid.
+    TurnedOver,
     /// A triangle or a chord for which the tolerance could not be proven.
     Far,
 }
@@ -118,6 +120,7 @@ impl Unkept {
             Self::Lost => "curve between two faces that could not be followed: not cut up",
             Self::Folded => "vertex that could not be put on its surfaces without a fold",
             Self::Crossing => "place where the mesh runs through itself",
+            Self::TurnedOver => "triangle that faces into the solid",
             Self::Far => "place where the tolerance could not be proven to be kept",
         }
     }

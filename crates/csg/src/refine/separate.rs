@@ -1,14 +1,17 @@
 //! Separates triangles that run through each other though their surfaces do not: cuts
-//! the sides of both that stray most from surfaces and curves, at points of them.
+//! the sides of both that stray most from surfaces and curves, at points of them. So
+//! are those that face into the solid.
 //!
 //! All vertices being on the solid's boundary, and all triangles in its topology,
-//! the mesh runs through itself no more once it is fine enough there.
+//! the mesh runs through itself no more once it is fine enough there, and none of it
+//! is folded.
 
 use glam::DVec3;
 
 use super::curves::on_curve;
 use super::grow::{Grower, project};
 use super::half_edges::{HalfEdges, Kind};
+use super::shape::faces_in;
 use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
@@ -34,14 +37,7 @@ pub(crate) fn separate(
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
-    let mesh = HalfEdges::new(
-        surfaced.positions.clone(),
-        &surfaced.triangles,
-        &surfaced.groups,
-        &surfaced.surface_of_group,
-        surfaces,
-    );
-    let Some(mut mesh) = mesh else {
+    let Some(mut mesh) = half_edges(surfaced, surfaces) else {
         return false;
     };
     let mut sides: Vec<Side> = pairs
@@ -56,6 +52,27 @@ pub(crate) fn separate(
     *outcome = std::mem::take(&mut grower.outcome);
     hand_back(&mesh, &Fine::default(), surfaced);
     is_changed
+}
+
+/// The triangles that face against the rest of their face: into the solid.
+pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
+    half_edges(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
+        let is_folded = |&triangle: &u32| {
+            let region = mesh.region(3 * triangle);
+            faces_in(mesh.surface(3 * triangle), region, mesh.corners(triangle))
+        };
+        (0..mesh.triangle_count()).filter(is_folded).collect()
+    })
+}
+
+fn half_edges<'a>(surfaced: &Surfaced, surfaces: &'a [Surface]) -> Option<HalfEdges<'a>> {
+    HalfEdges::new(
+        surfaced.positions.clone(),
+        &surfaced.triangles,
+        &surfaced.groups,
+        &surfaced.surface_of_group,
+        surfaces,
+    )
 }
 
 /// A side of a triangle, and where it is to be cut.

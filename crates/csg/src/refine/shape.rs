@@ -57,6 +57,13 @@ pub(super) fn faces_out_in_the_middle(
     )
 }
 
+/// Whether a triangle that has an area faces into the solid, judged by the outward
+/// normal of its surface next to its middle.
+pub(super) fn faces_in(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> bool {
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    normal(corners).is_some_and(|n| region.outward * n.dot(surface.gradient(middle)) < 0.0)
+}
+
 /// Twice the area times the unit normal, if there is an area.
 #[inline(always)]
 fn normal([p, q, r]: [DVec3; 3]) -> Option<DVec3> {

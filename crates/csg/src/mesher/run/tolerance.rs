@@ -3,7 +3,6 @@
 
 use std::time::Instant;
 
-use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::Run;
@@ -91,7 +90,7 @@ impl Run<'_> {
             let mut surfaced = coarse.clone();
             let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
             if self.mesher.check {
-                self.separate_crossing(&mut surfaced, &mut outcome, task, goal)?;
+                self.separate(&mut surfaced, &mut outcome, task, goal)?;
             }
             let mut narrow = std::mem::take(&mut outcome.tighter);
             narrow.sort_unstable();
@@ -136,9 +135,9 @@ impl Run<'_> {
         Ok(best)
     }
 
-    /// Cuts up the triangles of a mesh that run through each other until none do, or
-    /// that does not help, and notes where they still do.
-    fn separate_crossing(
+    /// Cuts up the triangles of a mesh that run through each other, or face into the
+    /// solid, until none do or that does not help, and notes where they still do.
+    fn separate(
         &self,
         surfaced: &mut Surfaced,
         outcome: &mut Outcome,
@@ -146,26 +145,26 @@ impl Run<'_> {
         goal: &Goal,
     ) -> Result<(), Error> {
         const MOST_ROUNDS: u32 = 14;
-        let mut pairs = crossing_pairs(surfaced, task.origin);
-        if pairs.is_empty() {
+        let mut wrong = wrong_triangles(surfaced, task);
+        if wrong.is_empty() {
             return Ok(());
         }
         // Where the mesh is folded there are more and more.
-        let too_many = 4 * pairs.len() + 16;
-        let before = (surfaced.clone(), outcome.clone(), pairs);
+        let too_many = 4 * wrong.len() + 16;
+        let before = (surfaced.clone(), outcome.clone(), wrong);
         let mut least = before.clone();
         for which in [Which::Worst, Which::Chords] {
-            (*surfaced, *outcome, pairs) = before.clone();
+            (*surfaced, *outcome, wrong) = before.clone();
             for _ in 0..MOST_ROUNDS {
                 self.control.check()?;
-                if !refine::separate(surfaced, &task.surfaces, goal, &pairs, which, outcome) {
+                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, which, outcome) {
                     break;
                 }
-                pairs = crossing_pairs(surfaced, task.origin);
-                if pairs.len() < least.2.len() {
-                    least = (surfaced.clone(), outcome.clone(), pairs.clone());
+                wrong = wrong_triangles(surfaced, task);
+                if wrong.len() < least.2.len() {
+                    least = (surfaced.clone(), outcome.clone(), wrong.clone());
                 }
-                if pairs.is_empty() || pairs.len() > too_many {
+                if wrong.is_empty() || wrong.len() > too_many {
                     break;
                 }
             }
@@ -173,11 +172,16 @@ impl Run<'_> {
                 break;
             }
         }
-        (*surfaced, *outcome, pairs) = least;
-        for pair in pairs {
+        (*surfaced, *outcome, wrong) = least;
+        for pair in wrong {
             let corner = surfaced.triangles[pair[0] as usize][0];
             let place = surfaced.positions[corner as usize];
-            outcome.unkept.push((Unkept::Crossing, place));
+            let reason = if pair[0] == pair[1] {
+                Unkept::TurnedOver
+            } else {
+                Unkept::Crossing
+            };
+            outcome.unkept.push((reason, place));
             let group = |triangle: u32| surfaced.groups[triangle as usize] as usize;
             let surfaces = pair.map(|triangle| surfaced.surface_of_group[group(triangle)]);
             outcome.tighter.extend(surfaces);
@@ -212,12 +216,17 @@ fn merge_alike(mesh: &mut Mesh, program: &Program) {
 }
 
 /// The pairs of triangles that run through each other once a mesh's points are
-/// moved: rounding decides where faces meet in a plane.
-fn crossing_pairs(surfaced: &Surfaced, by: DVec3) -> Vec<[u32; 2]> {
+/// about the true origin, as rounding decides where faces meet in a plane; and twice
+/// each that faces into the solid.
+fn wrong_triangles(surfaced: &Surfaced, task: &Task<'_>) -> Vec<[u32; 2]> {
+    let positions = surfaced.positions.iter();
     let mesh = Mesh {
-        positions: surfaced.positions.iter().map(|&p| p + by).collect(),
+        positions: positions.map(|&p| p + task.origin).collect(),
         triangles: surfaced.triangles.clone(),
         ..Mesh::default()
     };
-    mesh.self_intersections()
+    let mut wrong = mesh.self_intersections();
+    let folded = refine::folded(surfaced, &task.surfaces).into_iter();
+    wrong.extend(folded.map(|triangle| [triangle; 2]));
+    wrong
 }
