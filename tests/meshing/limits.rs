@@ -242,7 +242,7 @@ fn the_finest_mesh_found_in_time_is_kept() {
         (scenes::drilled(), Mesher::new().cells(60_000), 5),
     ] {
         let program = lower(&solid);
-        let time = Duration::from_secs(1);
+        let time = Duration::from_secs(3);
         let mesher = mesher.limits(Limits::new().time(time).partial());
         let meshed = mesher.mesh(&program).expect("a mesh");
         assert!(meshed.report.check.is_manifold());
