@@ -6,7 +6,10 @@
 //! else a one-sheet hyperboloid or hyperbolic paraboloid. Where the two touch in
 //! a point and cross around it, one of them is a cone with its apex there, or a
 //! pair of planes (Farouki, Neff and O'Connor, *Automatic Parsing of Degenerate
-//! Quadric-Surface Intersections*, 1989).
+//! Quadric-Surface Intersections*, 1989). Where they have a conic in common, one is
+//! a pair of planes, and where they touch all along it, a plane counted twice: then
+//! two or three of the roots of the determinant are one, and rounding parts them,
+//! but not those of its derivatives.
 
 use std::f64::consts::TAU;
 
