@@ -3,6 +3,7 @@
 //! patches.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -183,11 +184,13 @@ impl ArcTracer {
             if open.is_empty() && wedges.is_empty() {
                 continue;
             }
-            if wedges != open || event.touches() || self.is_shared(arc, stretch - 1) {
+            let same = self.at_same_place(arc, stretch - 1);
+            if wedges != open || event.touches() || same.len() > 1 {
                 let here = (event.at, arc.point(event.at, event.ends));
                 arc.emit(&open, [from, here], turn, &mut traced.pieces);
-                if event.touched != NOTHING {
-                    traced.contacts.push(arc.contact(event.touched, here.1));
+                let others = self.surfaces_of(same);
+                if event.touched != NOTHING || others.len() > 1 {
+                    traced.contacts.push(arc.contact(&others, here.1));
                 }
                 (open, from) = (wedges, here);
             }
@@ -429,15 +432,35 @@ impl ArcTracer {
         is_clear
     }
 
-    /// Whether something else ends at the same place: other edges may touch the
-    /// curve there though none ends.
-    fn is_shared(&self, arc: &Arc<'_>, event: usize) -> bool {
+    /// The events at the same place as one: other edges may touch the curve there
+    /// though none ends.
+    fn at_same_place(&self, arc: &Arc<'_>, event: usize) -> Range<usize> {
         let here = arc.curve.at(self.events[event].at);
-        let is_near = |other: usize| {
-            let other = self.events.get(other);
-            other.is_some_and(|e| arc.curve.at(e.at).distance(here) <= arc.scene.weld)
-        };
-        is_near(event + 1) || is_near(event.wrapping_sub(1))
+        let is_near = |other: &&Event| arc.curve.at(other.at).distance(here) <= arc.scene.weld;
+        let before = self.events[..event]
+            .iter()
+            .rev()
+            .take_while(is_near)
+            .count();
+        let after = self.events[event..].iter().take_while(is_near).count();
+        event - before..event + after
+    }
+
+    /// Positions of the surfaces that a curve crosses or touches at some events.
+    fn surfaces_of(&self, events: Range<usize>) -> SmallVec<[u32; 4]> {
+        let mut surfaces = SmallVec::new();
+        for event in &self.events[events] {
+            let crossed = match event.ends {
+                Ends::Surface(position) => position,
+                _ => NOTHING,
+            };
+            for position in [crossed, event.touched] {
+                if position != NOTHING && !surfaces.contains(&position) {
+                    surfaces.push(position);
+                }
+            }
+        }
+        surfaces
     }
 }
 
@@ -522,10 +545,9 @@ impl Arc<'_> {
         near
     }
 
-    /// The place at which the curve touches a surface of the cell.
-    fn contact(&self, third: u32, at: DVec3) -> Contact {
-        let [first, second] = self.pair;
-        let positions = [first, second, third].into_iter();
+    /// The place at which the curve meets other surfaces of the cell.
+    fn contact(&self, others: &[u32], at: DVec3) -> Contact {
+        let positions = self.pair.iter().chain(others).copied();
         let positions = positions.filter(|&position| position != NOTHING);
         let id = |position: u32| self.block.cell.surfaces[position as usize];
         Contact {

@@ -10,6 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 
 use super::Scene;
+use super::contacts::Contact;
 use super::lines::Piece;
 use super::sectors::Side;
 use super::triangulate::is_surrounded;
@@ -56,12 +57,18 @@ struct Departure {
 impl Boundary {
     /// Links pieces; none if they do not close, where rounding made blocks and
     /// lines disagree, or if the caller does not want to go on.
-    pub fn link(scene: &Scene<'_>, pieces: &[Piece]) -> Option<Self> {
+    ///
+    /// Contacts are moved to the vertices at the same places.
+    pub fn link(scene: &Scene<'_>, pieces: &[Piece], contacts: &mut [Contact]) -> Option<Self> {
         let mut all = Self::default();
         let mut welder = Welder::new(scene.weld);
         // Vertices at apexes of cones are there to the last bit.
         for apex in scene.surfaces.iter().filter_map(Surface::apex) {
             welder.number(apex);
+        }
+        for contact in contacts {
+            let vertex = welder.number(contact.at);
+            contact.at = welder.points[vertex as usize];
         }
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());

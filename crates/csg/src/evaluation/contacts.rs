@@ -3,6 +3,7 @@
 //! apart all around, however coarse their triangles.
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::Scene;
@@ -28,15 +29,22 @@ pub(super) fn add_contacts(
     if contacts.is_empty() {
         return;
     }
+    let mut of_surface: FxHashMap<u32, Vec<&Contact>> = FxHashMap::default();
+    for contact in contacts {
+        for &surface in &contact.surfaces {
+            of_surface.entry(surface).or_default().push(contact);
+        }
+    }
     for (side, triangles) in faces.iter().zip(triangles) {
+        let Some(contacts) = of_surface.get(&side.plane) else {
+            continue;
+        };
         let frame = scene.frames[side.plane as usize].as_ref();
-        let is_inside = |contact: &&Contact| {
+        let is_inside = |contact: &&&Contact| {
             let patch = frame.map_or(0, |f| f.patch(contact.at, DVec3::ZERO, scene.near));
             let is_corner =
                 |&corner: &u32| positions[corner as usize].distance(contact.at) <= scene.weld;
-            contact.surfaces.contains(&side.plane)
-                && patch == side.patch
-                && !triangles.iter().flatten().any(is_corner)
+            patch == side.patch && !triangles.iter().flatten().any(is_corner)
         };
         let inside: SmallVec<[DVec3; 4]> = contacts
             .iter()

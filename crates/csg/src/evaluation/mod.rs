@@ -281,11 +281,11 @@ fn mesh_of(
     start: Instant,
 ) -> Result<Option<Mesh>, Error> {
     task.control.check()?;
-    let Some(traced) = traced else {
+    let Some(mut traced) = traced else {
         return Ok(None);
     };
     let start = report.end_stage("edges", start);
-    let boundary = Boundary::link(scene, &traced.pieces);
+    let boundary = Boundary::link(scene, &traced.pieces, &mut traced.contacts);
     task.control.check()?;
     let Some(mut boundary) = boundary else {
         return Ok(None);

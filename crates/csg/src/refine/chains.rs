@@ -54,7 +54,10 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
 
 fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let (a, b) = (mesh.surface(half), mesh.surface(mesh.twin(half)));
-    mesh.is_feature(half) && !std::ptr::eq(a, b) && !(a.is_plane() && b.is_plane())
+    mesh.is_feature(half)
+        && !mesh.is_contact(half)
+        && !std::ptr::eq(a, b)
+        && !(a.is_plane() && b.is_plane())
 }
 
 /// The next edge along the same curve.

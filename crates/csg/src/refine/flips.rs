@@ -45,6 +45,7 @@ pub(super) fn flip_and_note(
 #[inline]
 fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     let flips = !mesh.is_feature(half)
+        && !mesh.is_contact(half)
         && mesh.region(half).way != Way::Done
         && is_better_flipped(mesh, half)
         && may_flip(mesh, half);

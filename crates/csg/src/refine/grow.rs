@@ -259,7 +259,9 @@ impl<'m, 's> Grower<'m, 's> {
             Bend::Double | Bend::Saddle => {}
         }
         let twin = self.mesh.twin(half);
-        if self.mesh.is_feature(half) && region.surface != self.mesh.surface_index(twin) {
+        if self.mesh.is_feature(half) && region.surface != self.mesh.surface_index(twin)
+            || self.mesh.is_contact(half)
+        {
             return 0.0;
         }
         let surface = self.mesh.surface(half);
@@ -411,7 +413,7 @@ impl<'m, 's> Grower<'m, 's> {
     /// Cuts a triangle in two at its longest side inside its face.
     fn cut_triangle(&mut self, triangle: u32) -> bool {
         let longest = (3 * triangle..3 * triangle + 3)
-            .filter(|&side| !self.mesh.is_feature(side))
+            .filter(|&side| !self.mesh.is_feature(side) && !self.mesh.is_contact(side))
             .max_by(|&a, &b| self.chords_of(a, true).total_cmp(&self.chords_of(b, true)));
         longest.is_some_and(|side| self.cut(side, 2.0))
     }

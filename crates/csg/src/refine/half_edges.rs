@@ -56,6 +56,8 @@ pub(super) struct HalfEdges<'a> {
     /// Edges between its vertices that only the small triangles of faces have
     /// that are done, both ways.
     pub fine_edges: FxHashSet<[u32; 2]>,
+    /// The ends, in ascending order, of edges along which the solid touches itself.
+    pub contacts: FxHashSet<[u32; 2]>,
 }
 
 #[inline(always)]
@@ -141,6 +143,7 @@ impl<'a> HalfEdges<'a> {
             piece_halves: Vec::new(),
             free: Vec::new(),
             fine_edges: FxHashSet::default(),
+            contacts: FxHashSet::default(),
         };
         mesh.regions = regions(&mut mesh, groups, surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
@@ -152,19 +155,50 @@ impl<'a> HalfEdges<'a> {
     }
 
     /// Lets no vertex move that is in the same place as another one, where the
-    /// solid touches itself.
+    /// solid touches itself, and leaves edges as they are that join the same two
+    /// places as another one.
     pub fn fix_contacts(&mut self) {
         let bits = |at: DVec3| at.to_array().map(f64::to_bits);
         let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
         order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
+        // The first vertex in the same place.
+        let mut places = vec![NONE; self.positions.len()];
         for same in
             order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
         {
             if same.len() > 1 {
                 for &vertex in same {
                     self.kinds[vertex as usize] = Kind::Corner;
+                    places[vertex as usize] = same[0];
                 }
             }
+        }
+        let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
+        for half in 0..self.halves.len() as u32 {
+            let ends = [self.origin(half), self.target(half)];
+            let mut between = ends.map(|v| places[v as usize]);
+            if ends[0] < ends[1] && between[0] != NONE && between[1] != NONE {
+                between.sort_unstable();
+                edges.push((between, ends));
+            }
+        }
+        edges.sort_unstable();
+        let contacts = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
+        self.contacts = contacts.flatten().map(|&(_, ends)| ends).collect();
+        for half in 0..self.halves.len() as u32 {
+            if self.is_contact(half) {
+                let region = self.halves[half as usize].region;
+                self.regions[region as usize].has_contacts = true;
+            }
+        }
+    }
+
+    /// Whether another edge joins the same two places, so that it is to stay.
+    #[inline(always)]
+    pub fn is_contact(&self, half: u32) -> bool {
+        !self.contacts.is_empty() && {
+            let [a, b] = [self.origin(half), self.target(half)];
+            self.contacts.contains(&[a.min(b), a.max(b)])
         }
     }
 

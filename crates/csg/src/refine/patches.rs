@@ -128,7 +128,10 @@ impl Grower<'_, '_> {
         }
         for region in &mut self.mesh.regions {
             let (chords, turn) = sums[region.surface as usize];
-            if region.bend.is_twice() && chords * MOST_TURN > FEWEST_CHORDS * turn {
+            if !region.has_contacts
+                && region.bend.is_twice()
+                && chords * MOST_TURN > FEWEST_CHORDS * turn
+            {
                 region.way = Way::AtOnce;
             }
         }

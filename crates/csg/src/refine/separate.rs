@@ -40,6 +40,9 @@ pub(crate) fn separate(
     let Some(mut mesh) = half_edges(surfaced, surfaces) else {
         return false;
     };
+    if !goal.tight.is_empty() {
+        mesh.fix_contacts();
+    }
     let mut sides: Vec<Side> = pairs
         .iter()
         .flat_map(|&pair| worst_sides(&mesh, pair, which, precision))
@@ -92,7 +95,8 @@ fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f6
     /// The same for chords of curves, if they are asked for.
     const NOT_NEAR: f64 = 0.05;
     let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
-    let sides = halves.filter_map(|half| cut_of(mesh, half, precision));
+    let sides = halves.filter(|&half| !mesh.is_contact(half));
+    let sides = sides.filter_map(|half| cut_of(mesh, half, precision));
     let mut sides: Vec<(f64, Side)> = sides.filter(|side| side.0 > 100.0 * precision).collect();
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);
     let is_chord = |side: &(f64, Side)| side.1.kind == Kind::Curve && side.0 >= NOT_NEAR * farthest;

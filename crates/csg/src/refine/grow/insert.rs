@@ -81,7 +81,7 @@ impl Grower<'_, '_> {
                 mesh.positions[vertex as usize] = target;
                 return true;
             };
-            if mesh.is_feature(rim) {
+            if mesh.is_feature(rim) || mesh.is_contact(rim) {
                 return false;
             }
             let (b, c) = (mesh.origin(rim), mesh.target(rim));

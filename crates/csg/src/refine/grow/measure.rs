@@ -7,7 +7,8 @@ use crate::refine::regions::{Bend, Way};
 use crate::refine::{Unkept, deviation};
 
 impl Grower<'_, '_> {
-    /// Measures the edges between planes, which stay as they are.
+    /// Measures the edges between planes and those along which the solid touches
+    /// itself, which stay as they are.
     pub(super) fn measure_straight_edges(&mut self) {
         let mesh = &*self.mesh;
         for half in 0..mesh.halves.len() as u32 {
@@ -15,7 +16,7 @@ impl Grower<'_, '_> {
             if half < twin && !mesh.is_gone(half / 3) && mesh.is_feature(half) {
                 let surfaces = [mesh.surface(half), mesh.surface(twin)];
                 let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
-                if surfaces.iter().all(|s| s.is_plane()) {
+                if surfaces.iter().all(|s| s.is_plane()) || mesh.is_contact(half) {
                     let bound = deviation::of_chord(surfaces, p, q);
                     let pair = [half, twin].map(|side| mesh.surface_index(side));
                     let promised = self.goal.promised;
