@@ -123,7 +123,7 @@ impl Boundary {
         self.half_edges[half_edge as usize].twin = NONE;
     }
 
-    fn is_removed(&self, half_edge: u32) -> bool {
+    pub fn is_removed(&self, half_edge: u32) -> bool {
         self.at(half_edge).twin == NONE
     }
 

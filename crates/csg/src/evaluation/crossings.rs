@@ -2,6 +2,8 @@
 //! curves that are close to each other, or touch. More chords part them.
 
 use glam::{DVec2, DVec3};
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 use super::Scene;
 use super::boundary::Boundary;
@@ -9,16 +11,54 @@ use super::triangulate::orient;
 use crate::net::solve;
 
 impl Boundary {
-    /// Puts a vertex of their curve in the middle of edges; false if there is
-    /// none.
-    pub fn split(&mut self, scene: &Scene<'_>, edges: &[u32]) -> bool {
-        edges.iter().all(|&half_edge| {
-            let middle = self.middle(scene, half_edge);
-            if let Some(middle) = middle {
-                self.split_at(half_edge, middle);
+    /// Puts a vertex of their curve in the middle of edges, and of all others along
+    /// the same stretch of it, where the solid touches itself. One half of each edge
+    /// that was split; none if one has no such point.
+    pub fn split(&mut self, scene: &Scene<'_>, edges: &[u32]) -> Option<Vec<u32>> {
+        let mut between: FxHashMap<[u32; 2], SmallVec<[u32; 2]>> = FxHashMap::default();
+        for half_edge in 0..self.half_edges.len() as u32 {
+            if !self.is_removed(half_edge) && half_edge < self.at(half_edge).twin {
+                between
+                    .entry(self.ends(half_edge))
+                    .or_default()
+                    .push(half_edge);
             }
-            middle.is_some()
-        })
+        }
+        let mut split: Vec<u32> = Vec::new();
+        for &half_edge in edges {
+            let half_edge = half_edge.min(self.at(half_edge).twin);
+            let alike = between.get(&self.ends(half_edge));
+            let Some(alike) = alike.filter(|alike| alike.contains(&half_edge)) else {
+                // Split already, with another one.
+                continue;
+            };
+            let middle = self.middle(scene, half_edge)?;
+            for &other in alike {
+                if other == half_edge || self.runs_through(scene, other, middle) {
+                    self.split_at(other, middle);
+                    split.push(other);
+                }
+            }
+        }
+        Some(split)
+    }
+
+    /// The points that an edge joins, in ascending order.
+    fn ends(&self, half_edge: u32) -> [u32; 2] {
+        let [a, b] = [self.at(half_edge).from, self.end(half_edge)];
+        [a.min(b), a.max(b)]
+    }
+
+    /// Whether an edge's curve goes through a point next to the middle of its chord.
+    fn runs_through(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> bool {
+        if self.surfaces_of(scene, half_edge).is_some() {
+            let middle = self.middle(scene, half_edge);
+            return middle.is_some_and(|middle| middle.distance(point) <= scene.weld);
+        }
+        // Within a face, which others touch there.
+        let face = &self.faces[self.at(half_edge).face as usize];
+        let surface = &scene.surfaces[face.plane as usize];
+        surface.value(point).abs() <= scene.weld * surface.gradient(point).length()
     }
 
     /// The point of an edge's curve next to the middle of its chord.

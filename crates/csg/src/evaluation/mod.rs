@@ -396,7 +396,7 @@ fn assemble(
             unfold(scene, side, triangles, &mut positions, &mut coarse);
         }
         let coarse = boundary.curves_between(scene, &coarse);
-        if tries < MOST_TRIES && !coarse.is_empty() && boundary.split(scene, &coarse) {
+        if tries < MOST_TRIES && !coarse.is_empty() && boundary.split(scene, &coarse).is_some() {
             continue;
         }
         let faces = &boundary.faces;
@@ -413,7 +413,7 @@ fn assemble(
         }
         let doubled: Vec<[u32; 2]> = doubled.into_iter().map(|(ends, _)| ends).collect();
         let chords = boundary.curves_between(scene, &doubled);
-        if chords.is_empty() || !boundary.split(scene, &chords) {
+        if chords.is_empty() || boundary.split(scene, &chords).is_none() {
             return None;
         }
     }
@@ -479,11 +479,12 @@ impl Cut {
             }
             crossing.sort_unstable();
             crossing.dedup();
-            if round == ROUNDS || crossing.is_empty() || !boundary.split(scene, &crossing) {
+            if round == ROUNDS || crossing.is_empty() {
                 return None;
             }
+            let split = boundary.split(scene, &crossing)?;
             // The faces on both sides have more corners.
-            let sides = crossing.iter().flat_map(|&edge| boundary.faces_of(edge));
+            let sides = split.iter().flat_map(|&edge| boundary.faces_of(edge));
             faces = sides.collect();
             faces.sort_unstable();
             faces.dedup();
