@@ -114,7 +114,12 @@ impl<'m, 's> Grower<'m, 's> {
             }
             let vertex = self.mesh.add_vertex(side.target, side.kind);
             self.insert(half, vertex, None);
-            if side.kind == Kind::Curve {
+            // Both parts stay as they are, too.
+            if let Some(&number) = self.mesh.contacts.get(&side.ends) {
+                let parts = side.ends.map(|end| ([end, vertex], number));
+                self.mesh.contacts.extend(parts);
+            }
+            if side.kind != Kind::Face {
                 self.measure_chords_at(vertex);
             }
         }

@@ -6,7 +6,7 @@
 //! closed, oriented and manifold.
 
 use glam::DVec3;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::regions::{Region, regions};
 use crate::program::Surface;
@@ -56,8 +56,9 @@ pub(super) struct HalfEdges<'a> {
     /// Edges between its vertices that only the small triangles of faces have
     /// that are done, both ways.
     pub fine_edges: FxHashSet<[u32; 2]>,
-    /// The ends, in ascending order, of edges along which the solid touches itself.
-    pub contacts: FxHashSet<[u32; 2]>,
+    /// Edges along which the solid touches itself, by their ends in ascending order:
+    /// those that join the same two places have a number in common.
+    pub contacts: FxHashMap<[u32; 2], u32>,
 }
 
 #[inline(always)]
@@ -143,7 +144,7 @@ impl<'a> HalfEdges<'a> {
             piece_halves: Vec::new(),
             free: Vec::new(),
             fine_edges: FxHashSet::default(),
-            contacts: FxHashSet::default(),
+            contacts: FxHashMap::default(),
         };
         mesh.regions = regions(&mut mesh, groups, surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
@@ -184,7 +185,9 @@ impl<'a> HalfEdges<'a> {
         }
         edges.sort_unstable();
         let contacts = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        self.contacts = contacts.flatten().map(|&(_, ends)| ends).collect();
+        let numbered = (0..).zip(contacts);
+        let numbered = numbered.flat_map(|(k, alike)| alike.iter().map(move |e| (e.1, k)));
+        self.contacts = numbered.collect();
         for half in 0..self.halves.len() as u32 {
             if self.is_contact(half) {
                 let region = self.halves[half as usize].region;
@@ -198,7 +201,7 @@ impl<'a> HalfEdges<'a> {
     pub fn is_contact(&self, half: u32) -> bool {
         !self.contacts.is_empty() && {
             let [a, b] = [self.origin(half), self.target(half)];
-            self.contacts.contains(&[a.min(b), a.max(b)])
+            self.contacts.contains_key(&[a.min(b), a.max(b)])
         }
     }
 

@@ -47,6 +47,15 @@ pub(crate) fn separate(
         .iter()
         .flat_map(|&pair| worst_sides(&mesh, pair, which, precision))
         .collect();
+    // Where the solid touches itself, all edges are cut at the same place.
+    for index in 0..sides.len() {
+        let Side { ends, target, .. } = sides[index];
+        if let Some(number) = mesh.contacts.get(&ends) {
+            let alike = mesh.contacts.iter().filter(|other| other.1 == number);
+            let kind = Kind::Corner;
+            sides.extend(alike.map(|(&ends, _)| Side { ends, target, kind }));
+        }
+    }
     sides.sort_unstable_by_key(|side| side.ends);
     sides.dedup_by_key(|side| side.ends);
     let mut grower = Grower::new(&mut mesh, goal, precision);
@@ -95,8 +104,7 @@ fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f6
     /// The same for chords of curves, if they are asked for.
     const NOT_NEAR: f64 = 0.05;
     let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
-    let sides = halves.filter(|&half| !mesh.is_contact(half));
-    let sides = sides.filter_map(|half| cut_of(mesh, half, precision));
+    let sides = halves.filter_map(|half| cut_of(mesh, half, precision));
     let mut sides: Vec<(f64, Side)> = sides.filter(|side| side.0 > 100.0 * precision).collect();
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);
     let is_chord = |side: &(f64, Side)| side.1.kind == Kind::Curve && side.0 >= NOT_NEAR * farthest;
@@ -108,8 +116,26 @@ fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f6
     sides.into_iter().map(|(_, side)| side).collect()
 }
 
+/// Of the edges at the same place as one the first between two surfaces: it may run
+/// along a face itself.
+fn on_border(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
+    let ends = [mesh.origin(half), mesh.target(half)];
+    let number = mesh
+        .contacts
+        .get(&[ends[0].min(ends[1]), ends[0].max(ends[1])])?;
+    let alike = mesh.contacts.iter().filter(|other| other.1 == number);
+    alike
+        .filter_map(|(&[from, to], _)| mesh.around(from).find(|&h| mesh.target(h) == to))
+        .find(|&half| mesh.surface_index(half) != mesh.surface_index(mesh.twin(half)))
+}
+
 /// Where an edge would be cut, and how far its middle is from there.
 fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
+    let half = if mesh.is_contact(half) {
+        on_border(mesh, half)?
+    } else {
+        half
+    };
     let ends = [mesh.origin(half), mesh.target(half)];
     let [p, q] = ends.map(|v| mesh.at(v));
     let middle = p.midpoint(q);
