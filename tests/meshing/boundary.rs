@@ -224,7 +224,7 @@ fn known_solids_need_no_cells() {
 }
 
 /// Name, solid, volume, area at most.
-fn touching_along_conics() -> Vec<(&'static str, Solid, f64, f64)> {
+fn touching() -> Vec<(&'static str, Solid, f64, f64)> {
     const ANGLE: f64 = 0.5;
     let ball = || Solid::sphere(1.0);
     let above = || Solid::half_space([0.0, 0.0, -1.0], 0.0);
@@ -283,12 +283,31 @@ fn touching_along_conics() -> Vec<(&'static str, Solid, f64, f64)> {
             PI / 3.0 / tan + PI * height * height * (cos.recip() - height / 3.0),
             21.0,
         ),
+        (
+            "cylinder in a ring with a sharp rim",
+            Solid::cylinder(1.0, -1.0..2.0)
+                | (Solid::cylinder(2.0, 0.0..1.0) - Solid::frustum(1.0, 1.5, 0.0..1.0)),
+            PI * (3.0 + 4.0 - 19.0 / 12.0),
+            80.0,
+        ),
+        (
+            "ball less a cube in it",
+            ball() - Solid::cuboid([2.0 / 3f64.sqrt(); 3]),
+            4.0 / 3.0 * PI - 8.0 / 27f64.sqrt(),
+            21.0,
+        ),
+        (
+            "ball less a cone in it",
+            ball() - Solid::cone(0.5, 0.0..1.0),
+            4.0 / 3.0 * PI - PI / 12.0,
+            16.0,
+        ),
     ]
 }
 
 #[test]
-fn quadrics_may_touch_along_conics() {
-    for (name, solid, volume, area) in touching_along_conics() {
+fn faces_may_touch_along_conics_and_in_points() {
+    for (name, solid, volume, area) in touching() {
         for (solid, tolerance) in [turned(&solid), solid]
             .iter()
             .flat_map(|solid| [0.1, 0.03, 0.01].map(|tolerance| (solid, tolerance)))
