@@ -162,8 +162,9 @@ impl<'a> HalfEdges<'a> {
         let bits = |at: DVec3| at.to_array().map(f64::to_bits);
         let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
         order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
-        // The first vertex in the same place.
-        let mut places = vec![NONE; self.positions.len()];
+        // The first vertex in the same place, and whether there are others.
+        let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let mut is_shared = vec![false; self.positions.len()];
         for same in
             order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
         {
@@ -171,6 +172,7 @@ impl<'a> HalfEdges<'a> {
                 for &vertex in same {
                     self.kinds[vertex as usize] = Kind::Corner;
                     places[vertex as usize] = same[0];
+                    is_shared[vertex as usize] = true;
                 }
             }
         }
@@ -178,7 +180,7 @@ impl<'a> HalfEdges<'a> {
         for half in 0..self.halves.len() as u32 {
             let ends = [self.origin(half), self.target(half)];
             let mut between = ends.map(|v| places[v as usize]);
-            if ends[0] < ends[1] && between[0] != NONE && between[1] != NONE {
+            if ends[0] < ends[1] && ends.iter().any(|&v| is_shared[v as usize]) {
                 between.sort_unstable();
                 edges.push((between, ends));
             }
