@@ -137,12 +137,21 @@ impl<'a> Sides<'a> {
         &self.program.surfaces()[self.mesh.surfaces[entry].surface as usize]
     }
 
-    /// Whether the gradient of a triangle's surface points out of the solid
-    /// next to its centroid (1), into it (-1), or neither can be told (0): the
-    /// centroid lies beyond an edge, or another surface is nearer than the step.
+    /// Whether the gradient of a triangle's surface points out of the solid (1) or
+    /// into it (-1) next to its centroid, or else to a point beside it; 0 if that
+    /// can be told at none of them.
     fn ask(&self, triangle: usize) -> f64 {
-        let surface = self.surface(triangle);
-        let mut on = self.mesh.corners(triangle).iter().sum::<DVec3>() / 3.0;
+        let corners = self.mesh.corners(triangle);
+        let centroid = corners.iter().sum::<DVec3>() / 3.0;
+        let beside = corners.map(|corner| centroid.lerp(corner, 0.3));
+        let mut sides = [centroid].into_iter().chain(beside);
+        let told = sides.find_map(|on| self.side(self.surface(triangle), on));
+        told.unwrap_or(0.0)
+    }
+
+    /// The same next to a point; none beyond an edge, and where another surface is
+    /// nearer than the step.
+    fn side(&self, surface: &Surface, mut on: DVec3) -> Option<f64> {
         for _ in 0..3 {
             let gradient = surface.gradient(on);
             on -= surface.value(on) * gradient / gradient.length_squared();
@@ -152,14 +161,14 @@ impl<'a> Sides<'a> {
                 && other.value(on).abs() <= 2.0 * self.step * other.gradient(on).length()
         };
         if self.program.surfaces().iter().any(is_near) {
-            return 0.0;
+            return None;
         }
         let out = surface.gradient(on).normalize_or_zero() * self.step;
         let inside = |point| self.program.contains(point);
         match (inside(on - out), inside(on + out)) {
-            (true, false) => 1.0,
-            (false, true) => -1.0,
-            _ => 0.0,
+            (true, false) => Some(1.0),
+            (false, true) => Some(-1.0),
+            _ => None,
         }
     }
 
