@@ -54,10 +54,8 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
 
 fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let (a, b) = (mesh.surface(half), mesh.surface(mesh.twin(half)));
-    mesh.is_feature(half)
-        && !mesh.is_contact(half)
-        && !std::ptr::eq(a, b)
-        && !(a.is_plane() && b.is_plane())
+    let is_curve = !std::ptr::eq(a, b) && !(a.is_plane() && b.is_plane());
+    is_curve && mesh.is_feature(half) && !mesh.is_contact(half)
 }
 
 /// The next edge along the same curve.
