@@ -54,8 +54,9 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
 
 fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let (a, b) = (mesh.surface(half), mesh.surface(mesh.twin(half)));
-    let is_curve = !std::ptr::eq(a, b) && !(a.is_plane() && b.is_plane());
-    is_curve && mesh.is_feature(half) && !mesh.is_contact(half)
+    let is_border = std::ptr::eq(a, b);
+    let is_straight = a.is_plane() && b.is_plane();
+    mesh.is_feature(half) && !is_border && !is_straight && !mesh.is_contact(half)
 }
 
 /// The next edge along the same curve.
