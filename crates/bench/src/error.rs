@@ -173,7 +173,7 @@ fn one(scene: &Scene, options: &Options) -> Vec<Figure> {
             break;
         }
     }
-    for cells in [8, 16, 32, 64, 128, 256] {
+    for cells in [8, 16, 32, 64, 128, 256, 512] {
         let mesher = Mesher::new().check(false).cells(cells);
         if !ours("ours uniform", &cells.to_string(), &mesher) {
             break;

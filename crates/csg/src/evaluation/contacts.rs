@@ -39,12 +39,16 @@ pub(super) fn add_contacts(
         let Some(contacts) = of_surface.get(&side.plane) else {
             continue;
         };
+        let surface = &scene.surfaces[side.plane as usize];
         let frame = scene.frames[side.plane as usize].as_ref();
         let is_inside = |contact: &&&Contact| {
             let patch = frame.map_or(0, |f| f.patch(contact.at, DVec3::ZERO, scene.near));
             let is_corner =
                 |&corner: &u32| positions[corner as usize].distance(contact.at) <= scene.weld;
-            patch == side.patch && !triangles.iter().flatten().any(is_corner)
+            let off = surface.value(contact.at).abs();
+            off <= scene.weld * surface.gradient(contact.at).length()
+                && patch == side.patch
+                && !triangles.iter().flatten().any(is_corner)
         };
         let inside: SmallVec<[DVec3; 4]> = contacts
             .iter()
