@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 33] = [
+const MODELS: [&str; 37] = [
     "ball-on-plate",
     "ball-through-edges",
     "block-of-cubes",
@@ -118,6 +118,7 @@ const MODELS: [&str; 33] = [
     "cone",
     "conical-pit",
     "contact-parted-by-rounding",
+    "corners-on-a-cone",
     "crossing-pipes",
     "cubes-sharing-a-corner",
     "cubes-sharing-an-edge",
@@ -136,12 +137,15 @@ const MODELS: [&str; 33] = [
     "pyramid-5",
     "pyramid-8",
     "random-tree",
+    "rim-along-a-cylinder",
     "rods-side-by-side",
+    "roots-about-a-contact",
     "rounded-edge",
     "slit-along-a-curve",
     "slit-between-cones",
     "spire",
     "thin-wall",
+    "turned-over-face",
     "wedge",
 ];
 

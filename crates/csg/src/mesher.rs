@@ -123,9 +123,9 @@ impl Mesher {
     /// ways, in model units: the mesh is brought to it with just enough
     /// triangles, whatever the cells, which then only have to be fine enough
     /// to see every feature. [`Report::deviation`] says what was reached. With
-    /// [`Self::check`] a mesh that runs through itself, where faces are nearer
-    /// to each other than the tolerance, is made anew with half of it. Not for
-    /// drafts.
+    /// [`Self::check`] triangles that run through each other, where faces are
+    /// nearer to each other than the tolerance, or that face into the solid, are
+    /// cut up until none do, and else reported. Not for drafts.
     pub fn tolerance(mut self, distance: f64) -> Self {
         self.tolerance = Some(distance);
         self

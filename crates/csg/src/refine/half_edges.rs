@@ -190,21 +190,19 @@ impl<'a> HalfEdges<'a> {
         let numbered = (0..).zip(contacts);
         let numbered = numbered.flat_map(|(k, alike)| alike.iter().map(move |e| (e.1, k)));
         self.contacts = numbered.collect();
-        for half in 0..self.halves.len() as u32 {
-            if self.is_contact(half) {
-                let region = self.halves[half as usize].region;
-                self.regions[region as usize].has_contacts = true;
-            }
-        }
+    }
+
+    /// The vertices that an edge joins, in ascending order.
+    #[inline(always)]
+    pub fn ends(&self, half: u32) -> [u32; 2] {
+        let [a, b] = [self.origin(half), self.target(half)];
+        [a.min(b), a.max(b)]
     }
 
     /// Whether another edge joins the same two places, so that it is to stay.
     #[inline(always)]
     pub fn is_contact(&self, half: u32) -> bool {
-        !self.contacts.is_empty() && {
-            let [a, b] = [self.origin(half), self.target(half)];
-            self.contacts.contains_key(&[a.min(b), a.max(b)])
-        }
+        !self.contacts.is_empty() && self.contacts.contains_key(&self.ends(half))
     }
 
     fn kind_of(&self, vertex: u32) -> Kind {

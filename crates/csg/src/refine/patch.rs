@@ -251,7 +251,6 @@ mod tests {
                 group: 0,
                 bend: Bend::Double,
                 outward: 1.0,
-                has_contacts: false,
                 shrinkage: 0.0,
                 way: Way::AtOnce,
             };

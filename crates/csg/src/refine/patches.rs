@@ -119,18 +119,21 @@ impl Grower<'_, '_> {
     fn choose(&mut self) {
         // For each surface the chords of all edges, and how far it turns.
         let mut sums = vec![(0.0, 0.0); self.mesh.surfaces.len()];
+        // Where the solid touches itself edges are to stay as they are.
+        let mut has_contacts = vec![false; self.mesh.regions.len()];
         for half in 0..self.mesh.halves.len() as u32 {
+            if self.mesh.is_contact(half) {
+                has_contacts[self.mesh.halves[half as usize].region as usize] = true;
+            }
             if !self.mesh.is_gone(half / 3) && self.mesh.region(half).bend.is_twice() {
                 let (chords, turn) = (self.chords_of(half, false), self.turn(half));
                 let sum = &mut sums[self.mesh.surface_index(half) as usize];
                 *sum = (sum.0 + chords, sum.1 + turn);
             }
         }
-        for region in &mut self.mesh.regions {
+        for (region, has_contacts) in self.mesh.regions.iter_mut().zip(has_contacts) {
             let (chords, turn) = sums[region.surface as usize];
-            if !region.has_contacts
-                && region.bend.is_twice()
-                && chords * MOST_TURN > FEWEST_CHORDS * turn
+            if !has_contacts && region.bend.is_twice() && chords * MOST_TURN > FEWEST_CHORDS * turn
             {
                 region.way = Way::AtOnce;
             }

@@ -32,8 +32,6 @@ pub(super) struct Region {
     /// See [`deviation::shrinkage`].
     pub shrinkage: f64,
     pub way: Way,
-    /// Whether the solid touches itself along some of its edges.
-    pub has_contacts: bool,
 }
 
 /// How the triangles of a face come about.
@@ -153,7 +151,6 @@ pub(super) fn regions(
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
             shrinkage: deviation::shrinkage(surface),
             way: Way::OneByOne,
-            has_contacts: false,
         });
     }
     regions

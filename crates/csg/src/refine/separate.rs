@@ -119,10 +119,7 @@ fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f6
 /// Of the edges at the same place as one the first between two surfaces: it may run
 /// along a face itself.
 fn on_border(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
-    let ends = [mesh.origin(half), mesh.target(half)];
-    let number = mesh
-        .contacts
-        .get(&[ends[0].min(ends[1]), ends[0].max(ends[1])])?;
+    let number = mesh.contacts.get(&mesh.ends(half))?;
     let alike = mesh.contacts.iter().filter(|other| other.1 == number);
     alike
         .filter_map(|(&[from, to], _)| mesh.around(from).find(|&h| mesh.target(h) == to))
@@ -136,7 +133,7 @@ fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)
     } else {
         half
     };
-    let ends = [mesh.origin(half), mesh.target(half)];
+    let ends = mesh.ends(half);
     let [p, q] = ends.map(|v| mesh.at(v));
     let middle = p.midpoint(q);
     let surfaces = [half, mesh.twin(half)].map(|side| mesh.surface(side));
@@ -151,8 +148,6 @@ fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)
         let reach = 0.5 * p.distance(q);
         (on_curve(surfaces, middle, reach, precision)?, Kind::Curve)
     };
-    let [a, b] = ends;
-    let ends = [a.min(b), a.max(b)];
     Some((target.distance(middle), Side { ends, target, kind }))
 }
 

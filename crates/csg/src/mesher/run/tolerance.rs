@@ -1,5 +1,5 @@
 //! A mesh of the right topology brought to a tolerance: with less of it where that is
-//! not kept, and parted where it would run through itself.
+//! not kept, and cut up where it would run through itself or face into the solid.
 
 use std::time::Instant;
 
