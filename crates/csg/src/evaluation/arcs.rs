@@ -8,32 +8,16 @@ use std::ops::Range;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::arc::{Arc, Ends};
 use super::cells::Block;
 use super::contacts::Contact;
-use super::curve::{Branch, Curve, Meets, Samples};
+use super::curve::{Branch, Meets, Samples};
 use super::frame::Frame;
-use super::lines::{Piece, emit};
 use super::pairs::{Unknown, curves};
-use super::roots::{Roots, bracketed};
+use super::roots::Roots;
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
 use super::{Scene, Traced};
-use crate::net::solve;
 use crate::program::Surface;
-
-/// What ends a stretch of a curve.
-#[derive(Clone, Copy, Debug)]
-enum Ends {
-    /// A surface of the cell, by position.
-    Surface(u32),
-    /// A side of the block, or a seam or divider, where faces end but the solid
-    /// does not.
-    Plane(Surface),
-    /// The curve comes near a surface of the cell, and may touch it; or it ends
-    /// itself.
-    Touch,
-    /// Another curve of the same surfaces passes through it, or itself again.
-    Node,
-}
 
 #[derive(Clone, Copy, Debug)]
 struct Event {
@@ -51,21 +35,6 @@ impl Event {
         self.touched != NOTHING || matches!(self.ends, Ends::Node)
     }
 }
-
-/// A curve on its way through a block.
-struct Arc<'a> {
-    scene: &'a Scene<'a>,
-    block: &'a Block,
-    /// Positions of the two surfaces in the cell; the second [`NOTHING`] for a
-    /// seam of the first.
-    pair: [u32; 2],
-    surfaces: [&'a Surface; 2],
-    curve: &'a Curve,
-    nodes: &'a [f64],
-}
-
-/// A place on a curve.
-type Place = (f64, DVec3);
 
 /// Finds the edges in blocks. Holds scratch memory.
 #[derive(Default)]
@@ -461,118 +430,5 @@ impl ArcTracer {
             }
         }
         surfaces
-    }
-}
-
-impl Arc<'_> {
-    /// The sine of the angle from one half-plane to another one, counter-clockwise
-    /// about the curve, whose sign is the same all along it; 0 where that is not
-    /// known. Conics without nodes are nowhere singular, and there alone surfaces
-    /// have a tangent plane in common.
-    fn turn(&self, half_planes: [HalfPlane; 2], at: f64) -> f64 {
-        if !self.nodes.is_empty() || matches!(self.curve, Curve::Rulings(_)) {
-            return 0.0;
-        }
-        let point = self.curve.at(at);
-        let direction = self.curve.direction(at).normalize_or_zero();
-        let [a, b] = half_planes.map(|half_plane| self.towards(half_plane, point, direction));
-        direction.dot(a.cross(b))
-    }
-
-    /// Whether a stretch of the curve is one point but for rounding.
-    fn is_short(&self, [start, end]: [f64; 2]) -> bool {
-        let middle = self.curve.at(0.5 * (start + end));
-        let is_here = |t: f64| self.curve.at(t).distance(middle) <= self.scene.weld;
-        is_here(start) && is_here(end)
-    }
-
-    /// The direction in which half of a tangent plane extends from a point.
-    fn towards(&self, half_plane: HalfPlane, at: DVec3, direction: DVec3) -> DVec3 {
-        let id = self.block.cell.surfaces[(half_plane / 2) as usize];
-        let gradient = self.scene.surfaces[id as usize].gradient(at);
-        let outer = gradient.cross(direction).normalize_or_zero();
-        if half_plane & 1 == 0 { outer } else { -outer }
-    }
-
-    /// A point of the curve, on all surfaces that meet there.
-    fn point(&self, at: f64, ends: Ends) -> DVec3 {
-        let scene = self.scene;
-        let start = self.curve.at(at);
-        // Apexes are exact, where there is no gradient to improve them by.
-        let is_apex = |apex: &DVec3| apex.distance(start) <= scene.near;
-        let mut apexes = self.surfaces.iter().filter_map(|s| s.apex());
-        if let Some(apex) = apexes.find(is_apex) {
-            return apex;
-        }
-        let reach = 1e6 * scene.weld;
-        let [a, b] = self.surfaces;
-        let found = match ends {
-            Ends::Surface(position) => {
-                let id = self.block.cell.surfaces[position as usize];
-                let third = &scene.surfaces[id as usize];
-                solve::common_point(&[a, b, third], start, reach)
-            }
-            Ends::Plane(third) => solve::common_point(&[a, b, &third], start, reach),
-            Ends::Touch => solve::common_point(&[a, b], start, reach),
-            Ends::Node => return start,
-        };
-        let is_near = found.point.distance(start) <= reach;
-        if is_near && found.residual <= scene.weld {
-            found.point
-        } else {
-            start
-        }
-    }
-
-    /// Where the curve runs along a surface's tangent plane, from near it. The
-    /// distance from the surface itself is 0 to second order there, so that it
-    /// tells only half the digits.
-    fn nearest(&self, third: &Surface, near: f64, range: f64) -> f64 {
-        /// How far from it, of the range.
-        const REACHES: [f64; 3] = [1e-5, 1e-4, 1e-3];
-        let [a, b] = self.surfaces;
-        let slope = |t: f64| {
-            let at = self.curve.at(t);
-            third.gradient(at).dot(a.gradient(at).cross(b.gradient(at)))
-        };
-        for reach in REACHES {
-            let ends = [near - reach * range, near + reach * range];
-            let values = ends.map(slope);
-            if values[0] * values[1] < 0.0 {
-                return bracketed(slope, ends, values);
-            }
-        }
-        near
-    }
-
-    /// The place at which the curve meets other surfaces of the cell.
-    fn contact(&self, others: &[u32], at: DVec3) -> Contact {
-        let positions = self.pair.iter().chain(others).copied();
-        let positions = positions.filter(|&position| position != NOTHING);
-        let id = |position: u32| self.block.cell.surfaces[position as usize];
-        Contact {
-            at,
-            surfaces: positions.map(id).collect(),
-        }
-    }
-
-    /// Adds the chords of a stretch.
-    fn emit(&self, wedges: &Wedges, [from, to]: [Place; 2], turn: f64, pieces: &mut Vec<Piece>) {
-        if wedges.is_empty() {
-            return;
-        }
-        let size = 0.5 * (self.block.high - self.block.low).max_element();
-        let chords = self.curve.chords(from.0, to.0, turn, size);
-        let mut before = from.1;
-        for k in 1..=chords {
-            let here = if k == chords {
-                to.1
-            } else {
-                let share = f64::from(k) / f64::from(chords);
-                self.point(from.0 + share * (to.0 - from.0), Ends::Touch)
-            };
-            emit(wedges, before, here, pieces);
-            before = here;
-        }
     }
 }

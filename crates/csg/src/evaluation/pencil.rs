@@ -16,8 +16,9 @@ use std::f64::consts::TAU;
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
+use super::conic::conic;
 use super::curve::{BEGIN, Branch, Branches, Curve};
-use super::pairs::{Contacts, Unknown, conic, line};
+use super::pairs::{Contacts, Unknown, line};
 use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::Trig;

@@ -1,0 +1,261 @@
+//! The triangles of all faces together: what two of them share must be an edge of
+//! both, and only once.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Scene;
+use super::boundary::Boundary;
+use super::contacts::{Contact, add_contacts};
+use super::picture::{NONE, Picture};
+use super::sectors::Side;
+use super::triangulate::{Named, triangulate};
+use super::unfold::unfold;
+use crate::mesh::Mesh;
+use crate::mesher::Task;
+
+/// Triangles of all faces. Where chords of curves run across each other, or along a
+/// diagonal of another face, more of them are made.
+pub(super) fn assemble(
+    scene: &Scene<'_>,
+    task: &Task<'_>,
+    boundary: &mut Boundary,
+    contacts: &[Contact],
+) -> Option<Mesh> {
+    const MOST_TRIES: u32 = 6;
+    /// Splits make triangles Delaunay again, and with that other diagonals.
+    const MOST_SPLITS: u32 = 4;
+    for tries in 1..=MOST_TRIES {
+        let Cut {
+            mut positions,
+            triangles,
+            ..
+        } = Cut::new(scene, boundary)?;
+        let triangles: Option<Vec<_>> = triangles.into_iter().collect();
+        let mut triangles = triangles?;
+        let faces = &boundary.faces;
+        add_contacts(scene, contacts, faces, &mut triangles, &mut positions);
+        let mut coarse = Vec::new();
+        for (side, triangles) in faces.iter().zip(&mut triangles) {
+            unfold(scene, side, triangles, &mut positions, &mut coarse);
+        }
+        let coarse = boundary.curves_between(scene, &coarse);
+        if tries < MOST_TRIES && !coarse.is_empty() && boundary.split(scene, &coarse).is_some() {
+            continue;
+        }
+        let faces = &boundary.faces;
+        let mut doubled = doubled_edges(&triangles, positions.len());
+        for _ in 0..MOST_SPLITS {
+            if doubled.is_empty() {
+                break;
+            }
+            split_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
+            doubled = doubled_edges(&triangles, positions.len());
+        }
+        if doubled.is_empty() {
+            return Some(finished(task, faces, triangles, positions));
+        }
+        let doubled: Vec<[u32; 2]> = doubled.into_iter().map(|(ends, _)| ends).collect();
+        let chords = boundary.curves_between(scene, &doubled);
+        if chords.is_empty() || boundary.split(scene, &chords).is_none() {
+            return None;
+        }
+    }
+    None
+}
+
+/// The mesh of all faces' triangles.
+fn finished(
+    task: &Task<'_>,
+    faces: &[Side],
+    triangles: Vec<Vec<[u32; 3]>>,
+    positions: Vec<DVec3>,
+) -> Mesh {
+    let mut mesh = Mesh {
+        positions,
+        ..Mesh::default()
+    };
+    let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+    for (side, triangles) in faces.iter().zip(triangles) {
+        if triangles.is_empty() {
+            continue;
+        }
+        let entry = *entry_of.entry((side.plane, side.look)).or_insert_with(|| {
+            mesh.surfaces.push(task.mesh_surface(side.plane, side.look));
+            mesh.surfaces.len() as u32 - 1
+        });
+        mesh.triangle_surfaces
+            .extend(std::iter::repeat_n(entry, triangles.len()));
+        mesh.triangles.extend(triangles);
+    }
+    mesh
+}
+
+/// Faces cut into triangles.
+#[derive(Default)]
+struct Cut {
+    positions: Vec<DVec3>,
+    /// Of each face its half-edges.
+    contours: Vec<Vec<Vec<u32>>>,
+    /// Of each face; none where it could not be cut.
+    triangles: Vec<Option<Vec<[u32; 3]>>>,
+}
+
+impl Cut {
+    /// Cuts all faces; none where more chords do not help.
+    fn new(scene: &Scene<'_>, boundary: &mut Boundary) -> Option<Self> {
+        /// Times that edges of faces that cannot be cut are split.
+        const ROUNDS: u32 = 12;
+        let mut cut = Self::default();
+        let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
+        for round in 0..=ROUNDS {
+            cut.cut_faces(scene, boundary, &faces);
+            let failed = |&face: &u32| cut.triangles[face as usize].is_none();
+            let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
+            if failed.is_empty() {
+                return Some(cut);
+            }
+            scene.control.check().ok()?;
+            let mut crossing = Vec::new();
+            for face in failed {
+                let contours = &cut.contours[face as usize];
+                boundary.crossing_edges(scene, face, contours, &mut crossing);
+            }
+            crossing.sort_unstable();
+            crossing.dedup();
+            if round == ROUNDS || crossing.is_empty() {
+                return None;
+            }
+            let split = boundary.split(scene, &crossing)?;
+            // The faces on both sides have more corners.
+            let sides = split.iter().flat_map(|&edge| boundary.faces_of(edge));
+            faces = sides.collect();
+            faces.sort_unstable();
+            faces.dedup();
+        }
+        None
+    }
+
+    /// Cuts some faces, for the first time or once more. Vertices keep their
+    /// numbers when edges are split.
+    fn cut_faces(&mut self, scene: &Scene<'_>, boundary: &Boundary, faces: &[u32]) {
+        const MANY_FACES: usize = 64;
+        let (fan_of, point_of) = boundary.fans();
+        let points = point_of.iter().map(|&p| boundary.points[p as usize]);
+        self.positions = points.collect();
+        self.contours = boundary.contours();
+        self.triangles.resize(boundary.faces.len(), None);
+        let stage = scene.control.stage(faces.len() as u64, 0.9, 1.0);
+        let cut_face = |&face: &u32| {
+            scene.control.check().ok()?;
+            stage.add(1);
+            let side = &boundary.faces[face as usize];
+            let name = |&half_edge: &u32| {
+                let fan = fan_of[half_edge as usize];
+                (scene.flatten(side, self.positions[fan as usize]), fan)
+            };
+            let flat: Vec<Vec<Named>> = self.contours[face as usize]
+                .iter()
+                .map(|contour| contour.iter().map(name).collect())
+                .collect();
+            triangulate(&flat, scene.weld, scene.control)
+        };
+        let cut: Vec<Option<Vec<[u32; 3]>>> = if faces.len() < MANY_FACES {
+            faces.iter().map(cut_face).collect()
+        } else {
+            faces.par_iter().map(cut_face).collect()
+        };
+        for (&face, triangles) in faces.iter().zip(cut) {
+            self.triangles[face as usize] = triangles;
+        }
+    }
+}
+
+/// Directed edges that occur twice, with the faces: diagonals of two faces, or a
+/// diagonal and an edge, may join the same two vertices. And those of triangles
+/// back to back: of a lens of which three vertices are known.
+fn doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<([u32; 2], u32)> {
+    // The edges that leave each vertex, by counting.
+    let mut starts = vec![0u32; vertices + 2];
+    for &corner in triangles.iter().flatten().flatten() {
+        starts[corner as usize + 2] += 1;
+    }
+    for vertex in 2..starts.len() {
+        starts[vertex] += starts[vertex - 1];
+    }
+    let mut edges = vec![(0u32, 0u32); starts[vertices + 1] as usize];
+    for (face, triangles) in (0u32..).zip(triangles) {
+        for [from, to] in triangles.iter().flat_map(|&corners| sides(corners)) {
+            let slot = &mut starts[from as usize + 1];
+            edges[*slot as usize] = (to, face);
+            *slot += 1;
+        }
+    }
+    let mut doubled = Vec::new();
+    for (from, ends) in (0u32..).zip(starts[..=vertices].windows(2)) {
+        let leaving = &mut edges[ends[0] as usize..ends[1] as usize];
+        leaving.sort_unstable();
+        let same = leaving.chunk_by(|a, b| a.0 == b.0);
+        let same = same.filter(|same| same.len() > 1).flatten();
+        doubled.extend(same.map(|&(to, face)| ([from, to], face)));
+    }
+    let leaving = |vertex: u32| {
+        let vertex = vertex as usize;
+        &edges[starts[vertex] as usize..starts[vertex + 1] as usize]
+    };
+    for vertex in 0..vertices as u32 {
+        if let &[(p, one), (q, other)] = leaving(vertex)
+            && let &[(r, _), (s, _)] = leaving(p)
+            && [[vertex, q], [q, vertex]].contains(&[r, s])
+        {
+            doubled.extend([one, other].map(|face| ([vertex, p], face)));
+        }
+    }
+    doubled
+}
+
+fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// Faces on both sides of a curve may have cut off the same ear along it: in those
+/// that are curved the diagonals get a vertex in their middle, and so does a face
+/// of one triangle.
+fn split_diagonals(
+    scene: &Scene<'_>,
+    faces: &[Side],
+    doubled: &[([u32; 2], u32)],
+    triangles: &mut [Vec<[u32; 3]>],
+    positions: &mut Vec<DVec3>,
+) {
+    let ends: FxHashSet<[u32; 2]> = doubled.iter().map(|&(ends, _)| ends).collect();
+    let mut concerned: Vec<u32> = doubled.iter().map(|&(_, face)| face).collect();
+    concerned.sort_unstable();
+    concerned.dedup();
+    for face in concerned {
+        let side = &faces[face as usize];
+        let Some(frame) = &scene.frames[side.plane as usize] else {
+            continue;
+        };
+        let surface = &scene.surfaces[side.plane as usize];
+        let lift = |sum: DVec3, count: f64| frame.lift(surface, side.patch, sum / count);
+        let triangles = &mut triangles[face as usize];
+        let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+        if let &[corners] = picture.triangles.as_slice() {
+            let sum = corners.iter().map(|&c| positions[c as usize]).sum();
+            positions.push(lift(sum, 3.0));
+            picture.split_triangle(0, positions.len() as u32 - 1, positions);
+        }
+        // Others are only added behind.
+        for half in 0..picture.twins.len() as u32 {
+            let [from, to] = picture.ends(half);
+            let is_doubled = ends.contains(&[from, to]) || ends.contains(&[to, from]);
+            if is_doubled && picture.twins[half as usize] != NONE {
+                positions.push(lift(positions[from as usize] + positions[to as usize], 2.0));
+                picture.split_edge(half, positions.len() as u32 - 1, positions);
+            }
+        }
+        *triangles = picture.triangles;
+    }
+}
