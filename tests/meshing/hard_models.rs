@@ -308,6 +308,26 @@ fn what_is_thinner_than_a_cell_is_reported_beside_what_is_not() {
     assert!(report.fallbacks.is_empty(), "{:?}", report.fallbacks);
 }
 
+/// On grids much of its tip is thinner than a cell.
+#[test]
+fn a_spire_is_whole_or_reported_and_no_face_of_it_turned_over() {
+    let apex = dvec3(0.0, 0.0, 3.0);
+    for pose in [HOME, TURNED] {
+        let solid = pose.of(&model("spire"));
+        let program = Program::lower(&solid).expect("a valid solid");
+        for cells in 8..=40 {
+            let Meshed { mesh, report, .. } = mesh(&solid, cells);
+            let which = format!("{pose:?} at {cells}");
+            let found = measure(&program, &mesh);
+            assert_eq!(found.folded, 0, "{which}: {found:?}");
+            let mut places = report.fallbacks.iter().flat_map(|f| &f.places);
+            let is_told = places.any(|place| place.distance(pose.at(apex)) < 1e-9);
+            let nearest = nearest(&mesh, pose.at(apex)) / report.cell_size;
+            assert!(is_told || nearest < 2.0, "{which}: {nearest} cells");
+        }
+    }
+}
+
 /// With true circles and with polygons in their place.
 #[test]
 fn nothing_is_to_be_reported_to_a_tolerance_in_both_modes() {

@@ -134,6 +134,16 @@ impl<S: Simd> Not for Bools<S> {
 }
 
 #[inline(always)]
+pub(super) fn plus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(super) fn times<S: Simd>(factor: Reals<S>, a: Vectors<S>) -> Vectors<S> {
+    [factor * a[0], factor * a[1], factor * a[2]]
+}
+
+#[inline(always)]
 pub(super) fn minus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use pulp::Simd;
 
-use super::lanes::{Reals, Vectors, cross, dot, minus};
+use super::lanes::{Reals, Vectors, cross, dot, minus, plus, times};
 use crate::program::Surface;
 
 /// Quads handled together: so many that what is written coordinate by
@@ -109,7 +109,8 @@ impl Quads {
         let g = (sign * surface.linear).to_array().map(all);
         // Areas are taken doubled, and carry the gradient's length.
         let limit = all(4.0 * least_area * least_area);
-        let (sign, half, thin, zero) = (all(sign), all(0.5), all(THIN), all(0.0));
+        let (third, sign, half) = (all(sign / 3.0), all(sign), all(0.5));
+        let (thin, zero) = (all(THIN), all(0.0));
         let odd_out = S::as_mut_simd_u64s(&mut self.odd).0.iter_mut();
         let bad_out = S::as_mut_simd_u64s(&mut self.bad).0.iter_mut();
         for (i, (odd_out, bad_out)) in odd_out.zip(bad_out).enumerate().take(vectors) {
@@ -121,31 +122,39 @@ impl Quads {
             }
             let [p, q, r, s] = corners;
             let (even, odd, side) = (minus(r, p), minus(s, q), minus(q, p));
-            // The outward gradient in the middle of the quad, and how far
-            // f is from zero in the middle of each diagonal: its ends lie
-            // on the surface, so that is a quarter of the quadratic form
-            // along it.
-            let (normal, even_miss, odd_miss) = if PLANE {
-                (g, zero, zero)
+            // The vectors of the doubled areas on both sides of the diagonals.
+            let (pqr, qsp, both) = (cross(side, even), cross(side, odd), cross(even, odd));
+            let (prs, qrs) = (minus(both, pqr), minus(both, qsp));
+            // The outward gradient in the middle of the quad, the areas seen along
+            // those in the middles of the triangles, and how far f is from zero in
+            // the middle of each diagonal: its ends lie on the surface, so that is
+            // a quarter of the quadratic form along it.
+            let (normal, [pqr, prs, qrs, qsp], [even_miss, odd_miss]) = if PLANE {
+                (g, [pqr, prs, qrs, qsp].map(|area| dot(area, g)), [zero; 2])
             } else {
-                let mut middle = [zero; 3];
+                let (mut middle, mut apart) = ([zero; 3], [zero; 3]);
                 for axis in 0..3 {
-                    let sum = (p[axis] + r[axis]) + (q[axis] + s[axis]);
-                    middle[axis] = half * sum - twice_anchor[axis];
+                    let (pr, qs) = (p[axis] + r[axis], q[axis] + s[axis]);
+                    middle[axis] = half * (pr + qs) - twice_anchor[axis];
+                    apart[axis] = half * (pr - qs);
                 }
-                let [hx, hy, hz] = form.times(middle);
-                (
-                    [sign * hx + g[0], sign * hy + g[1], sign * hz + g[2]],
-                    dot(form.times(even), even).abs(),
-                    dot(form.times(odd), odd).abs(),
-                )
+                let normal = plus(g, times(sign, form.times(middle)));
+                // The gradient is linear: from the middle of the quad to that of
+                // p q r, say, it changes by a third of the form times the middle of
+                // p r less that of q s less s - q.
+                let (even_bend, odd_bend) = (form.times(even), form.times(odd));
+                let [apart, even_part, odd_part] =
+                    [form.times(apart), even_bend, odd_bend].map(|bend| times(third, bend));
+                let (at_even, at_odd) = (plus(normal, apart), minus(normal, apart));
+                let areas = [
+                    dot(pqr, minus(at_even, odd_part)),
+                    dot(prs, plus(at_even, odd_part)),
+                    dot(qrs, plus(at_odd, even_part)),
+                    dot(qsp, minus(at_odd, even_part)),
+                ];
+                let misses = [dot(even_bend, even).abs(), dot(odd_bend, odd).abs()];
+                (normal, areas, misses)
             };
-            // Doubled signed areas, seen from outside, on both sides of
-            // the diagonals: of p q r, p r s; of q r s, q s p.
-            let diagonals = dot(cross(even, odd), normal);
-            let pqr = dot(cross(side, even), normal);
-            let qsp = dot(cross(side, odd), normal);
-            let (prs, qrs) = (diagonals - pqr, diagonals - qsp);
             let (least_even, least_odd) = (pqr.or_less(prs), qrs.or_less(qsp));
             let odd_is_better = if PLANE {
                 least_even.is_below(least_odd)
@@ -231,8 +240,11 @@ mod tests {
         least_area: f64,
     ) -> Option<(bool, bool)> {
         let [p, q, r, s] = corners;
-        let normal = sign * surface.gradient(0.25 * (p + q + r + s));
-        let area = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).dot(normal);
+        let normal = surface.gradient(0.25 * (p + q + r + s));
+        let area = |a: DVec3, b: DVec3, c: DVec3| {
+            let outward = sign * surface.gradient((a + b + c) / 3.0);
+            (b - a).cross(c - a).dot(outward)
+        };
         let even = area(p, q, r).min(area(p, r, s));
         let odd = area(q, r, s).min(area(q, s, p));
         let (even_miss, odd_miss) = (

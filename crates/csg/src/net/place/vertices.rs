@@ -31,6 +31,10 @@ pub(super) struct Constraints {
 }
 
 impl Constraints {
+    pub fn of(surface: u16) -> Self {
+        Self::default().with(surface)
+    }
+
     pub fn insert(&mut self, surface: u16) {
         if !self.as_slice().contains(&surface) && self.len < MOST_CONSTRAINTS {
             self.list[self.len] = surface;
