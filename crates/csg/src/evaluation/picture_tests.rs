@@ -172,6 +172,64 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
     assert!(strips > 400 && folded > 100, "{folded} of {strips}");
 }
 
+/// A narrow lens on a cylinder, between an arc and a flat curve above it, by how
+/// far along its contour a point is: 1 from tip to tip.
+fn on_lens(along: f64) -> DVec3 {
+    const HALF: f64 = 0.4;
+    const WIDTH: f64 = 0.01;
+    let across = 1.0 - (2.0 * along.fract() - 1.0).powi(2);
+    if along < 1.0 {
+        on_rim(false, 0.0, 0.0, HALF * (2.0 * along - 1.0))
+    } else {
+        on_rim(false, WIDTH * across, 0.0, HALF * (3.0 - 2.0 * along))
+    }
+}
+
+/// A chord of the arc leaves the cylinder by more than the lens is wide: no vertex
+/// inside helps, and the chords at fault are told until they are short enough.
+#[test]
+fn chords_that_turn_a_narrow_face_over_are_told() {
+    let stage = stage(0.0, -1.0);
+    let scene = stage.scene();
+    let mut contour = vec![0.0, 1.0, 1.5];
+    let mut rounds = 0;
+    loop {
+        let mut positions: Vec<DVec3> = contour.iter().map(|&along| on_lens(along)).collect();
+        let side = stage.side(positions[0]);
+        let seen = positions.iter().map(|p| scene.flatten(&side, *p));
+        let named: Vec<Named> = seen.zip(0..).collect();
+        let triangles = triangulate(&[named], scene.weld, scene.control);
+        let mut triangles = triangles.expect("it is convex");
+        let mut coarse = Vec::new();
+        unfold(&scene, &side, &mut triangles, &mut positions, &mut coarse);
+        let is_out = |corners: &[u32; 3]| {
+            let corners = corners.map(|c| positions[c as usize]);
+            faces_out(&stage.surfaces[0], true, corners)
+        };
+        assert_eq!(triangles.iter().all(is_out), coarse.is_empty());
+        if coarse.is_empty() {
+            break;
+        }
+        let rim = rim_of(&triangles);
+        assert!(coarse.iter().all(|ends| rim.contains(ends)), "{coarse:?}");
+        if rounds == 0 {
+            assert!(coarse.contains(&[0, 1]), "{coarse:?}");
+        }
+        rounds += 1;
+        assert!(rounds < 8, "{} chords", contour.len());
+        let ends = contour.iter().copied();
+        let middle = |from: u32| {
+            let from = from as usize;
+            0.5 * (contour[from] + contour.get(from + 1).unwrap_or(&2.0))
+        };
+        let split = coarse.iter().map(|&[from, _]| middle(from));
+        contour = ends.chain(split).collect();
+        contour.sort_by(f64::total_cmp);
+        contour.dedup();
+    }
+    assert!(rounds > 1, "{rounds}");
+}
+
 /// Whether a point is inside the circle through three others, from the
 /// determinant alone, and not next to it.
 fn is_in_circle([a, b, c]: [DVec2; 3], p: DVec2) -> bool {

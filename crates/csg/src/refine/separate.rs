@@ -273,4 +273,65 @@ mod tests {
             assert!(farthest < 0.2, "{farthest}");
         }
     }
+
+    /// Half a ball: of its surface the upper half of the octahedron's triangles, and
+    /// a fan of them on the plane below. All sides but those of the fan stray alike.
+    fn half_ball() -> (Surfaced, Vec<Surface>) {
+        let solid = Solid::sphere(1.0) & Solid::half_space([0.0, 0.0, -1.0], 0.0);
+        let surfaces = Program::lower(&solid).expect("valid").surfaces().to_vec();
+        let plane = surfaces.iter().position(Surface::is_plane);
+        let plane = plane.expect("a plane") as u32;
+        let (top, middle) = (4, 5);
+        let rim = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y];
+        let next = |k: u32| (k + 1) % 4;
+        let upper = (0..4).map(|k| [k, next(k), top]);
+        let lower = (0..4).map(|k| [next(k), k, middle]);
+        let all = Surfaced {
+            positions: rim.into_iter().chain([DVec3::Z, DVec3::ZERO]).collect(),
+            triangles: upper.chain(lower).collect(),
+            groups: vec![0, 0, 0, 0, 1, 1, 1, 1],
+            surface_of_group: vec![1 - plane, plane],
+        };
+        (all, surfaces)
+    }
+
+    /// The new vertices after a triangle was cut next to itself, as if it were
+    /// folded.
+    fn cuts(triangle: u32, which: Which) -> Vec<DVec3> {
+        let (mut surfaced, surfaces) = half_ball();
+        assert!(mesh(&surfaced).check().is_manifold());
+        let before = surfaced.positions.clone();
+        let goal = Goal {
+            tolerance: 1.0,
+            promised: 1.0,
+            even_curves: false,
+            angle: None,
+            tight: rustc_hash::FxHashMap::default(),
+        };
+        let pairs = [[triangle; 2]];
+        let mut outcome = Outcome::default();
+        assert!(separate(
+            &mut surfaced,
+            &surfaces,
+            &goal,
+            &pairs,
+            which,
+            &mut outcome
+        ));
+        assert!(mesh(&surfaced).check().is_manifold());
+        let is_new = |p: &DVec3| before.iter().all(|q| q.distance(*p) > 1e-9);
+        surfaced.positions.into_iter().filter(is_new).collect()
+    }
+
+    #[test]
+    fn chords_of_curves_are_cut_alone_if_they_are_asked_for() {
+        let on_rim = DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0);
+        let inside = [DVec3::X, DVec3::Y].map(|p| (p + DVec3::Z).normalize());
+        let are = |found: Vec<DVec3>, wanted: &[DVec3]| {
+            let has = |p: &DVec3| found.iter().any(|q| q.distance(*p) < 1e-14);
+            found.len() == wanted.len() && wanted.iter().all(has)
+        };
+        assert!(are(cuts(0, Which::Chords), &[on_rim]));
+        assert!(are(cuts(0, Which::Worst), &[on_rim, inside[0], inside[1]]));
+    }
 }
