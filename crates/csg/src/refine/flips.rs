@@ -82,19 +82,10 @@ fn is_better_flipped(mesh: &HalfEdges<'_>, half: u32) -> bool {
     let angle = |ca: f64, cb: f64| (ca + cb - ab, 4.0 * ca * cb);
     let (at_c, sides_c) = angle(metric(surface, bend, a - c), metric(surface, bend, b - c));
     let (at_d, sides_d) = angle(metric(surface, bend, a - d), metric(surface, bend, b - d));
-    if at_c >= 0.0 && at_d >= 0.0 {
-        return false;
-    }
-    if at_c < 0.0 && at_d < 0.0 {
-        return true;
-    }
-    // One is obtuse: compare the cosines.
-    let (c2, d2) = (at_c * at_c * sides_d, at_d * at_d * sides_c);
-    if at_c < 0.0 {
-        c2 > d2 * (1.0 + CLEARLY)
-    } else {
-        d2 > c2 * (1.0 + CLEARLY)
-    }
+    // The cosines' squares with their signs, over a common denominator: their sum is
+    // compared without a branch, as nobody could tell beforehand which way it goes.
+    let (c2, d2) = (at_c * at_c.abs() * sides_d, at_d * at_d.abs() * sides_c);
+    c2 + d2 < -CLEARLY * c2.max(d2)
 }
 
 /// Whether the flipped edge would leave the mesh manifold and unfolded.

@@ -298,6 +298,7 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Halves the pieces of curves that should become more than `most` parts.
     fn halve_pieces(&mut self, most: f64, parts: impl Fn(&Self, usize) -> f64) {
+        self.changed.clear();
         let mut index = 0;
         while index < self.pieces.len() {
             // What is left of it may still be too long.
@@ -346,11 +347,14 @@ impl<'m, 's> Grower<'m, 's> {
     fn halve_edges(&mut self, most: f64, parts: impl Fn(&Self, u32) -> f64) {
         self.changed.clear();
         self.changed.extend(0..self.mesh.halves.len() as u32);
+        let mut halves = Vec::new();
         for _ in 0..MOST_ROUNDS {
             if self.changed.is_empty() {
                 break;
             }
-            for half in std::mem::take(&mut self.changed) {
+            std::mem::swap(&mut self.changed, &mut halves);
+            self.changed.clear();
+            for &half in &halves {
                 if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
                     continue;
                 }

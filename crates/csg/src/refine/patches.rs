@@ -20,16 +20,20 @@ const MOST_TURN: f64 = 0.5;
 /// surface turns so far, should be cut before it is tessellated.
 fn parts_of(chords: f64, turn: f64) -> f64 {
     let parts = (chords / MOST_CHORDS).max(turn / MOST_TURN);
-    if chords < FEWEST_CHORDS * parts {
+    if chords < FEWEST_CHORDS_OF_EDGE * parts {
         chords
     } else {
         parts
     }
 }
 
-/// An edge that is tessellated into fewer chords may as well be cut up one by
-/// one.
+/// Faces whose edges are tessellated into fewer chords may as well be cut up one
+/// by one.
 const FEWEST_CHORDS: f64 = 3.0;
+
+/// The same for single edges of faces that are tessellated: clearly fewer, as all of
+/// a face may come to about the same, and must not be cut up after all.
+const FEWEST_CHORDS_OF_EDGE: f64 = 2.0;
 
 impl Grower<'_, '_> {
     /// Tessellates the faces that bend both ways, once their triangles are all
