@@ -73,10 +73,9 @@ impl Arc<'_> {
         if half_plane & 1 == 0 { outer } else { -outer }
     }
 
-    /// A point of the curve, on all surfaces that meet there.
-    pub fn point(&self, at: f64, ends: Ends) -> DVec3 {
+    /// A point of the curve, from next to it, on all surfaces that meet there.
+    pub fn point(&self, start: DVec3, ends: Ends) -> DVec3 {
         let scene = self.scene;
-        let start = self.curve.at(at);
         // Apexes are exact, where there is no gradient to improve them by.
         let is_apex = |apex: &DVec3| apex.distance(start) <= scene.near;
         let mut apexes = self.surfaces.iter().filter_map(|s| s.apex());
@@ -154,7 +153,8 @@ impl Arc<'_> {
                 to.1
             } else {
                 let share = f64::from(k) / f64::from(chords);
-                self.point(from.0 + share * (to.0 - from.0), Ends::Touch)
+                let place = self.curve.at(from.0 + share * (to.0 - from.0));
+                self.point(place, Ends::Touch)
             };
             emit(wedges, before, here, pieces);
             before = here;

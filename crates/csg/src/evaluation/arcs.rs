@@ -41,6 +41,8 @@ impl Event {
 pub(super) struct ArcTracer {
     sectors: Sectors,
     events: Vec<Event>,
+    /// The points of the curve at these.
+    places: Vec<DVec3>,
     roots: Roots,
     samples: Samples,
     /// Positions of all surfaces of the cell through the curve.
@@ -119,7 +121,12 @@ impl ArcTracer {
     }
 
     fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Option<()> {
-        let Arc { block, curve, .. } = *arc;
+        let Arc {
+            scene,
+            block,
+            curve,
+            ..
+        } = *arc;
         let center = 0.5 * (block.low + block.high);
         let reach = 0.5 * (block.high - block.low).length();
         let Some([start, end]) = curve.range(center, reach) else {
@@ -128,7 +135,10 @@ impl ArcTracer {
         if !self.find_events(arc, [start, end])? || !self.find_changes(arc, [start, end]) {
             return Some(());
         }
-        let begin = (start, arc.point(start, Ends::Touch));
+        self.places.clear();
+        let places = self.events.iter().map(|event| curve.at(event.at));
+        self.places.extend(places);
+        let begin = (start, arc.point(curve.at(start), Ends::Touch));
         let mut open = Wedges::new();
         let mut from = begin;
         for stretch in 0..=self.events.len() {
@@ -153,9 +163,10 @@ impl ArcTracer {
             if open.is_empty() && wedges.is_empty() {
                 continue;
             }
-            let same = self.at_same_place(arc, stretch - 1);
+            let same = self.at_same_place(scene.weld, stretch - 1);
             if wedges != open || event.touches() || same.len() > 1 {
-                let here = (event.at, arc.point(event.at, event.ends));
+                let place = self.places[stretch - 1];
+                let here = (event.at, arc.point(place, event.ends));
                 arc.emit(&open, [from, here], turn, &mut traced.pieces);
                 let others = self.surfaces_of(same);
                 if event.touched != NOTHING || others.len() > 1 {
@@ -167,7 +178,7 @@ impl ArcTracer {
         let last = if curve.is_closed() || open.is_empty() {
             begin.1
         } else {
-            arc.point(end, Ends::Touch)
+            arc.point(curve.at(end), Ends::Touch)
         };
         arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
         Some(())
@@ -234,14 +245,9 @@ impl ArcTracer {
             self.events.extend(contacts);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
         }
-        for axis in 0..3 {
-            for at in [block.low[axis], block.high[axis]] {
-                let side = Surface {
-                    anchor: at * DVec3::AXES[axis],
-                    quadratic: [0.0; 6],
-                    linear: DVec3::AXES[axis],
-                    constant: 0.0,
-                };
+        let margin = DVec3::splat(scene.near);
+        if !curve.is_within(block.low + margin, block.high - margin) {
+            for side in block.sides() {
                 self.cut(arc, &side, range);
             }
         }
@@ -403,16 +409,13 @@ impl ArcTracer {
 
     /// The events at the same place as one: other edges may touch the curve there
     /// though none ends.
-    fn at_same_place(&self, arc: &Arc<'_>, event: usize) -> Range<usize> {
-        let here = arc.curve.at(self.events[event].at);
-        let is_near = |other: &&Event| arc.curve.at(other.at).distance(here) <= arc.scene.weld;
-        let before = self.events[..event]
-            .iter()
-            .rev()
-            .take_while(is_near)
-            .count();
-        let after = self.events[event..].iter().take_while(is_near).count();
-        event - before..event + after
+    fn at_same_place(&self, weld: f64, event: usize) -> Range<usize> {
+        let (before, rest) = self.places.split_at(event);
+        let (here, after) = (rest[0], &rest[1..]);
+        let is_near = |other: &&DVec3| other.distance(here) <= weld;
+        let before = before.iter().rev().take_while(is_near).count();
+        let after = after.iter().take_while(is_near).count();
+        event - before..event + 1 + after
     }
 
     /// Positions of the surfaces that a curve crosses or touches at some events.

@@ -20,6 +20,18 @@ impl Block {
     pub fn contains(&self, point: DVec3) -> bool {
         point.cmpge(self.low).all() && point.cmplt(self.high).all()
     }
+
+    /// The planes of its six sides.
+    pub fn sides(&self) -> impl Iterator<Item = Surface> {
+        [self.low, self.high].into_iter().flat_map(|corner| {
+            DVec3::AXES.map(|axis| Surface {
+                anchor: corner * axis,
+                quadratic: [0.0; 6],
+                linear: axis,
+                constant: 0.0,
+            })
+        })
+    }
 }
 
 /// So few planes are not worth another cut: the time that a block takes grows

@@ -70,6 +70,13 @@ pub(super) struct Form {
 
 impl Form {
     pub fn of(surface: &Surface, origin: DVec3, u: DVec3, v: DVec3) -> Self {
+        if surface.is_plane() {
+            return Self {
+                square: [0.0; 3],
+                linear: [surface.linear.dot(u), surface.linear.dot(v)],
+                constant: surface.value(origin),
+            };
+        }
         let gradient = surface.gradient(origin);
         Self {
             square: [
@@ -80,6 +87,14 @@ impl Form {
             linear: [gradient.dot(u), gradient.dot(v)],
             constant: surface.value(origin),
         }
+    }
+
+    /// Whether it is farther from 0 than a tolerance all along x = cos t,
+    /// y = sin t, as is easily told.
+    fn is_clear_around(&self, tolerance: f64) -> bool {
+        let ([xx, yy, xy], [x, y]) = (self.square, self.linear);
+        let varies = 0.5 * ((xx - yy).abs() + xy.abs()) + x.abs() + y.abs();
+        (self.constant + 0.5 * (xx + yy)).abs() > varies + tolerance
     }
 
     /// Along x = cos t, y = sin t.
@@ -228,6 +243,17 @@ impl Curve {
         }
     }
 
+    /// Whether it is known to lie within a box.
+    pub fn is_within(&self, low: DVec3, high: DVec3) -> bool {
+        match self {
+            Self::Ellipse { center, a, b } => {
+                let reach = (a * a + b * b).map(f64::sqrt);
+                (center - reach).cmpgt(low).all() && (center + reach).cmplt(high).all()
+            }
+            _ => false,
+        }
+    }
+
     /// Whether it closes on itself.
     pub fn is_closed(&self) -> bool {
         match self {
@@ -320,8 +346,12 @@ impl Curve {
                 Meets::Points
             }
             &Self::Ellipse { center, a, b } => {
-                let trig = Form::of(surface, center, a, b).around();
+                let form = Form::of(surface, center, a, b);
                 let slope = surface.gradient(center + a).length();
+                if form.is_clear_around(near * slope) {
+                    return Meets::Points;
+                }
+                let trig = form.around();
                 if trig.magnitude() <= on * slope {
                     return Meets::Curve;
                 }

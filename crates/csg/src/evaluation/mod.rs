@@ -84,7 +84,7 @@ use crate::report::Report;
 
 /// By how much chords turn at most, in radians; less where faces cannot be cut
 /// into triangles so.
-pub(crate) const LONG_CHORDS: [f64; 3] = [0.5, 0.2, 0.06];
+pub(crate) const LONG_CHORDS: [f64; 3] = [0.53, 0.2, 0.06];
 
 /// The same where faces are so narrow that long chords are in each other's way.
 pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
@@ -104,16 +104,17 @@ const NEAR: f64 = 1e-9;
 
 /// The box that is cut exceeds the solid's bounds by these shares of its
 /// longest side: irrational, and different on all sides, so that no cut meets
-/// the faces of models, which lie at round coordinates.
+/// the faces of models, which lie at round coordinates; and small, as whatever
+/// cuts a model mostly ends a little beyond it, with faces that do not matter.
 const BELOW: DVec3 = DVec3::new(
-    0.138_196_601_125_011,
-    0.141_421_356_237_310,
-    0.130_277_563_773_199,
+    0.027_639_320_225_002,
+    0.028_284_271_247_462,
+    0.026_055_512_754_640,
 );
 const ABOVE: DVec3 = DVec3::new(
-    0.123_606_797_749_979,
-    0.124_264_068_711_928,
-    0.116_227_766_016_838,
+    0.024_721_359_549_996,
+    0.024_852_813_742_386,
+    0.023_245_553_203_368,
 );
 
 /// n·x - offset, at most 0 inside.

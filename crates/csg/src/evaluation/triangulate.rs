@@ -61,9 +61,10 @@ pub(super) fn triangulate(
         };
         around.holes.push(hole);
     }
-    let mut triangles = Vec::new();
+    let corners = contours.iter().map(Vec::len).sum::<usize>() + 2 * contours.len();
+    let mut triangles = Vec::with_capacity(corners);
     for mut region in regions {
-        let mut work = Clipper::new(region.outer, tolerance);
+        let mut work = Clipper::new(&region, tolerance);
         let left_end = |hole: &[Named]| leftmost(hole).0.x;
         region
             .holes
@@ -147,12 +148,15 @@ struct Clipper {
 }
 
 impl Clipper {
-    fn new(outer: &[Named], tolerance: f64) -> Self {
+    /// With the outer contour alone, but memory for the holes.
+    fn new(region: &Region<'_>, tolerance: f64) -> Self {
+        let in_holes = region.holes.iter().map(|hole| hole.len() + 2);
+        let count = region.outer.len() + in_holes.sum::<usize>();
         let mut work = Self {
-            corners: Vec::with_capacity(outer.len()),
+            corners: Vec::with_capacity(count),
             tolerance,
         };
-        work.add_ring(outer);
+        work.add_ring(region.outer);
         work
     }
 
@@ -351,7 +355,10 @@ struct Obstacles {
     /// Squares per unit of length, and per side.
     scale: DVec2,
     side: usize,
-    squares: Vec<Vec<u32>>,
+    /// Those of each square after each other, row by row.
+    corners: Vec<u32>,
+    /// Where those of each square begin, and the last ones end.
+    starts: Vec<u32>,
     is_left: Vec<bool>,
 }
 
@@ -370,12 +377,27 @@ impl Obstacles {
             low,
             scale: side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE)),
             side,
-            squares: vec![Vec::new(); side * side],
+            corners: vec![0; obstacles.len()],
+            starts: vec![0; side * side + 2],
             is_left: vec![true; work.corners.len()],
         };
-        for k in obstacles {
+        let square_of = |grid: &Self, k: u32| {
             let [x, y] = grid.square(work.point(k));
-            grid.squares[y * side + x].push(k);
+            y * side + x
+        };
+        // By counting: what a square holds ends where the next one begins.
+        for &k in &obstacles {
+            let square = square_of(&grid, k);
+            grid.starts[square + 2] += 1;
+        }
+        for square in 2..grid.starts.len() {
+            grid.starts[square] += grid.starts[square - 1];
+        }
+        for &k in &obstacles {
+            let square = square_of(&grid, k);
+            let slot = &mut grid.starts[square + 1];
+            grid.corners[*slot as usize] = k;
+            *slot += 1;
         }
         grid
     }
@@ -393,9 +415,10 @@ impl Obstacles {
     fn any_in(&self, low: DVec2, high: DVec2, test: impl Fn(u32) -> bool) -> bool {
         let ([x0, y0], [x1, y1]) = (self.square(low), self.square(high));
         (y0..=y1).any(|y| {
-            self.squares[y * self.side + x0..=y * self.side + x1]
+            let row = y * self.side;
+            let [start, end] = [row + x0, row + x1 + 1].map(|square| self.starts[square] as usize);
+            self.corners[start..end]
                 .iter()
-                .flatten()
                 .any(|&k| self.is_left[k as usize] && test(k))
         })
     }

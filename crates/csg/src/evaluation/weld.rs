@@ -1,6 +1,6 @@
 //! Points that are nearer to each other than rounding tells become one.
 
-use glam::{DVec3, I64Vec3};
+use glam::{BVec3, DVec3, I64Vec3};
 use rustc_hash::FxHashMap;
 
 /// Numbers points, the same for all within a distance of the first of them.
@@ -12,6 +12,9 @@ pub(super) struct Welder {
     /// The next point in the same cube, or [`NONE`].
     next: Vec<u32>,
     pub points: Vec<DVec3>,
+    /// The point asked for last, and its number: most edges begin where the one
+    /// before ends.
+    last: Option<(DVec3, u32)>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -23,18 +26,34 @@ impl Welder {
             first: FxHashMap::default(),
             next: Vec::new(),
             points: Vec::new(),
+            last: None,
         }
-    }
-
-    fn cube(&self, point: DVec3) -> I64Vec3 {
-        (point / (16.0 * self.distance)).floor().as_i64vec3()
     }
 
     /// The number of a point.
     pub fn number(&mut self, point: DVec3) -> u32 {
-        let own = self.cube(point);
-        let low = self.cube(point - self.distance);
-        let high = self.cube(point + self.distance);
+        if let Some((last, number)) = self.last
+            && last == point
+        {
+            return number;
+        }
+        let number = self.look_up(point);
+        self.last = Some((point, number));
+        number
+    }
+
+    fn look_up(&mut self, point: DVec3) -> u32 {
+        /// The sides of cubes, in distances.
+        const WIDTH: f64 = 16.0;
+        /// Points nearer to a side of a cube than this share of it may have others
+        /// within the distance beyond: twice as near as they must be.
+        const NEAR_SIDE: f64 = 2.0 / WIDTH;
+        let place = point / (WIDTH * self.distance);
+        let floor = place.floor();
+        let (own, within) = (floor.as_i64vec3(), place - floor);
+        let step = |is_near: BVec3| I64Vec3::select(is_near, I64Vec3::ONE, I64Vec3::ZERO);
+        let low = own - step(within.cmplt(DVec3::splat(NEAR_SIDE)));
+        let high = own + step(within.cmpgt(DVec3::splat(1.0 - NEAR_SIDE)));
         for x in low.x..=high.x {
             for y in low.y..=high.y {
                 for z in low.z..=high.z {
