@@ -310,7 +310,7 @@ fn faces_may_touch_along_conics_and_in_points() {
     for (name, solid, volume, area) in touching() {
         for (solid, tolerance) in [turned(&solid), solid]
             .iter()
-            .flat_map(|solid| [0.1, 0.03, 0.01].map(|tolerance| (solid, tolerance)))
+            .flat_map(|solid| [0.1, 0.03, 0.01, 0.003].map(|tolerance| (solid, tolerance)))
         {
             let program = Program::lower(solid).expect("a valid solid");
             let meshed = Mesher::new().tolerance(tolerance).mesh(&program);

@@ -39,7 +39,7 @@ pub(super) struct Grower<'m, 's> {
     pub(super) mesh: &'m mut HalfEdges<'s>,
     pub(super) goal: &'m Goal,
     /// How near a point must come to its surfaces.
-    precision: f64,
+    pub(super) precision: f64,
     pub(super) pieces: Vec<Piece>,
     /// Edges to be looked at for flipping.
     pub(super) stack: Vec<u32>,
@@ -104,22 +104,9 @@ impl<'m, 's> Grower<'m, 's> {
     pub(super) fn cut_sides(&mut self, sides: &[Side]) -> bool {
         self.changed.clear();
         for side in sides {
-            let [from, to] = side.ends;
-            let ends_there = |&half: &u32| self.mesh.target(half) == to;
-            let Some(half) = self.mesh.around(from).find(ends_there) else {
-                continue;
-            };
-            if side.kind == Kind::Face && !self.splits_well(half, side.target) {
-                continue;
-            }
-            let vertex = self.mesh.add_vertex(side.target, side.kind);
-            self.insert(half, vertex, None);
-            // Both parts stay as they are, too.
-            if let Some(&number) = self.mesh.contacts.get(&side.ends) {
-                let parts = side.ends.map(|end| ([end, vertex], number));
-                self.mesh.contacts.extend(parts);
-            }
-            if side.kind != Kind::Face {
+            if let Some(vertex) = self.cut_side(side)
+                && side.kind != Kind::Face
+            {
                 self.measure_chords_at(vertex);
             }
         }
@@ -129,6 +116,20 @@ impl<'m, 's> Grower<'m, 's> {
         let changed = self.flip_and_take_changed();
         self.settle(changed);
         is_cut
+    }
+
+    /// Cuts a side at a point of its surface or curve; the vertex there.
+    pub(super) fn cut_side(&mut self, side: &Side) -> Option<u32> {
+        let [from, to] = side.ends;
+        let ends_there = |&half: &u32| self.mesh.target(half) == to;
+        let half = self.mesh.around(from).find(ends_there)?;
+        if side.kind == Kind::Face && !self.splits_well(half, side.target) {
+            return None;
+        }
+        let vertex = self.mesh.add_vertex(side.target, side.kind);
+        self.insert(half, vertex, None);
+        self.mesh.contacts.cut(side.ends, vertex);
+        Some(vertex)
     }
 
     /// An error if there are more triangles, with those that the points of

@@ -6,8 +6,9 @@
 //! closed, oriented and manifold.
 
 use glam::DVec3;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
+use super::contacts::Contacts;
 use super::regions::{Region, regions};
 use crate::program::Surface;
 
@@ -56,9 +57,8 @@ pub(super) struct HalfEdges<'a> {
     /// Edges between its vertices that only the small triangles of faces have
     /// that are done, both ways.
     pub fine_edges: FxHashSet<[u32; 2]>,
-    /// Edges along which the solid touches itself, by their ends in ascending order:
-    /// those that join the same two places have a number in common.
-    pub contacts: FxHashMap<[u32; 2], u32>,
+    /// Edges along which the solid touches itself.
+    pub contacts: Contacts,
 }
 
 #[inline(always)]
@@ -144,7 +144,7 @@ impl<'a> HalfEdges<'a> {
             piece_halves: Vec::new(),
             free: Vec::new(),
             fine_edges: FxHashSet::default(),
-            contacts: FxHashMap::default(),
+            contacts: Contacts::default(),
         };
         mesh.regions = regions(&mut mesh, groups, surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
@@ -155,54 +155,11 @@ impl<'a> HalfEdges<'a> {
         Some(mesh)
     }
 
-    /// Lets no vertex move that is in the same place as another one, where the
-    /// solid touches itself, and leaves edges as they are that join the same two
-    /// places as another one.
-    pub fn fix_contacts(&mut self) {
-        let bits = |at: DVec3| at.to_array().map(f64::to_bits);
-        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
-        order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
-        // The first vertex in the same place, and whether there are others.
-        let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
-        let mut is_shared = vec![false; self.positions.len()];
-        for same in
-            order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
-        {
-            if same.len() > 1 {
-                for &vertex in same {
-                    self.kinds[vertex as usize] = Kind::Corner;
-                    places[vertex as usize] = same[0];
-                    is_shared[vertex as usize] = true;
-                }
-            }
-        }
-        let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
-        for half in 0..self.halves.len() as u32 {
-            let ends = [self.origin(half), self.target(half)];
-            let mut between = ends.map(|v| places[v as usize]);
-            if ends[0] < ends[1] && ends.iter().any(|&v| is_shared[v as usize]) {
-                between.sort_unstable();
-                edges.push((between, ends));
-            }
-        }
-        edges.sort_unstable();
-        let contacts = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        let numbered = (0..).zip(contacts);
-        let numbered = numbered.flat_map(|(k, alike)| alike.iter().map(move |e| (e.1, k)));
-        self.contacts = numbered.collect();
-    }
-
     /// The vertices that an edge joins, in ascending order.
     #[inline(always)]
     pub fn ends(&self, half: u32) -> [u32; 2] {
         let [a, b] = [self.origin(half), self.target(half)];
         [a.min(b), a.max(b)]
-    }
-
-    /// Whether another edge joins the same two places, so that it is to stay.
-    #[inline(always)]
-    pub fn is_contact(&self, half: u32) -> bool {
-        !self.contacts.is_empty() && self.contacts.contains_key(&self.ends(half))
     }
 
     fn kind_of(&self, vertex: u32) -> Kind {

@@ -18,6 +18,7 @@
 mod chains;
 mod coarsen;
 mod conics;
+mod contacts;
 mod curves;
 pub(crate) mod deviation;
 mod flips;
@@ -136,6 +137,8 @@ pub(crate) struct Outcome {
     pub unkept: Vec<(Unkept, DVec3)>,
     /// Surfaces for which a smaller tolerance may help; some several times.
     pub tighter: Vec<u32>,
+    /// Whether there are edges along which the solid touches itself, kept for that.
+    pub has_contacts: bool,
 }
 
 impl Outcome {
@@ -185,7 +188,7 @@ pub(crate) fn to_tolerance(
             deviation: f64::INFINITY,
             farthest: place,
             unkept: vec![(Unkept::NotManifold, place)],
-            tighter: Vec::new(),
+            ..Outcome::default()
         });
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
@@ -194,7 +197,10 @@ pub(crate) fn to_tolerance(
     }
     coarsen::coarsen(&mut mesh, goal);
     control.check()?;
+    let has_contacts = !mesh.contacts.is_empty();
     let mut grower = Grower::new(&mut mesh, goal, precision);
+    grower.outcome.has_contacts = has_contacts;
+    grower.cut_contacts();
     grower.run(control)?;
     let (outcome, fine) = (grower.outcome, grower.fine);
     hand_back(&mesh, &fine, surfaced);

@@ -49,12 +49,10 @@ pub(crate) fn separate(
         .collect();
     // Where the solid touches itself, all edges are cut at the same place.
     for index in 0..sides.len() {
-        let Side { ends, target, .. } = sides[index];
-        if let Some(number) = mesh.contacts.get(&ends) {
-            let alike = mesh.contacts.iter().filter(|other| other.1 == number);
-            let kind = Kind::Corner;
-            sides.extend(alike.map(|(&ends, _)| Side { ends, target, kind }));
-        }
+        let side = sides[index];
+        let kind = Kind::Corner;
+        let alike = mesh.contacts.alike(side.ends).iter();
+        sides.extend(alike.map(|&ends| Side { ends, kind, ..side }));
     }
     sides.sort_unstable_by_key(|side| side.ends);
     sides.dedup_by_key(|side| side.ends);
@@ -116,20 +114,10 @@ fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f6
     sides.into_iter().map(|(_, side)| side).collect()
 }
 
-/// Of the edges at the same place as one the first between two surfaces: it may run
-/// along a face itself.
-fn on_border(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
-    let number = mesh.contacts.get(&mesh.ends(half))?;
-    let alike = mesh.contacts.iter().filter(|other| other.1 == number);
-    alike
-        .filter_map(|(&[from, to], _)| mesh.around(from).find(|&h| mesh.target(h) == to))
-        .find(|&half| mesh.surface_index(half) != mesh.surface_index(mesh.twin(half)))
-}
-
 /// Where an edge would be cut, and how far its middle is from there.
-fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
+pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
     let half = if mesh.is_contact(half) {
-        on_border(mesh, half)?
+        mesh.on_border(mesh.contacts.alike(mesh.ends(half)))?
     } else {
         half
     };

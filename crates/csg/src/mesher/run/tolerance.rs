@@ -153,7 +153,13 @@ impl Run<'_> {
         let too_many = 4 * wrong.len() + 16;
         let before = (surfaced.clone(), outcome.clone(), wrong);
         let mut least = before.clone();
-        for which in [Which::Worst, Which::Chords] {
+        // Chords are what is in the way next to edges that are cut together.
+        let order = if outcome.has_contacts {
+            [Which::Chords, Which::Worst]
+        } else {
+            [Which::Worst, Which::Chords]
+        };
+        for which in order {
             (*surfaced, *outcome, wrong) = before.clone();
             for _ in 0..MOST_ROUNDS {
                 self.control.check()?;

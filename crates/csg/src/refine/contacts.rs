@@ -1,0 +1,145 @@
+//! Where the solid touches itself: edges of several faces that join the same two
+//! places. They are the same in all of these faces, and cut together, at the same
+//! point: else the faces would run through each other.
+//!
+//! Next to a curve along which two surfaces touch, these part with the square of
+//! the distance x from it, and a chord of length h strays by the square of h. So
+//! there the chords must be no longer than the triangles next to them are high.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use super::grow::Grower;
+use super::half_edges::{HalfEdges, Kind};
+use super::separate::{Side, cut_of};
+
+/// Edges, by their ends in ascending order, that join the same two places as
+/// others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Contacts {
+    /// Of each edge its place in the list.
+    place_of: FxHashMap<[u32; 2], u32>,
+    /// For each two places all edges that join them, in ascending order.
+    edges: Vec<Vec<[u32; 2]>>,
+}
+
+impl Contacts {
+    pub fn is_empty(&self) -> bool {
+        self.edges.is_empty()
+    }
+
+    /// All edges that join the same two places as one, itself among them; none if
+    /// no other does.
+    pub fn alike(&self, ends: [u32; 2]) -> &[[u32; 2]] {
+        let place = self.place_of.get(&ends);
+        place.map_or(&[], |&place| &self.edges[place as usize])
+    }
+
+    /// Sees to it that both parts of an edge that is cut stay as they are, too.
+    pub fn cut(&mut self, ends: [u32; 2], vertex: u32) {
+        if let Some(&place) = self.place_of.get(&ends) {
+            let parts = ends.map(|end| ([end.min(vertex), end.max(vertex)], place));
+            self.place_of.extend(parts);
+        }
+    }
+}
+
+impl HalfEdges<'_> {
+    /// Lets no vertex move that is in the same place as another one, where the
+    /// solid touches itself, and leaves edges as they are that join the same two
+    /// places as another one.
+    pub fn fix_contacts(&mut self) {
+        // Zero has two signs.
+        let bits = |at: DVec3| (at + DVec3::ZERO).to_array().map(f64::to_bits);
+        let vertices = 0..self.positions.len() as u32;
+        let is_there = |&vertex: &u32| self.kinds[vertex as usize] != Kind::Gone;
+        let mut order: Vec<u32> = vertices.filter(is_there).collect();
+        order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
+        // The first vertex in the same place, and whether there are others.
+        let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let mut is_shared = vec![false; self.positions.len()];
+        for same in
+            order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
+        {
+            if same.len() > 1 {
+                for &vertex in same {
+                    self.kinds[vertex as usize] = Kind::Corner;
+                    places[vertex as usize] = same[0];
+                    is_shared[vertex as usize] = true;
+                }
+            }
+        }
+        let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
+        let halves = 0..self.halves.len() as u32;
+        for half in halves.filter(|&half| !self.is_gone(half / 3)) {
+            let ends = [self.origin(half), self.target(half)];
+            let mut between = ends.map(|v| places[v as usize]);
+            if ends[0] < ends[1] && ends.iter().any(|&v| is_shared[v as usize]) {
+                between.sort_unstable();
+                edges.push((between, ends));
+            }
+        }
+        edges.sort_unstable();
+        let alike = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
+        let alike = alike.map(|edges| edges.iter().map(|edge| edge.1).collect());
+        let edges: Vec<Vec<[u32; 2]>> = alike.collect();
+        let places = (0..).zip(&edges);
+        let place_of = places.flat_map(|(place, edges)| edges.iter().map(move |&e| (e, place)));
+        self.contacts = Contacts {
+            place_of: place_of.collect(),
+            edges,
+        };
+    }
+
+    /// Whether another edge joins the same two places, so that it is to stay.
+    #[inline(always)]
+    pub fn is_contact(&self, half: u32) -> bool {
+        !self.contacts.is_empty() && self.contacts.place_of.contains_key(&self.ends(half))
+    }
+
+    /// Of the edges at the same place as one the first between two surfaces: it may
+    /// run along a face itself.
+    pub fn on_border(&self, edges: &[[u32; 2]]) -> Option<u32> {
+        let half = |&[from, to]: &[u32; 2]| self.around(from).find(|&h| self.target(h) == to);
+        let mut halves = edges.iter().filter_map(half);
+        halves.find(|&half| self.surface_index(half) != self.surface_index(self.twin(half)))
+    }
+}
+
+impl Grower<'_, '_> {
+    /// Cuts the edges along curves on which the solid touches itself until they are
+    /// clearly nearer to these than the tolerance.
+    pub(super) fn cut_contacts(&mut self) {
+        /// Halves an edge as often.
+        const MOST_ROUNDS: u32 = 24;
+        /// Of the tolerance: chords are shorter than the sides of triangles next to
+        /// them.
+        const NEAR: f64 = 0.5;
+        for _ in 0..MOST_ROUNDS {
+            let mut sides = Vec::new();
+            for edges in &self.mesh.contacts.edges {
+                let Some(border) = self.mesh.on_border(edges) else {
+                    continue;
+                };
+                let Some((off, side)) = cut_of(self.mesh, border, self.precision) else {
+                    continue;
+                };
+                let surfaces = [border, self.mesh.twin(border)].map(|h| self.mesh.surface_index(h));
+                let [a, b] = surfaces.map(|surface| self.goal.tolerance_on(surface));
+                if off > NEAR * a.min(b) {
+                    let kind = Kind::Corner;
+                    sides.extend(edges.iter().map(|&ends| Side { ends, kind, ..side }));
+                }
+            }
+            if sides.is_empty() {
+                break;
+            }
+            for side in &sides {
+                self.cut_side(side);
+            }
+            self.flip();
+            self.free_stuck();
+            self.mesh.fix_contacts();
+        }
+    }
+}
