@@ -111,7 +111,13 @@ impl Arc<'_> {
         let [a, b] = self.surfaces;
         let slope = |t: f64| {
             let at = self.curve.at(t);
-            third.gradient(at).dot(a.gradient(at).cross(b.gradient(at)))
+            // Along rulings directions are differences; along the others the
+            // surfaces may touch.
+            let along = match self.curve {
+                Curve::Rulings(_) => a.gradient(at).cross(b.gradient(at)),
+                curve => curve.direction(t),
+            };
+            third.gradient(at).dot(along)
         };
         for reach in REACHES {
             let ends = [near - reach * range, near + reach * range];
@@ -147,6 +153,10 @@ impl Arc<'_> {
         }
         let size = 0.5 * (self.block.high - self.block.low).max_element();
         let chords = self.curve.chords(from.0, to.0, turn, size);
+        let curve = self.pair.map(|position| match position {
+            NOTHING => NOTHING,
+            position => self.block.cell.surfaces[position as usize],
+        });
         let mut before = from.1;
         for k in 1..=chords {
             let here = if k == chords {
@@ -156,7 +166,7 @@ impl Arc<'_> {
                 let place = self.curve.at(from.0 + share * (to.0 - from.0));
                 self.point(place, Ends::Touch)
             };
-            emit(wedges, before, here, pieces);
+            emit(wedges, [before, here], curve, pieces);
             before = here;
         }
     }

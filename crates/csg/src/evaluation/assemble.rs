@@ -117,17 +117,15 @@ impl Cut {
                 return Some(cut);
             }
             scene.control.check().ok()?;
-            let mut crossing = Vec::new();
+            let mut splits = Vec::new();
             for face in failed {
                 let contours = &cut.contours[face as usize];
-                boundary.crossing_edges(scene, face, contours, &mut crossing);
+                boundary.part(scene, face, contours, &mut splits);
             }
-            crossing.sort_unstable();
-            crossing.dedup();
-            if round == ROUNDS || crossing.is_empty() {
+            if round == ROUNDS || splits.is_empty() {
                 return None;
             }
-            let split = boundary.split(scene, &crossing)?;
+            let split = boundary.split_all(scene, &splits);
             // The faces on both sides have more corners.
             let sides = split.iter().flat_map(|&edge| boundary.faces_of(edge));
             faces = sides.collect();

@@ -37,6 +37,9 @@ pub(super) struct Boundary {
     pub points: Vec<DVec3>,
     pub half_edges: Vec<HalfEdge>,
     pub faces: Vec<Side>,
+    /// For half-edges within one patch of a surface, where its look changes or
+    /// other faces touch it, the surfaces on whose curve they are.
+    curves: FxHashMap<u32, [u32; 2]>,
 }
 
 /// Directions in a face that differ by less are the same, in radians.
@@ -79,6 +82,10 @@ impl Boundary {
                 continue;
             }
             let first = all.half_edges.len() as u32;
+            if piece.sides[0].shares_patch(&piece.sides[1]) {
+                all.curves
+                    .extend([first, first + 1].map(|half| (half, piece.curve)));
+            }
             for (k, (side, start)) in piece.sides.iter().zip([from, to]).enumerate() {
                 let face = *face_of.entry(*side).or_insert_with(|| {
                     all.faces.push(*side);
@@ -237,7 +244,8 @@ impl Boundary {
         [half_edge, self.at(half_edge).twin].map(|h| self.at(h).face)
     }
 
-    /// The surfaces on whose curve an edge is; none for borders of looks.
+    /// The surfaces on whose curve an edge is; none where a face goes on across it
+    /// from what is left of one thinner than rounding.
     pub fn surfaces_of<'a>(
         &self,
         scene: &'a Scene<'_>,
@@ -248,6 +256,13 @@ impl Boundary {
         let surface = &scene.surfaces[first.plane as usize];
         if first.plane != second.plane {
             return Some([surface, &scene.surfaces[second.plane as usize]]);
+        }
+        if first.shares_patch(second) {
+            let [one, other] = self
+                .curves
+                .get(&half_edge)?
+                .map(|id| scene.surfaces.get(id as usize));
+            return Some([one?, other?]);
         }
         let frame = scene.frames[first.plane as usize].as_ref()?;
         let bit = (first.patch ^ second.patch).trailing_zeros() as usize;
@@ -294,7 +309,7 @@ impl Boundary {
                 continue;
             }
             if previous == next {
-                if self.lies_within_face(scene, half_edge) {
+                if self.is_lens(scene, half_edge) || self.lies_within_face(scene, half_edge) {
                     continue;
                 }
                 // A face of two corners.
@@ -334,6 +349,15 @@ impl Boundary {
             }
         }
         Some(())
+    }
+
+    /// Whether a face of two corners is one between two curves, wider than rounding.
+    fn is_lens(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+        let edges = [half_edge, self.at(half_edge).next];
+        match edges.map(|edge| self.middle(scene, edge)) {
+            [Some(one), Some(other)] => one.distance(other) > scene.near,
+            _ => false,
+        }
     }
 
     /// Whether the middle of an edge lies within other contours of its face: then
@@ -442,6 +466,9 @@ impl Boundary {
                 previous: NONE,
                 face,
             });
+            if let Some(&curve) = self.curves.get(&half) {
+                self.curves.insert(rest, curve);
+            }
             self.join(rest, next);
             self.join(half, rest);
         }

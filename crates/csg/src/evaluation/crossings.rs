@@ -10,11 +10,34 @@ use super::boundary::Boundary;
 use super::triangulate::orient;
 use crate::net::solve;
 
+/// A point of an edge's curve at which a vertex may part it from another one. One
+/// half of the edge stands for both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    pub half_edge: u32,
+    at: DVec3,
+}
+
 impl Boundary {
     /// Puts a vertex of their curve in the middle of edges, and of all others along
     /// the same stretch of it, where the solid touches itself. One half of each edge
     /// that was split; none if one has no such point.
     pub fn split(&mut self, scene: &Scene<'_>, edges: &[u32]) -> Option<Vec<u32>> {
+        let splits = edges.iter().map(|&half_edge| self.halve(scene, half_edge));
+        let splits: Vec<Split> = splits.collect::<Option<_>>()?;
+        Some(self.split_all(scene, &splits))
+    }
+
+    /// The split of an edge in its middle.
+    fn halve(&self, scene: &Scene<'_>, half_edge: u32) -> Option<Split> {
+        let at = self.middle(scene, half_edge)?;
+        let half_edge = half_edge.min(self.at(half_edge).twin);
+        Some(Split { half_edge, at })
+    }
+
+    /// Splits edges, each no more than once, and all others along the same stretch
+    /// of their curves. One half of each edge that was split.
+    pub fn split_all(&mut self, scene: &Scene<'_>, splits: &[Split]) -> Vec<u32> {
         let mut between: FxHashMap<[u32; 2], SmallVec<[u32; 2]>> = FxHashMap::default();
         for half_edge in 0..self.half_edges.len() as u32 {
             if !self.is_removed(half_edge) && half_edge < self.at(half_edge).twin {
@@ -25,22 +48,20 @@ impl Boundary {
             }
         }
         let mut split: Vec<u32> = Vec::new();
-        for &half_edge in edges {
-            let half_edge = half_edge.min(self.at(half_edge).twin);
+        for &Split { half_edge, at } in splits {
             let alike = between.get(&self.ends(half_edge));
             let Some(alike) = alike.filter(|alike| alike.contains(&half_edge)) else {
                 // Split already, with another one.
                 continue;
             };
-            let middle = self.middle(scene, half_edge)?;
             for &other in alike {
-                if other == half_edge || self.runs_through(scene, other, middle) {
-                    self.split_at(other, middle);
+                if other == half_edge || self.runs_through(scene, other, at) {
+                    self.split_at(other, at);
                     split.push(other);
                 }
             }
         }
-        Some(split)
+        split
     }
 
     /// The points that an edge joins, in ascending order.
@@ -49,42 +70,58 @@ impl Boundary {
         [a.min(b), a.max(b)]
     }
 
-    /// Whether an edge's curve goes through a point next to the middle of its chord.
+    /// Whether an edge's curve goes through a point next to its chord.
     fn runs_through(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> bool {
-        if self.surfaces_of(scene, half_edge).is_some() {
-            let middle = self.middle(scene, half_edge);
-            return middle.is_some_and(|middle| middle.distance(point) <= scene.weld);
+        let [face, other] = self.faces_of(half_edge);
+        if face != other && self.surfaces_of(scene, half_edge).is_some() {
+            let near = self.next_to(scene, half_edge, point);
+            return near.is_some_and(|near| near.distance(point) <= scene.weld);
         }
         // Within a face, which others touch there.
-        let face = &self.faces[self.at(half_edge).face as usize];
-        let surface = &scene.surfaces[face.plane as usize];
+        let surface = &scene.surfaces[self.faces[face as usize].plane as usize];
         surface.value(point).abs() <= scene.weld * surface.gradient(point).length()
+    }
+
+    fn chord(&self, half_edge: u32) -> [DVec3; 2] {
+        [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize])
     }
 
     /// The point of an edge's curve next to the middle of its chord.
     pub fn middle(&self, scene: &Scene<'_>, half_edge: u32) -> Option<DVec3> {
-        let [a, b] =
-            [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
-        let (middle, half) = (0.5 * (a + b), 0.5 * a.distance(b));
-        let surfaces = self.surfaces_of(scene, half_edge);
-        let Some(surfaces) = surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) else {
-            return Some(middle);
-        };
-        let found = solve::common_point(&surfaces, middle, half);
-        let is_near = found.point.distance(middle) <= 0.9 * half;
-        (is_near && found.residual <= scene.weld && half > 10.0 * scene.weld).then_some(found.point)
+        let [a, b] = self.chord(half_edge);
+        self.next_to(scene, half_edge, 0.5 * (a + b))
     }
 
-    /// Adds the edges that run across others of the same face as it is seen: of
-    /// each two the one that is farther from its curve. If there are none, the one
-    /// that is farthest of each contour that goes around the wrong way. Half-edges
-    /// are given by contour.
-    pub fn crossing_edges(
+    /// The point of an edge's curve next to another point; none if that is not
+    /// between the edge's ends, or these are one but for rounding.
+    fn next_to(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
+        let [a, b] = self.chord(half_edge);
+        let half = 0.5 * a.distance(b);
+        let surfaces = self.surfaces_of(scene, half_edge);
+        let found = match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
+            None => a + (point - a).project_onto(b - a),
+            Some(surfaces) => {
+                let found = solve::common_point(&surfaces, point, half);
+                if found.residual > scene.weld || half <= 10.0 * scene.weld {
+                    return None;
+                }
+                found.point
+            }
+        };
+        let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
+        is_between.then_some(found)
+    }
+
+    /// Adds splits that part edges of the same face which run across each other as
+    /// it is seen. If there are none, of each contour that goes around the wrong way
+    /// the edge that is farthest from its curve is halved. Half-edges are given by
+    /// contour.
+    pub fn part(
         &self,
         scene: &Scene<'_>,
         face: u32,
         contours: &[Vec<u32>],
-        crossing: &mut Vec<u32>,
+        splits: &mut Vec<Split>,
     ) {
         let side = &self.faces[face as usize];
         let flat = |vertex: u32| scene.flatten(side, self.points[vertex as usize]);
@@ -96,36 +133,58 @@ impl Boundary {
                 (h, ends, ends.map(flat))
             })
             .collect();
-        let sagitta = |half_edge: u32| {
-            let [a, b] =
-                [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
-            let middle = self.middle(scene, half_edge);
-            middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
-        };
-        let known = crossing.len();
+        let known = splits.len();
         for (k, (first, ends, places)) in edges.iter().enumerate() {
             for (second, others, other_places) in &edges[k + 1..] {
-                if *second == self.at(*first).twin || !cross(*ends, *places, *others, *other_places)
+                if *second != self.at(*first).twin && cross(*ends, *places, *others, *other_places)
                 {
-                    continue;
+                    splits.extend(self.split_between(scene, [*first, *second]));
                 }
-                let [one, other] = [*first, *second].map(sagitta);
-                let worse = if one >= other { *first } else { *second };
-                // One half of an edge stands for both.
-                crossing.push(worse.min(self.at(worse).twin));
             }
         }
-        if crossing.len() > known {
+        if splits.len() > known {
             return;
         }
         // A face narrower than its curves bend may be turned over as a whole.
         for contour in contours {
             let area = |&h: &u32| flat(self.at(h).from).perp_dot(flat(self.end(h)));
             if contour.iter().map(area).sum::<f64>() <= 0.0 {
-                let by_sagitta = |a: &&u32, b: &&u32| sagitta(**a).total_cmp(&sagitta(**b));
+                let sagitta = |half_edge: &u32| self.sagitta(scene, *half_edge);
+                let by_sagitta = |a: &&u32, b: &&u32| sagitta(a).total_cmp(&sagitta(b));
                 let worst = contour.iter().max_by(by_sagitta);
-                crossing.extend(worst.map(|&h| h.min(self.at(h).twin)));
+                splits.extend(worst.and_then(|&h| self.halve(scene, h)));
             }
+        }
+    }
+
+    /// How far an edge's curve is from the middle of its chord.
+    fn sagitta(&self, scene: &Scene<'_>, half_edge: u32) -> f64 {
+        let [a, b] = self.chord(half_edge);
+        let middle = self.middle(scene, half_edge);
+        middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
+    }
+
+    /// What parts two edges that run across each other: the middle of the one that
+    /// is farther from its curve. But where one curve goes by an end of the other
+    /// edge more closely than that, a vertex beside this end: next to where curves
+    /// touch, chords of about the same curvature cross however short they are,
+    /// unless their vertices are side by side.
+    fn split_between(&self, scene: &Scene<'_>, [first, second]: [u32; 2]) -> Option<Split> {
+        let [one, other] = [first, second].map(|h| self.sagitta(scene, h));
+        let beside = [(first, second), (second, first)].into_iter();
+        let beside = beside.flat_map(|(half_edge, other)| {
+            self.chord(other).into_iter().filter_map(move |end| {
+                let at = self.next_to(scene, half_edge, end)?;
+                Some((at.distance(end), half_edge, at))
+            })
+        });
+        let closest = beside.min_by(|a, b| a.0.total_cmp(&b.0));
+        match closest.filter(|closest| closest.0 <= one.max(other)) {
+            Some((_, half_edge, at)) => {
+                let half_edge = half_edge.min(self.at(half_edge).twin);
+                Some(Split { half_edge, at })
+            }
+            None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
 }

@@ -17,6 +17,9 @@ pub(super) struct Piece {
     pub from: DVec3,
     pub to: DVec3,
     pub sides: [Side; 2],
+    /// Two surfaces on whose curve it lies, by number; the second
+    /// [`super::sectors::NOTHING`] on seams.
+    pub curve: [u32; 2],
 }
 
 /// Finds the edges in blocks. Holds scratch memory.
@@ -214,6 +217,7 @@ impl Tracer {
         let last = self.sectors.crossings.partition_point(|&(t, _)| t <= end);
         // Stretches between crossings, as many at once as fit into a word.
         let at_once = 64 / sectors;
+        let curve = pair.map(|position| block.cell.surfaces[position as usize]);
         let mut open = Wedges::new();
         let mut from = line.at(line.start);
         for batch in (first..=last).step_by(at_once) {
@@ -232,7 +236,7 @@ impl Tracer {
                     let triple = [pair[0], pair[1], crossing];
                     let ids = triple.map(|p| block.cell.surfaces[p as usize]);
                     let here = scene.common_point(ids);
-                    emit(&open, from, here, pieces);
+                    emit(&open, [from, here], curve, pieces);
                     (open, from) = (wedges, here);
                 }
             }
@@ -240,7 +244,7 @@ impl Tracer {
         if end < line.end && !open.is_empty() {
             return false;
         }
-        emit(&open, from, line.at(line.end), pieces);
+        emit(&open, [from, line.at(line.end)], curve, pieces);
         true
     }
 
@@ -334,6 +338,17 @@ impl Tracer {
     }
 }
 
-pub(super) fn emit(wedges: &Wedges, from: DVec3, to: DVec3, pieces: &mut Vec<Piece>) {
-    pieces.extend(wedges.iter().map(|&sides| Piece { from, to, sides }));
+/// Adds a piece for each wedge.
+pub(super) fn emit(
+    wedges: &Wedges,
+    [from, to]: [DVec3; 2],
+    curve: [u32; 2],
+    pieces: &mut Vec<Piece>,
+) {
+    pieces.extend(wedges.iter().map(|&sides| Piece {
+        from,
+        to,
+        sides,
+        curve,
+    }));
 }

@@ -18,6 +18,13 @@ pub(super) struct Side {
     pub patch: u8,
 }
 
+impl Side {
+    /// Whether it is the same patch of the same surface as another one.
+    pub fn shares_patch(&self, other: &Self) -> bool {
+        self.plane == other.plane && self.patch == other.patch
+    }
+}
+
 /// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
 /// which, turning counter-clockwise about the line, the plane's inside lies.
 pub(super) type HalfPlane = u32;
