@@ -40,12 +40,14 @@ fn near_parabola(
     let at_vertex = discriminant.sqrt().copysign(slope);
     let vertex = on_axis - 2.0 * rest / (slope + at_vertex) * v;
     let k = first * second / (at_vertex * at_vertex);
-    let most = vertex.length() + scene;
+    let b = -first / at_vertex * v;
+    let reach = vertex.length() + scene;
+    let most = reach.min((2.0 * reach / b.length()).sqrt());
     // There a half of the conic goes on and on.
     (16.0 * k.abs() * most * most <= 1.0).then(|| Curve::Parabola {
         point: vertex,
         a: u,
-        b: -first / at_vertex * v,
+        b,
         l: 0.0,
         k,
     })

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::{Roots, Sample};
+use super::roots::{Roots, Sample, bend_within};
 use super::rulings::Rulings;
 use super::trig::Trig;
 use crate::program::Surface;
@@ -236,8 +236,10 @@ impl Curve {
                 let end = far.asinh() + 1.0;
                 Some([-end, end])
             }
-            Self::Parabola { point, a, l, k, .. } => {
-                let far = (reach + (around - point).length()) / a.length();
+            Self::Parabola { point, a, b, l, k } => {
+                // Both along its axis and across.
+                let far = reach + (around - point).length();
+                let far = (far / a.length()).min((2.0 * far / b.length()).sqrt());
                 Some([-far, far].map(|number| of_share(number, [*l, *k])))
             }
         }
@@ -366,9 +368,17 @@ impl Curve {
                     let (c, s) = (t.cosh(), t.sinh());
                     (xx * c + xy * s + x) * c + (yy * s + y) * s + form.constant
                 };
+                // The squares are those of cosh 2t and sinh 2t.
+                let (even, odd) = (2.0 * (xx + yy), 2.0 * xy);
+                let second = |t: f64| {
+                    let twice = 2.0 * t;
+                    even * twice.cosh() + odd * twice.sinh() + x * t.cosh() + y * t.sinh()
+                };
                 let bend = |from: f64, to: f64| {
-                    let c = from.abs().max(to.abs()).cosh();
-                    2.0 * c * c * (xx.abs() + yy.abs() + xy.abs()) * 2.0 + c * (x.abs() + y.abs())
+                    let far = from.abs().max(to.abs());
+                    let squares = (even.abs() + odd.abs()) * (2.0 * far).cosh();
+                    let rest = (x.abs() + y.abs()) * far.cosh();
+                    bend_within([from, to], squares + rest, second, 2.0 * squares + rest)
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
@@ -384,8 +394,12 @@ impl Curve {
                 let fourth = yy + k * (y + k * c);
                 let value = |t: f64| c + t * (once + t * (square + t * (cube + t * fourth)));
                 let bend = |from: f64, to: f64| {
-                    let t = from.abs().max(to.abs());
-                    2.0 * square.abs() + t * (6.0 * cube.abs() + 12.0 * t * fourth.abs())
+                    let far = from.abs().max(to.abs());
+                    let most =
+                        2.0 * square.abs() + far * (6.0 * cube.abs() + 12.0 * far * fourth.abs());
+                    let second = |t: f64| 2.0 * square + t * (6.0 * cube + 12.0 * t * fourth);
+                    let third = 6.0 * cube.abs() + 24.0 * far * fourth.abs();
+                    bend_within([from, to], most, second, third)
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }

@@ -211,6 +211,23 @@ impl Roots {
     }
 }
 
+/// A bound on a second derivative in an interval: what it is at most anywhere, and
+/// where that is less, what a bound on the third one permits. Where surfaces have
+/// more than a tangent in common, both are next to 0 and the second one is far
+/// below its bound.
+pub(super) fn bend_within(
+    [from, to]: [f64; 2],
+    most: f64,
+    second: impl Fn(f64) -> f64,
+    third: f64,
+) -> f64 {
+    let half = 0.5 * (to - from);
+    if half * third > 0.1 * most {
+        return most;
+    }
+    most.min(second(from + half).abs() + half * third)
+}
+
 /// The root between two places of different sign, by the method of Ridders (*A
 /// New Algorithm for Computing a Single Root of a Real Continuous Function*,
 /// 1979).

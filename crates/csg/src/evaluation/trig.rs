@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::roots::Roots;
+use super::roots::{Roots, bend_within};
 
 /// The highest degree there is.
 const DEGREE: usize = 8;
@@ -198,10 +198,16 @@ impl Trig {
             return;
         }
         if higher_sum > 1e-3 * tolerance {
-            let squares = (2..).map(|k: u32| f64::from(k * k));
-            let bend = once + higher.iter().zip(squares).map(|(a, k)| a * k).sum::<f64>();
+            let most = |power: i32| {
+                let powers = (2..).map(|k: u32| f64::from(k).powi(power));
+                once + higher.iter().zip(powers).map(|(a, k)| a * k).sum::<f64>()
+            };
+            let (most, third) = (most(2), most(3));
+            let second = self.derivative().derivative();
+            let bend =
+                |from: f64, to: f64| bend_within([from, to], most, |t| second.value(t), third);
             let before = roots.touching.len();
-            roots.find([0.0, TAU], |t| self.value(t), |_, _| bend, tolerance);
+            roots.find([0.0, TAU], |t| self.value(t), bend, tolerance);
             for touching in &mut roots.touching[before..] {
                 *touching = self.extremum_near(*touching);
             }
