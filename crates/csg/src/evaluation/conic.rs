@@ -44,7 +44,7 @@ fn near_parabola(
     let reach = vertex.length() + scene;
     let most = reach.min((2.0 * reach / b.length()).sqrt());
     // There a half of the conic goes on and on.
-    (16.0 * k.abs() * most * most <= 1.0).then(|| Curve::Parabola {
+    (16.0 * k.abs() * most * most <= 1.0).then_some(Curve::Parabola {
         point: vertex,
         a: u,
         b,
