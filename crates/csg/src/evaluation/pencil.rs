@@ -89,8 +89,14 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
             return known;
         }
     }
-    // Then the surfaces themselves, which are known best.
-    for own in [[1.0, 0.0], [0.0, 1.0]] {
+    // Then the surfaces themselves, which are known best; of these the one whose
+    // apex is on the other one, as there the other's lines tell nothing.
+    let is_on_first = |apex: DVec3| a.value(apex).abs() <= near * a.gradient(apex).length();
+    let mut own = [[1.0, 0.0], [0.0, 1.0]];
+    if b.apex().is_some_and(is_on_first) {
+        own.swap(0, 1);
+    }
+    for own in own {
         if let Some(known) = consider(own) {
             return known;
         }
