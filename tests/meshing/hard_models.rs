@@ -109,7 +109,9 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 37] = [
+const MODELS: [&str; 46] = [
+    "apex-on-a-cylinder",
+    "ball-in-a-turned-spheroid",
     "ball-on-plate",
     "ball-through-edges",
     "block-of-cubes",
@@ -117,6 +119,9 @@ const MODELS: [&str; 37] = [
     "capsule",
     "cone",
     "conical-pit",
+    "conics-touching",
+    "contact-of-fourth-order",
+    "contact-on-a-ruling",
     "contact-parted-by-rounding",
     "corners-on-a-cone",
     "crossing-pipes",
@@ -125,6 +130,7 @@ const MODELS: [&str; 37] = [
     "dimples",
     "doubled-chords",
     "doubled-diagonals",
+    "flat-triangle",
     "half-cone",
     "half-hourglass",
     "hourglass",
@@ -143,7 +149,10 @@ const MODELS: [&str; 37] = [
     "rounded-edge",
     "slit-along-a-curve",
     "slit-between-cones",
+    "slit-within-a-face",
     "spire",
+    "thin-ellipse",
+    "thin-lens",
     "thin-wall",
     "turned-over-face",
     "wedge",

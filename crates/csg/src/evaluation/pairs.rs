@@ -142,6 +142,7 @@ pub(super) mod tests {
         }
     }
 
+    /// How far a point is from a curve.
     fn distance(curve: &Curve, point: DVec3) -> f64 {
         const SAMPLES: u32 = 400;
         let Some([start, end]) = curve.range(DVec3::ZERO, 3.0) else {
@@ -149,20 +150,26 @@ pub(super) mod tests {
         };
         let step = (end - start) / f64::from(SAMPLES);
         let off = |t: f64| curve.at(t).distance(point);
-        let nearest = (0..=SAMPLES)
-            .map(|k| start + f64::from(k) * step)
-            .min_by(|a, b| off(*a).total_cmp(&off(*b)))
-            .unwrap_or(start);
-        let (mut low, mut high) = (nearest - step, nearest + step);
-        for _ in 0..60 {
-            let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
-            if off(a) < off(b) {
-                high = b;
-            } else {
-                low = a;
+        let mut nearest = f64::INFINITY;
+        for k in 0..SAMPLES {
+            let (mut low, mut high) =
+                (start + f64::from(k) * step, start + f64::from(k + 1) * step);
+            // Next to a pole chords are long.
+            let chord = curve.at(low).distance(curve.at(high));
+            if off(low).min(off(high)) > chord {
+                continue;
             }
+            for _ in 0..60 {
+                let (a, b) = (low + 0.382 * (high - low), low + 0.618 * (high - low));
+                if off(a) < off(b) {
+                    high = b;
+                } else {
+                    low = a;
+                }
+            }
+            nearest = nearest.min(off(0.5 * (low + high)));
         }
-        off(0.5 * (low + high))
+        nearest
     }
 
     #[test]
@@ -336,47 +343,74 @@ pub(super) mod tests {
         }
     }
 
+    /// Checks that curves are on two surfaces, and all that these have in common
+    /// near the origin, at random points of it; how many points these were.
+    fn check(surfaces: &[Surface; 2], branches: Branches, random: &mut Random) -> u32 {
+        let curves: Vec<Curve> = branches.into_iter().map(|b| b.curve).collect();
+        for curve in &curves {
+            let Some([start, end]) = curve.range(DVec3::ZERO, 3.0) else {
+                continue;
+            };
+            for k in 0..50 {
+                let at = curve.at(start + f64::from(k) / 50.0 * (end - start));
+                let off = solve::residual(surfaces.iter(), at);
+                assert!(
+                    off < 1e-7 * (1.0 + at.length()),
+                    "{surfaces:?}: {off} {curve:?}"
+                );
+            }
+        }
+        let mut points = 0;
+        for _ in 0..10 {
+            let start = DVec3::from_array(std::array::from_fn(|_| 2.0 * random.unit() - 1.0));
+            let found = solve::common_point(&[&surfaces[0], &surfaces[1]], start, 0.5);
+            if found.residual > 1e-13 || found.point.length() > 2.0 {
+                continue;
+            }
+            points += 1;
+            let off = curves.iter().map(|c| distance(c, found.point));
+            let off = off.fold(f64::INFINITY, f64::min);
+            assert!(off < 1e-5, "{off} of {} {surfaces:?}", curves.len());
+        }
+        points
+    }
+
     #[test]
     fn curves_are_all_that_two_surfaces_have_in_common() {
         const NEAR: f64 = 1e-9;
         let mut random = Random(7);
         let (mut known, mut points) = (0, 0);
-        for case in 0..400 {
+        for _ in 0..400 {
             let surfaces = [quadric(&mut random), quadric(&mut random)];
             let Ok(branches) = curves(&surfaces[0], &surfaces[1], NEAR) else {
                 continue;
             };
-            let curves: Vec<Curve> = branches.into_iter().map(|b| b.curve).collect();
             known += 1;
-            for curve in &curves {
-                let Some([start, end]) = curve.range(DVec3::ZERO, 3.0) else {
-                    continue;
-                };
-                for k in 0..50 {
-                    let at = curve.at(start + f64::from(k) / 50.0 * (end - start));
-                    let off = solve::residual(surfaces.iter(), at);
-                    assert!(
-                        off < 1e-7 * (1.0 + at.length()),
-                        "case {case}: {off} {curve:?}"
-                    );
-                }
+            points += check(&surfaces, branches, &mut random);
+        }
+        assert!(known == 400 && points > 1000, "{known} {points}");
+    }
+
+    #[test]
+    fn curves_through_apexes_of_cones_are_known() {
+        const NEAR: f64 = 1e-9;
+        let mut random = Random(5);
+        let (mut known, mut points) = (0, 0);
+        while known < 200 {
+            let mut cone = quadric(&mut random);
+            let other = quadric(&mut random);
+            let on_other = solve::common_point(&[&other], cone.anchor, 0.5);
+            if cone.apex().is_none() || other.apex().is_some() || on_other.residual > 1e-15 {
+                continue;
             }
-            for _ in 0..20 {
-                let start = DVec3::from_array(std::array::from_fn(|_| 2.0 * random.unit() - 1.0));
-                let found = solve::common_point(&[&surfaces[0], &surfaces[1]], start, 0.5);
-                if found.residual > 1e-13 || found.point.length() > 2.0 {
-                    continue;
-                }
-                points += 1;
-                let off = curves.iter().map(|c| distance(c, found.point));
-                let off = off.fold(f64::INFINITY, f64::min);
-                assert!(
-                    off < 1e-5,
-                    "case {case}: {off} of {} {surfaces:?}",
-                    curves.len()
-                );
+            cone.anchor = on_other.point;
+            for surfaces in [[cone, other], [other, cone]] {
+                let found = curves(&surfaces[0], &surfaces[1], NEAR);
+                let branches = found.unwrap_or_else(|e| panic!("{e:?} {surfaces:?}"));
+                known += 1;
+                points += check(&surfaces, branches, &mut random);
             }
         }
-        assert!(known == 400 && points > 2000, "{known} {points}");
+        assert!(points > 500, "{points}");
     }
 }

@@ -264,3 +264,69 @@ fn roots_that_rounding_parts_are_joined() {
     assert_eq!(roots.simple, [-1.0, 1.0]);
     assert!(roots.touching.is_empty());
 }
+
+/// A quadric with a plane that contains a tangent of a conic of it, counted twice,
+/// has four points in common with the conic where that touches it.
+#[test]
+fn contacts_of_fourth_order_are_found() {
+    let mut random = Random(9);
+    let mut found = 0;
+    for case in 0..400 {
+        let quadric = quadric(&mut random);
+        let mut number = || 2.0 * random.unit() - 1.0;
+        let mut vector = || DVec3::new(number(), number(), number());
+        let plane = Surface {
+            anchor: quadric.anchor + 0.3 * vector(),
+            quadratic: [0.0; 6],
+            linear: vector().normalize(),
+            constant: 0.0,
+        };
+        let across = vector();
+        for branch in curves(&plane, &quadric, NEAR).unwrap_or_default() {
+            let curve = branch.curve;
+            let Some(range) = curve.range(DVec3::ZERO, 2.0) else {
+                continue;
+            };
+            if matches!(curve, Curve::Line { .. }) {
+                continue;
+            }
+            let t = range[0] + 0.43 * (range[1] - range[0]);
+            let (at, tangent) = (curve.at(t), curve.direction(t).normalize());
+            let normal = across.reject_from(tangent).normalize();
+            let is_small = curve.at(range[0]).distance(at) < 0.2;
+            let is_straight = curve.direction(range[0]).normalize().dot(tangent).abs() > 0.95;
+            if is_small
+                || is_straight
+                || normal.cross(plane.linear).length() < 0.2
+                || at.length() > 2.0
+            {
+                continue;
+            }
+            found += 1;
+            let [x, y, z] = normal.to_array();
+            let square = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x];
+            let offset = normal.dot(quadric.anchor - at);
+            let other = Surface {
+                anchor: quadric.anchor,
+                quadratic: std::array::from_fn(|k| quadric.quadratic[k] + 0.7 * square[k]),
+                linear: quadric.linear + 1.4 * offset * normal,
+                constant: quadric.constant + 0.7 * offset * offset,
+            };
+            let mut roots = Roots::default();
+            curve.meet(
+                &other,
+                range,
+                &curve.samples(range),
+                [1e-12, NEAR],
+                &mut roots,
+            );
+            assert!(!roots.is_lost, "case {case}");
+            let all = roots.simple.iter().chain(&roots.touching);
+            let off = all.clone().map(|&t| curve.at(t).distance(at));
+            assert!(off.clone().count() > 0, "case {case}");
+            let farthest = off.fold(0.0, f64::max);
+            assert!(farthest < 0.1, "case {case}: {farthest} {roots:?}");
+        }
+    }
+    assert!(found > 200, "{found}");
+}

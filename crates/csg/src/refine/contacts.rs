@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 
 use super::grow::Grower;
 use super::half_edges::{HalfEdges, Kind};
-use super::separate::{Side, cut_of};
+use super::separate::{Side, halved};
 
 /// Edges, by their ends in ascending order, that join the same two places as
 /// others.
@@ -121,7 +121,7 @@ impl Grower<'_, '_> {
                 let Some(border) = self.mesh.on_border(edges) else {
                     continue;
                 };
-                let Some((off, side)) = cut_of(self.mesh, border, self.precision) else {
+                let Some((off, side)) = halved(self.mesh, border, self.precision) else {
                     continue;
                 };
                 let surfaces = [border, self.mesh.twin(border)].map(|h| self.mesh.surface_index(h));

@@ -14,6 +14,8 @@
 mod insert;
 mod measure;
 
+pub(super) use self::insert::splits_well;
+
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
@@ -123,7 +125,7 @@ impl<'m, 's> Grower<'m, 's> {
         let [from, to] = side.ends;
         let ends_there = |&half: &u32| self.mesh.target(half) == to;
         let half = self.mesh.around(from).find(ends_there)?;
-        if side.kind == Kind::Face && !self.splits_well(half, side.target) {
+        if side.kind == Kind::Face && !splits_well(self.mesh, half, side.target) {
             return None;
         }
         let vertex = self.mesh.add_vertex(side.target, side.kind);
@@ -387,7 +389,7 @@ impl<'m, 's> Grower<'m, 's> {
         }
         let kind = if self.mesh.is_feature(half) {
             Kind::Corner
-        } else if self.splits_well(half, target) {
+        } else if splits_well(self.mesh, half, target) {
             Kind::Face
         } else {
             return false;

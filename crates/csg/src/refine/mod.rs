@@ -15,6 +15,7 @@
 //! Vertices never leave their surfaces. One thread does all but the
 //! tessellation, in a fixed order.
 
+mod beside;
 mod chains;
 mod coarsen;
 mod conics;
@@ -38,7 +39,7 @@ use rustc_hash::FxHashMap;
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
 use self::regions::Way;
-pub(crate) use self::separate::{Which, folded, separate};
+pub(crate) use self::separate::{folded, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;
@@ -137,8 +138,6 @@ pub(crate) struct Outcome {
     pub unkept: Vec<(Unkept, DVec3)>,
     /// Surfaces for which a smaller tolerance may help; some several times.
     pub tighter: Vec<u32>,
-    /// Whether there are edges along which the solid touches itself, kept for that.
-    pub has_contacts: bool,
 }
 
 impl Outcome {
@@ -188,7 +187,7 @@ pub(crate) fn to_tolerance(
             deviation: f64::INFINITY,
             farthest: place,
             unkept: vec![(Unkept::NotManifold, place)],
-            ..Outcome::default()
+            tighter: Vec::new(),
         });
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
@@ -197,9 +196,7 @@ pub(crate) fn to_tolerance(
     }
     coarsen::coarsen(&mut mesh, goal);
     control.check()?;
-    let has_contacts = !mesh.contacts.is_empty();
     let mut grower = Grower::new(&mut mesh, goal, precision);
-    grower.outcome.has_contacts = has_contacts;
     grower.cut_contacts();
     grower.run(control)?;
     let (outcome, fine) = (grower.outcome, grower.fine);

@@ -1,6 +1,7 @@
 //! Separates triangles that run through each other though their surfaces do not: cuts
-//! the sides of both that stray most from surfaces and curves, at points of them. So
-//! are those that face into the solid.
+//! sides of them [beside](super::beside) each other's corners, or else those that
+//! stray most from surfaces and curves, at points of them. So are those that face into
+//! the solid.
 //!
 //! All vertices being on the solid's boundary, and all triangles in its topology,
 //! the mesh runs through itself no more once it is fine enough there, and none of it
@@ -8,6 +9,7 @@
 
 use glam::DVec3;
 
+use super::beside::sides_beside;
 use super::curves::on_curve;
 use super::grow::{Grower, project};
 use super::half_edges::{HalfEdges, Kind};
@@ -16,16 +18,6 @@ use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
 
-/// Which sides are cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Which {
-    /// Those that stray most.
-    Worst,
-    /// Chords of curves, if there are any that stray: of faces that touch along
-    /// one, those inside of faces may be as long as the gap takes to open.
-    Chords,
-}
-
 /// Cuts sides of the pairs of triangles, and notes in `outcome` how far what comes
 /// of it strays; false if there is nothing to be cut.
 pub(crate) fn separate(
@@ -33,7 +25,6 @@ pub(crate) fn separate(
     surfaces: &[Surface],
     goal: &Goal,
     pairs: &[[u32; 2]],
-    which: Which,
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
@@ -45,7 +36,7 @@ pub(crate) fn separate(
     }
     let mut sides: Vec<Side> = pairs
         .iter()
-        .flat_map(|&pair| worst_sides(&mesh, pair, which, precision))
+        .flat_map(|&pair| sides_of(&mesh, pair, precision))
         .collect();
     // Where the solid touches itself, all edges are cut at the same place.
     for index in 0..sides.len() {
@@ -95,35 +86,36 @@ pub(super) struct Side {
     pub kind: Kind,
 }
 
+/// The sides of two triangles to be cut.
+fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
+    let beside = sides_beside(mesh, pair, precision);
+    if beside.is_empty() {
+        worst_sides(mesh, pair, precision)
+    } else {
+        beside
+    }
+}
+
 /// The sides of two triangles that stray most.
-fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f64) -> Vec<Side> {
+fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
     /// Of the farthest one's distance.
     const FAR: f64 = 0.5;
-    /// The same for chords of curves, if they are asked for.
-    const NOT_NEAR: f64 = 0.05;
     let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
-    let sides = halves.filter_map(|half| cut_of(mesh, half, precision));
+    let sides = halves.filter_map(|half| halved(mesh, half, precision));
     let mut sides: Vec<(f64, Side)> = sides.filter(|side| side.0 > 100.0 * precision).collect();
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);
-    let is_chord = |side: &(f64, Side)| side.1.kind == Kind::Curve && side.0 >= NOT_NEAR * farthest;
-    if which == Which::Chords && sides.iter().any(is_chord) {
-        sides.retain(is_chord);
-    } else {
-        sides.retain(|side| side.0 >= FAR * farthest);
-    }
+    sides.retain(|side| side.0 >= FAR * farthest);
     sides.into_iter().map(|(_, side)| side).collect()
 }
 
-/// Where an edge would be cut, and how far its middle is from there.
-pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
+/// Where an edge would be cut next to a point of it.
+pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f64) -> Option<Side> {
     let half = if mesh.is_contact(half) {
         mesh.on_border(mesh.contacts.alike(mesh.ends(half)))?
     } else {
         half
     };
     let ends = mesh.ends(half);
-    let [p, q] = ends.map(|v| mesh.at(v));
-    let middle = p.midpoint(q);
     let surfaces = [half, mesh.twin(half)].map(|side| mesh.surface(side));
     let (target, kind) = if std::ptr::eq(surfaces[0], surfaces[1]) {
         let kind = if mesh.is_feature(half) {
@@ -131,12 +123,22 @@ pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<
         } else {
             Kind::Face
         };
-        (project(surfaces[0], middle)?, kind)
+        (project(surfaces[0], near)?, kind)
     } else {
+        let [p, q] = ends.map(|v| mesh.at(v));
         let reach = 0.5 * p.distance(q);
-        (on_curve(surfaces, middle, reach, precision)?, Kind::Curve)
+        (on_curve(surfaces, near, reach, precision)?, Kind::Curve)
     };
-    Some((target.distance(middle), Side { ends, target, kind }))
+    Some(Side { ends, target, kind })
+}
+
+/// Where an edge would be cut next to its middle, and how far that is from there.
+pub(super) fn halved(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
+    let middle = mesh
+        .at(mesh.origin(half))
+        .midpoint(mesh.at(mesh.target(half)));
+    let side = cut_of(mesh, half, middle, precision)?;
+    Some((side.target.distance(middle), side))
 }
 
 #[cfg(test)]
@@ -237,7 +239,6 @@ mod tests {
                     &surfaces,
                     &goal,
                     &pairs,
-                    Which::Worst,
                     &mut outcome
                 ));
                 pairs = mesh(&surfaced).self_intersections();
@@ -285,7 +286,7 @@ mod tests {
 
     /// The new vertices after a triangle was cut next to itself, as if it were
     /// folded.
-    fn cuts(triangle: u32, which: Which) -> Vec<DVec3> {
+    fn cuts(triangle: u32) -> Vec<DVec3> {
         let (mut surfaced, surfaces) = half_ball();
         assert!(mesh(&surfaced).check().is_manifold());
         let before = surfaced.positions.clone();
@@ -303,7 +304,6 @@ mod tests {
             &surfaces,
             &goal,
             &pairs,
-            which,
             &mut outcome
         ));
         assert!(mesh(&surfaced).check().is_manifold());
@@ -312,14 +312,14 @@ mod tests {
     }
 
     #[test]
-    fn chords_of_curves_are_cut_alone_if_they_are_asked_for() {
+    fn the_sides_that_stray_most_are_cut() {
         let on_rim = DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0);
         let inside = [DVec3::X, DVec3::Y].map(|p| (p + DVec3::Z).normalize());
         let are = |found: Vec<DVec3>, wanted: &[DVec3]| {
             let has = |p: &DVec3| found.iter().any(|q| q.distance(*p) < 1e-14);
             found.len() == wanted.len() && wanted.iter().all(has)
         };
-        assert!(are(cuts(0, Which::Chords), &[on_rim]));
-        assert!(are(cuts(0, Which::Worst), &[on_rim, inside[0], inside[1]]));
+        assert!(are(cuts(0), &[on_rim, inside[0], inside[1]]));
+        assert!(are(cuts(4), &[on_rim]));
     }
 }

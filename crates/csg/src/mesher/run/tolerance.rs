@@ -12,7 +12,7 @@ use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
-use crate::refine::{self, Goal, Outcome, Surfaced, Unkept, Which};
+use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
 use crate::report::Report;
 
 /// A mesh brought to a tolerance.
@@ -151,30 +151,17 @@ impl Run<'_> {
         }
         // Where the mesh is folded there are more and more.
         let too_many = 4 * wrong.len() + 16;
-        let before = (surfaced.clone(), outcome.clone(), wrong);
-        let mut least = before.clone();
-        // Chords are what is in the way next to edges that are cut together.
-        let order = if outcome.has_contacts {
-            [Which::Chords, Which::Worst]
-        } else {
-            [Which::Worst, Which::Chords]
-        };
-        for which in order {
-            (*surfaced, *outcome, wrong) = before.clone();
-            for _ in 0..MOST_ROUNDS {
-                self.control.check()?;
-                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, which, outcome) {
-                    break;
-                }
-                wrong = wrong_triangles(surfaced, task);
-                if wrong.len() < least.2.len() {
-                    least = (surfaced.clone(), outcome.clone(), wrong.clone());
-                }
-                if wrong.is_empty() || wrong.len() > too_many {
-                    break;
-                }
+        let mut least = (surfaced.clone(), outcome.clone(), wrong.clone());
+        for _ in 0..MOST_ROUNDS {
+            self.control.check()?;
+            if !refine::separate(surfaced, &task.surfaces, goal, &wrong, outcome) {
+                break;
             }
-            if least.2.is_empty() {
+            wrong = wrong_triangles(surfaced, task);
+            if wrong.len() < least.2.len() {
+                least = (surfaced.clone(), outcome.clone(), wrong.clone());
+            }
+            if wrong.is_empty() || wrong.len() > too_many {
                 break;
             }
         }

@@ -4,30 +4,29 @@
 use glam::DVec3;
 
 use super::{Grower, Piece};
-use crate::refine::half_edges::{Kind, next};
+use crate::refine::half_edges::{HalfEdges, Kind, next};
 use crate::refine::shape::faces_out_in_the_middle;
 
-impl Grower<'_, '_> {
-    /// Whether the four triangles that a split leaves face the right way.
-    pub(super) fn splits_well(&self, half: u32, target: DVec3) -> bool {
-        let mesh = &*self.mesh;
-        let side_is_good = |half: u32| {
-            let (surface, region) = (mesh.surface(half), mesh.region(half));
-            let u = mesh.at(mesh.origin(half));
-            let w = mesh.at(mesh.target(half));
-            let c = mesh.at(mesh.apex(half));
-            faces_out_in_the_middle(surface, region, [u, target, c])
-                && faces_out_in_the_middle(surface, region, [target, w, c])
-        };
-        side_is_good(half) && side_is_good(mesh.twin(half))
-    }
+/// Whether the four triangles that a split leaves face the right way.
+pub(in super::super) fn splits_well(mesh: &HalfEdges<'_>, half: u32, target: DVec3) -> bool {
+    let side_is_good = |half: u32| {
+        let (surface, region) = (mesh.surface(half), mesh.region(half));
+        let u = mesh.at(mesh.origin(half));
+        let w = mesh.at(mesh.target(half));
+        let c = mesh.at(mesh.apex(half));
+        faces_out_in_the_middle(surface, region, [u, target, c])
+            && faces_out_in_the_middle(surface, region, [target, w, c])
+    };
+    side_is_good(half) && side_is_good(mesh.twin(half))
+}
 
+impl Grower<'_, '_> {
     /// Splits an edge at a new vertex, which on a face must split it well; `on`
     /// is the piece that the edge beyond it stands for.
     pub(super) fn insert(&mut self, half: u32, vertex: u32, on: Option<Piece>) {
         let target = self.mesh.at(vertex);
         let is_face = self.mesh.kinds[vertex as usize] == Kind::Face;
-        let is_free = is_face || self.splits_well(half, target);
+        let is_free = is_face || splits_well(self.mesh, half, target);
         if !is_free {
             let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
             let share = (target - p).dot(q - p) / p.distance_squared(q);
