@@ -181,10 +181,13 @@ impl Boundary {
     fn end_of_sector(&self, scene: &Scene<'_>, arriving: u32, leaving: &[u32]) -> Option<u32> {
         use std::f64::consts::TAU;
         let back = self.departure(scene, arriving, true);
+        // Next to where curves touch they are one curve but for rounding, too, and
+        // their order is that of their bends.
+        let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_DIRECTION);
         let clockwise = |&h: &u32| {
             let leaves = self.departure(scene, h, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);
-            let is_same = turn.min(TAU - turn) < SAME_DIRECTION;
+            let is_same = turn.min(TAU - turn) < same(back.bend - leaves.bend);
             // Along one curve the face goes all around: both sides of a slit.
             let turn = match is_same {
                 true if back.bend - leaves.bend > SAME_BEND * back.bend.abs().max(1.0) => 0.0,
@@ -194,7 +197,7 @@ impl Boundary {
             (turn, leaves.bend, h)
         };
         let in_order = |a: &(f64, f64, u32), b: &(f64, f64, u32)| {
-            if (a.0 - b.0).abs() < SAME_DIRECTION {
+            if (a.0 - b.0).abs() < same(a.1 - b.1) {
                 b.1.total_cmp(&a.1)
             } else {
                 a.0.total_cmp(&b.0)
