@@ -81,14 +81,43 @@ impl HalfEdges<'_> {
         }
         edges.sort_unstable();
         let alike = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        let alike = alike.map(|edges| edges.iter().map(|edge| edge.1).collect());
-        let edges: Vec<Vec<[u32; 2]>> = alike.collect();
+        let precision = super::precision(&self.positions);
+        let alike = alike.map(|edges| {
+            let edges = edges.iter().map(|edge| edge.1).collect();
+            self.along_one_curve(edges, precision)
+        });
+        let edges: Vec<Vec<[u32; 2]>> = alike.filter(|edges| edges.len() > 1).collect();
         let places = (0..).zip(&edges);
         let place_of = places.flat_map(|(place, edges)| edges.iter().map(move |&e| (e, place)));
         self.contacts = Contacts {
             place_of: place_of.collect(),
             edges,
         };
+    }
+
+    /// Of edges that join the same two places those whose surfaces go through the
+    /// point at which the first between two surfaces would be cut: a chord of one face
+    /// may join the ends of an edge that it has nothing to do with.
+    fn along_one_curve(&self, mut edges: Vec<[u32; 2]>, precision: f64) -> Vec<[u32; 2]> {
+        /// Of the distance to which points are on their surfaces.
+        const NEAR: f64 = 1e3;
+        let border = self.on_border(&edges);
+        if let Some((_, side)) = border.and_then(|half| halved(self, half, precision)) {
+            let is_on = |half: u32| {
+                let surface = self.surface(half);
+                let off = surface.value(side.target).abs();
+                off <= NEAR * precision * surface.gradient(side.target).length()
+            };
+            edges.retain(|&ends| {
+                let half = self.between(ends);
+                half.is_some_and(|half| is_on(half) && is_on(self.twin(half)))
+            });
+        }
+        edges
+    }
+
+    fn between(&self, [from, to]: [u32; 2]) -> Option<u32> {
+        self.around(from).find(|&half| self.target(half) == to)
     }
 
     /// Whether another edge joins the same two places, so that it is to stay.
@@ -100,8 +129,7 @@ impl HalfEdges<'_> {
     /// Of the edges at the same place as one the first between two surfaces: it may
     /// run along a face itself.
     pub fn on_border(&self, edges: &[[u32; 2]]) -> Option<u32> {
-        let half = |&[from, to]: &[u32; 2]| self.around(from).find(|&h| self.target(h) == to);
-        let mut halves = edges.iter().filter_map(half);
+        let mut halves = edges.iter().filter_map(|&ends| self.between(ends));
         halves.find(|&half| self.surface_index(half) != self.surface_index(self.twin(half)))
     }
 }
