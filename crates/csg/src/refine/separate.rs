@@ -1,6 +1,6 @@
 //! Separates triangles that run through each other though their surfaces do not: cuts
-//! sides of them [beside](super::beside) each other's corners, or else those that
-//! stray most from surfaces and curves, at points of them. So are those that face into
+//! those of their sides that stray most from surfaces and curves, at points of them,
+//! or sides [beside](super::beside) each other's corners. So are those that face into
 //! the solid.
 //!
 //! All vertices being on the solid's boundary, and all triangles in its topology,
@@ -18,6 +18,17 @@ use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
 
+/// Which sides are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Which {
+    /// Those that stray most: in the end all is fine enough, where surfaces do not
+    /// touch.
+    Worst,
+    /// Those [beside](super::beside) corners of the other triangle, and those that
+    /// stray most where there are none: where surfaces touch.
+    Beside,
+}
+
 /// Cuts sides of the pairs of triangles, and notes in `outcome` how far what comes
 /// of it strays; false if there is nothing to be cut.
 pub(crate) fn separate(
@@ -25,6 +36,7 @@ pub(crate) fn separate(
     surfaces: &[Surface],
     goal: &Goal,
     pairs: &[[u32; 2]],
+    which: Which,
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
@@ -36,7 +48,7 @@ pub(crate) fn separate(
     }
     let mut sides: Vec<Side> = pairs
         .iter()
-        .flat_map(|&pair| sides_of(&mesh, pair, precision))
+        .flat_map(|&pair| sides_of(&mesh, pair, which, precision))
         .collect();
     // Where the solid touches itself, all edges are cut at the same place.
     for index in 0..sides.len() {
@@ -87,8 +99,11 @@ pub(super) struct Side {
 }
 
 /// The sides of two triangles to be cut.
-fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
-    let beside = sides_beside(mesh, pair, precision);
+fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f64) -> Vec<Side> {
+    let beside = match which {
+        Which::Worst => Vec::new(),
+        Which::Beside => sides_beside(mesh, pair, precision),
+    };
     if beside.is_empty() {
         worst_sides(mesh, pair, precision)
     } else {
@@ -239,6 +254,7 @@ mod tests {
                     &surfaces,
                     &goal,
                     &pairs,
+                    Which::Worst,
                     &mut outcome
                 ));
                 pairs = mesh(&surfaced).self_intersections();
@@ -304,6 +320,7 @@ mod tests {
             &surfaces,
             &goal,
             &pairs,
+            Which::Worst,
             &mut outcome
         ));
         assert!(mesh(&surfaced).check().is_manifold());

@@ -12,7 +12,7 @@ use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
-use crate::refine::{self, Goal, Outcome, Surfaced, Unkept};
+use crate::refine::{self, Goal, Outcome, Surfaced, Unkept, Which};
 use crate::report::Report;
 
 /// A mesh brought to a tolerance.
@@ -151,17 +151,24 @@ impl Run<'_> {
         }
         // Where the mesh is folded there are more and more.
         let too_many = 4 * wrong.len() + 16;
-        let mut least = (surfaced.clone(), outcome.clone(), wrong.clone());
-        for _ in 0..MOST_ROUNDS {
-            self.control.check()?;
-            if !refine::separate(surfaced, &task.surfaces, goal, &wrong, outcome) {
-                break;
+        let before = (surfaced.clone(), outcome.clone(), wrong);
+        let mut least = before.clone();
+        for which in [Which::Worst, Which::Beside] {
+            (*surfaced, *outcome, wrong) = before.clone();
+            for _ in 0..MOST_ROUNDS {
+                self.control.check()?;
+                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, which, outcome) {
+                    break;
+                }
+                wrong = wrong_triangles(surfaced, task);
+                if wrong.len() < least.2.len() {
+                    least = (surfaced.clone(), outcome.clone(), wrong.clone());
+                }
+                if wrong.is_empty() || wrong.len() > too_many {
+                    break;
+                }
             }
-            wrong = wrong_triangles(surfaced, task);
-            if wrong.len() < least.2.len() {
-                least = (surfaced.clone(), outcome.clone(), wrong.clone());
-            }
-            if wrong.is_empty() || wrong.len() > too_many {
+            if least.2.is_empty() {
                 break;
             }
         }
