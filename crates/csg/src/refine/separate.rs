@@ -224,6 +224,16 @@ mod tests {
         Mesh::new(surfaced.positions.clone(), surfaced.triangles.clone())
     }
 
+    fn goal(tolerance: f64) -> Goal {
+        Goal {
+            tolerance,
+            promised: tolerance,
+            even_curves: false,
+            angle: None,
+            tight: rustc_hash::FxHashMap::default(),
+        }
+    }
+
     /// The long chords of one sphere run through another one just below it.
     #[test]
     fn spheres_that_cross_by_their_chords_are_separated() {
@@ -234,13 +244,7 @@ mod tests {
         ] {
             let (mut surfaced, surfaces) = spheres(radii, rows);
             assert!(mesh(&surfaced).check().is_manifold());
-            let goal = Goal {
-                tolerance: 0.2,
-                promised: 0.2,
-                even_curves: false,
-                angle: None,
-                tight: rustc_hash::FxHashMap::default(),
-            };
+            let goal = goal(0.2);
             let mut outcome = Outcome::default();
             let before = mesh(&surfaced).self_intersections();
             assert!(before.len() > 20, "{radii:?}: {}", before.len());
@@ -306,13 +310,7 @@ mod tests {
         let (mut surfaced, surfaces) = half_ball();
         assert!(mesh(&surfaced).check().is_manifold());
         let before = surfaced.positions.clone();
-        let goal = Goal {
-            tolerance: 1.0,
-            promised: 1.0,
-            even_curves: false,
-            angle: None,
-            tight: rustc_hash::FxHashMap::default(),
-        };
+        let goal = goal(1.0);
         let pairs = [[triangle; 2]];
         let mut outcome = Outcome::default();
         assert!(separate(
