@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 46] = [
+const MODELS: [&str; 48] = [
     "apex-on-a-cylinder",
     "ball-in-a-turned-spheroid",
     "ball-on-plate",
@@ -134,6 +134,7 @@ const MODELS: [&str; 46] = [
     "half-cone",
     "half-hourglass",
     "hourglass",
+    "island-touching-its-hole",
     "near-cylinders",
     "near-parabola",
     "octahedron",
@@ -149,6 +150,7 @@ const MODELS: [&str; 46] = [
     "rounded-edge",
     "slit-along-a-curve",
     "slit-between-cones",
+    "slit-kinked-by-rounding",
     "slit-within-a-face",
     "spire",
     "thin-ellipse",

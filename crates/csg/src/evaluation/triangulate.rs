@@ -56,7 +56,7 @@ pub(super) fn triangulate(
             [only] => only,
             many => many
                 .iter_mut()
-                .filter(|region| contains(region.outer, hole[0].0))
+                .filter(|region| is_within(hole, region.outer))
                 .min_by(|a, b| a.area.total_cmp(&b.area))?,
         };
         around.holes.push(hole);
@@ -103,6 +103,16 @@ fn leftmost(contour: &[Named]) -> Named {
             if key(&p) < key(&least) { p } else { least }
         },
     )
+}
+
+/// Whether a hole lies inside a contour, which it may touch at corners.
+fn is_within(hole: &[Named], contour: &[Named]) -> bool {
+    let is_free = |p: &DVec2| contour.iter().all(|q| q.0 != *p);
+    let corners = hole.iter().map(|p| p.0);
+    let ends = hole.iter().zip(hole.iter().cycle().skip(1));
+    let middles = ends.map(|(a, b)| a.0.midpoint(b.0));
+    let free = corners.chain(middles).find(is_free);
+    free.is_some_and(|point| contains(contour, point))
 }
 
 /// Whether a point lies inside a contour.
@@ -209,8 +219,7 @@ impl Clipper {
     /// Joins a hole to the ring of corner 0 by a bridge from its leftmost
     /// corner. The holes must come from left to right.
     fn bridge(&mut self, hole: &[Named]) -> Option<()> {
-        let start = leftmost(hole);
-        let here = start.0;
+        let here = leftmost(hole).0;
         // The nearest edge that a ray to the left hits: it goes down.
         let mut nearest = f64::NEG_INFINITY;
         let mut best = None;
@@ -260,9 +269,11 @@ impl Clipper {
                 break;
             }
         }
+        // Of a slit's two corners there the one that the bridge comes from.
         let ring = self.add_ring(hole);
-        let offset = hole.iter().position(|p| p.1 == start.1)?;
-        let tip = ring + offset as u32;
+        let mut corners = (ring..).take(hole.len());
+        let tip =
+            corners.find(|&k| self.point(k) == here && self.opens_towards(k, here - DVec2::X))?;
         // Both ends twice: once on the way there, once on the way back.
         let (after, before) = (self.at(best).next, self.at(tip).previous);
         let twins = [*self.at(tip), *self.at(best)].map(|corner| {
@@ -421,5 +432,88 @@ impl Obstacles {
                 .iter()
                 .any(|&k| self.is_left[k as usize] && test(k))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points named by their number.
+    fn named<const N: usize>(first: u32, points: [[f64; 2]; N]) -> Vec<Named> {
+        points.into_iter().map(DVec2::from).zip(first..).collect()
+    }
+
+    fn square(half: f64) -> Vec<Named> {
+        named(
+            0,
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|p| p.map(|v| v * half)),
+        )
+    }
+
+    /// The triangles' area, after each side of a contour was found to be one of a
+    /// triangle.
+    fn area(contours: &[Vec<Named>]) -> f64 {
+        let triangles = triangulate(contours, 1e-12, &Control::default()).expect("triangles");
+        let points: Vec<Named> = contours.concat();
+        let at = |name: u32| points.iter().find(|p| p.1 == name).expect("known").0;
+        for contour in contours {
+            for (a, b) in contour.iter().zip(contour.iter().cycle().skip(1)) {
+                let has = |&[p, q, r]: &[u32; 3]| [[p, q], [q, r], [r, p]].contains(&[a.1, b.1]);
+                assert_eq!(
+                    triangles.iter().filter(|t| has(t)).count(),
+                    1,
+                    "{a:?} {b:?}"
+                );
+            }
+        }
+        let areas = triangles.iter().map(|t| {
+            let [a, b, c] = t.map(at);
+            0.5 * (b - a).perp_dot(c - a)
+        });
+        areas.sum()
+    }
+
+    /// Down one side and up the other, with a corner in the middle of each.
+    #[test]
+    fn slits_may_be_kinked_by_rounding() {
+        let kink = f64::EPSILON;
+        for (top, middle, bottom) in [
+            (0.5, 0.5, 0.5),
+            (0.5, 0.5, 0.5 + kink),
+            (0.5 + kink, 0.5, 0.5),
+            (0.5 + kink, 0.5, 0.5 + kink),
+            (0.5, 0.5 + kink, 0.5),
+        ] {
+            let slit = [[top, 0.3], [middle, 0.0], [bottom, -0.3], [middle, 0.0]];
+            for turns in 0..4 {
+                let mut slit = slit;
+                slit.rotate_left(turns);
+                let found = area(&[square(2.0), named(4, slit)]);
+                assert!(
+                    (found - 16.0).abs() < 1e-12,
+                    "{top} {middle} {bottom}: {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn islands_may_touch_the_hole_around_them() {
+        let hole = [
+            [-1.0, 0.0],
+            [-1.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 0.0],
+            [1.0, -1.0],
+            [-1.0, -1.0],
+        ];
+        let island = [[-1.0, 0.0], [0.0, -0.5], [1.0, 0.0], [0.0, 0.5]];
+        for turns in 0..6 {
+            let mut hole = hole;
+            hole.rotate_left(turns);
+            let found = area(&[square(2.0), named(4, hole), named(10, island)]);
+            assert!((found - 13.0).abs() < 1e-12, "{turns}: {found}");
+        }
     }
 }
