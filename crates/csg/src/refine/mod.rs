@@ -39,7 +39,7 @@ use rustc_hash::FxHashMap;
 use self::grow::Grower;
 use self::half_edges::{HalfEdges, NONE};
 use self::regions::Way;
-pub(crate) use self::separate::{Which, folded, separate};
+pub(crate) use self::separate::{Parting, folded, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;

@@ -1,7 +1,7 @@
 //! Separates triangles that run through each other though their surfaces do not: cuts
-//! those of their sides that stray most from surfaces and curves, at points of them,
-//! or sides [beside](super::beside) each other's corners. So are those that face into
-//! the solid.
+//! those of their sides that stray farthest from surfaces and curves, at points of
+//! them, or sides [beside](super::beside) each other's corners. So are those that
+//! face into the solid.
 //!
 //! All vertices being on the solid's boundary, and all triangles in its topology,
 //! the mesh runs through itself no more once it is fine enough there, and none of it
@@ -18,14 +18,14 @@ use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
 
-/// Which sides are cut.
+/// How triangles that run through each other are parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Which {
-    /// Those that stray most: in the end all is fine enough, where surfaces do not
-    /// touch.
-    Worst,
-    /// Those [beside](super::beside) corners of the other triangle, and those that
-    /// stray most where there are none: where surfaces touch.
+pub(crate) enum Parting {
+    /// By cuts of the sides that stray farthest: in the end all is fine enough, where
+    /// surfaces do not touch.
+    Farthest,
+    /// By cuts [beside](super::beside) corners of the other triangle, and of the sides
+    /// that stray farthest where there are none: where surfaces touch.
     Beside,
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn separate(
     surfaces: &[Surface],
     goal: &Goal,
     pairs: &[[u32; 2]],
-    which: Which,
+    parting: Parting,
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
@@ -48,7 +48,7 @@ pub(crate) fn separate(
     }
     let mut sides: Vec<Side> = pairs
         .iter()
-        .flat_map(|&pair| sides_of(&mesh, pair, which, precision))
+        .flat_map(|&pair| sides_of(&mesh, pair, parting, precision))
         .collect();
     // Where the solid touches itself, all edges are cut at the same place.
     for index in 0..sides.len() {
@@ -99,20 +99,20 @@ pub(super) struct Side {
 }
 
 /// The sides of two triangles to be cut.
-fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], which: Which, precision: f64) -> Vec<Side> {
-    let beside = match which {
-        Which::Worst => Vec::new(),
-        Which::Beside => sides_beside(mesh, pair, precision),
+fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], parting: Parting, precision: f64) -> Vec<Side> {
+    let beside = match parting {
+        Parting::Farthest => Vec::new(),
+        Parting::Beside => sides_beside(mesh, pair, precision),
     };
     if beside.is_empty() {
-        worst_sides(mesh, pair, precision)
+        farthest_sides(mesh, pair, precision)
     } else {
         beside
     }
 }
 
-/// The sides of two triangles that stray most.
-fn worst_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
+/// The sides of two triangles that stray farthest.
+fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
     /// Of the farthest one's distance.
     const FAR: f64 = 0.5;
     let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
@@ -258,7 +258,7 @@ mod tests {
                     &surfaces,
                     &goal,
                     &pairs,
-                    Which::Worst,
+                    Parting::Farthest,
                     &mut outcome
                 ));
                 pairs = mesh(&surfaced).self_intersections();
@@ -318,7 +318,7 @@ mod tests {
             &surfaces,
             &goal,
             &pairs,
-            Which::Worst,
+            Parting::Farthest,
             &mut outcome
         ));
         assert!(mesh(&surfaced).check().is_manifold());
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sides_that_stray_most_are_cut() {
+    fn the_sides_that_stray_farthest_are_cut() {
         let on_rim = DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0);
         let inside = [DVec3::X, DVec3::Y].map(|p| (p + DVec3::Z).normalize());
         let are = |found: Vec<DVec3>, wanted: &[DVec3]| {

@@ -12,7 +12,7 @@ use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
-use crate::refine::{self, Goal, Outcome, Surfaced, Unkept, Which};
+use crate::refine::{self, Goal, Outcome, Parting, Surfaced, Unkept};
 use crate::report::Report;
 
 /// A mesh brought to a tolerance.
@@ -153,11 +153,11 @@ impl Run<'_> {
         let too_many = 4 * wrong.len() + 16;
         let before = (surfaced.clone(), outcome.clone(), wrong);
         let mut least = before.clone();
-        for which in [Which::Worst, Which::Beside] {
+        for parting in [Parting::Farthest, Parting::Beside] {
             (*surfaced, *outcome, wrong) = before.clone();
             for _ in 0..MOST_ROUNDS {
                 self.control.check()?;
-                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, which, outcome) {
+                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, parting, outcome) {
                     break;
                 }
                 wrong = wrong_triangles(surfaced, task);
