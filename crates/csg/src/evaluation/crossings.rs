@@ -30,9 +30,13 @@ impl Boundary {
 
     /// The split of an edge in its middle.
     fn halve(&self, scene: &Scene<'_>, half_edge: u32) -> Option<Split> {
-        let at = self.middle(scene, half_edge)?;
+        Some(self.split_of(half_edge, self.middle(scene, half_edge)?))
+    }
+
+    /// The split of an edge, given by either half, at a point of its curve.
+    fn split_of(&self, half_edge: u32, at: DVec3) -> Split {
         let half_edge = half_edge.min(self.at(half_edge).twin);
-        Some(Split { half_edge, at })
+        Split { half_edge, at }
     }
 
     /// Splits edges, each no more than once, and all others along the same stretch
@@ -180,10 +184,7 @@ impl Boundary {
         });
         let closest = beside.min_by(|a, b| a.0.total_cmp(&b.0));
         match closest.filter(|closest| closest.0 <= one.max(other)) {
-            Some((_, half_edge, at)) => {
-                let half_edge = half_edge.min(self.at(half_edge).twin);
-                Some(Split { half_edge, at })
-            }
+            Some((_, half_edge, at)) => Some(self.split_of(half_edge, at)),
             None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
