@@ -1,9 +1,11 @@
 //! Solids with curved surfaces, meshed from the curves in which surfaces meet.
 
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use csg::{Meshed, Mesher, Program, Solid};
+use csg::{Color, Mesh, Meshed, Mesher, Program, Solid, Surface};
+use glam::DVec3;
 use stereotomy::{csg, scenes};
 
 use super::adaptive::{genus, turned};
@@ -407,4 +409,44 @@ fn curves_may_touch_planes_anywhere() {
         (corners & ball.translate(place)).rotate_xyz(x, y, z)
     });
     assert!(triangles > 60 * 60, "{triangles}");
+}
+
+/// The vertices at which triangles of different colours meet.
+fn borders(mesh: &Mesh) -> Vec<DVec3> {
+    let mut color_of = HashMap::new();
+    for (triangle, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let color = mesh.surface_of(triangle).and_then(|s| s.color);
+        color_of.extend([[a, b], [b, c], [c, a]].map(|edge| (edge, color)));
+    }
+    let color = |edge: [u32; 2]| color_of.get(&edge).copied().flatten();
+    let edges = color_of.keys().copied();
+    let on_borders = edges.filter(|&[a, b]| color([a, b]) != color([b, a]));
+    on_borders
+        .map(|[a, _]| mesh.positions[a as usize])
+        .collect()
+}
+
+/// It is no face of two corners without width, and its edges are not straight.
+#[test]
+fn a_narrow_patch_of_another_colour_keeps_to_its_curves() {
+    let [red, blue] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Color::from_linear);
+    let ball = || Solid::sphere(1.0);
+    for width in [2e-2, 2e-3, 2e-4, 2e-5] {
+        let rod = |x: f64| Solid::cylinder(0.3, 0.0..2.0).translate([x, 0.2, 0.0]);
+        let off = 0.3 - 0.5 * width;
+        let lens = rod(0.1 - off) & rod(0.1 + off);
+        let solid = (ball().colored(red) - &lens) | (ball().colored(blue) & lens);
+        for solid in [turned(&solid), solid] {
+            let program = Program::lower(&solid).expect("a valid solid");
+            let meshed = Mesher::new().tolerance(0.1).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{width}");
+            let is_on = |s: &Surface, p: DVec3| s.value(p).abs() < 1e-12 * s.gradient(p).length();
+            let count = |p: DVec3| program.surfaces().iter().filter(|s| is_on(s, p)).count();
+            let borders = borders(&mesh);
+            assert!(borders.len() >= 6, "{width}: {}", borders.len());
+            // On the ball and a rod.
+            assert!(borders.into_iter().all(|p| count(p) >= 2), "{width}");
+        }
+    }
 }

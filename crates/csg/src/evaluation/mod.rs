@@ -35,6 +35,8 @@ mod arc;
 mod arcs;
 mod assemble;
 mod boundary;
+#[cfg(test)]
+mod boundary_tests;
 mod cells;
 mod conic;
 mod contacts;

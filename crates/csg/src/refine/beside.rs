@@ -109,3 +109,36 @@ fn piercing(mesh: &HalfEdges<'_>, half: u32, triangle: u32) -> Option<(f64, DVec
     let is_inside = weights(corners, point).iter().all(|&w| w >= 0.0);
     is_inside.then_some((share, point))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refine::separate::half_edges;
+    use crate::refine::separate::tests::spheres;
+
+    /// Small triangles of one sphere above a large triangle of another one, but below
+    /// that sphere.
+    #[test]
+    fn a_triangle_is_cut_beside_the_corners_between_it_and_its_surface() {
+        let (surfaced, surfaces) = spheres([1.0, 0.97], DVec3::ZERO, [1, 3]);
+        let mesh = half_edges(&surfaced, &surfaces).expect("closed");
+        let large = surfaced.triangles[0];
+        let middle = DVec3::ONE.normalize();
+        let is = |p: DVec3, q: DVec3| p.distance(q) < 1e-14;
+        let mut count = 0;
+        for (small, corners) in (8..).zip(&surfaced.triangles[8..]) {
+            let places = corners.map(|c| surfaced.positions[c as usize].normalize());
+            if !places.iter().any(|&p| is(p, middle)) {
+                continue;
+            }
+            count += 1;
+            let sides = sides_beside(&mesh, [0, small], 1e-12);
+            assert!(sides.iter().any(|side| is(side.target, middle)));
+            for side in sides {
+                assert!(places.iter().any(|&p| is(p, side.target)));
+                assert!(side.ends.iter().all(|end| large.contains(end)));
+            }
+        }
+        assert_eq!(count, 6);
+    }
+}

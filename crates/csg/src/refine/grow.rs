@@ -145,7 +145,7 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     /// Finds the points that every edge along a curve needs.
-    fn measure_curves(&mut self) {
+    pub(super) fn measure_curves(&mut self) {
         for chain in chains(self.mesh) {
             if self.cut_up(&chain) {
                 continue;

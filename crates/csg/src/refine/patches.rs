@@ -228,3 +228,49 @@ impl Grower<'_, '_> {
 fn is_at_once(mesh: &HalfEdges<'_>, half: u32) -> bool {
     mesh.region(half).way == Way::AtOnce
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::refine::separate::half_edges;
+    use crate::refine::separate::tests::{goal, half_ball};
+
+    /// The new vertices after the first triangle of half a ball, with its top moved,
+    /// was cut up; and how many points of curves wait to become vertices, before and
+    /// after.
+    fn cut_up(top: DVec3, has_pieces: bool) -> (Vec<DVec3>, [u32; 2]) {
+        let (mut surfaced, surfaces) = half_ball();
+        surfaced.positions[4] = top.normalize();
+        let mut mesh = half_edges(&surfaced, &surfaces).expect("closed");
+        let goal = goal(0.01);
+        let mut grower = Grower::new(&mut mesh, &goal, 1e-12);
+        if has_pieces {
+            grower.measure_curves();
+        }
+        let waiting = |grower: &Grower<'_, '_>| grower.pieces.iter().map(|p| p.count).sum();
+        let before = waiting(&grower);
+        grower.cut_folded(0);
+        let after = waiting(&grower);
+        let is_new = |&v: &u32| mesh.leaving[v as usize] != NONE;
+        let new = (surfaced.positions.len() as u32..mesh.positions.len() as u32).filter(is_new);
+        (new.map(|v| mesh.at(v)).collect(), [before, after])
+    }
+
+    #[test]
+    fn a_triangle_that_is_folded_is_cut_on_a_curve_or_else_in_its_longest_side() {
+        // Farther from the first corner than from the second.
+        let top = DVec3::new(-0.1, 0.1, 1.0);
+        let (new, [before, after]) = cut_up(top, true);
+        assert_eq!((new.len(), after), (1, before - 1));
+        assert!(new[0].z.abs() < 1e-12 && new[0].x > 0.0 && new[0].y > 0.0);
+        let (new, waiting) = cut_up(top, false);
+        let middle = (DVec3::X + top.normalize()).normalize();
+        assert_eq!((new.len(), waiting), (1, [0; 2]));
+        assert!(new[0].distance(middle) < 1e-12, "{new:?}");
+        // Along a curve that is one chord nothing can be cut.
+        let (new, _) = cut_up(DVec3::new(0.6, 0.6, 0.53), false);
+        assert_eq!(new, []);
+    }
+}

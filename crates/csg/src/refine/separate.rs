@@ -78,7 +78,10 @@ pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
     })
 }
 
-fn half_edges<'a>(surfaced: &Surfaced, surfaces: &'a [Surface]) -> Option<HalfEdges<'a>> {
+pub(super) fn half_edges<'a>(
+    surfaced: &Surfaced,
+    surfaces: &'a [Surface],
+) -> Option<HalfEdges<'a>> {
     HalfEdges::new(
         surfaced.positions.clone(),
         &surfaced.triangles,
@@ -157,7 +160,7 @@ pub(super) fn halved(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::DVec3;
 
     use super::*;
@@ -166,29 +169,34 @@ mod tests {
     use crate::refine::deviation::of_triangle;
     use crate::solid::Solid;
 
-    /// Two concentric spheres, each of so many times the triangles of an octahedron.
-    fn spheres(radii: [f64; 2], rows: [u32; 2]) -> (Surfaced, Vec<Surface>) {
-        let solid = Solid::sphere(radii[0]) - Solid::sphere(radii[1]);
+    /// A sphere about the origin and one in it, each of so many times the triangles of
+    /// an octahedron.
+    pub fn spheres(radii: [f64; 2], center: DVec3, rows: [u32; 2]) -> (Surfaced, Vec<Surface>) {
+        let inner = Solid::sphere(radii[1]).translate(center);
+        let solid = Solid::sphere(radii[0]) - inner;
         let program = Program::lower(&solid).expect("a valid solid");
         let surfaces = program.surfaces().to_vec();
         let mut all = Surfaced {
             surface_of_group: vec![0, 1],
             ..Surfaced::default()
         };
-        for (group, (&radius, rows)) in (0u32..).zip(radii.iter().zip(rows)) {
+        let centers = [DVec3::ZERO, center];
+        for (group, ((radius, center), rows)) in
+            (0u32..).zip(radii.into_iter().zip(centers).zip(rows))
+        {
             let on = surfaces
                 .iter()
-                .position(|s| s.value(radius * DVec3::X).abs() < 1e-14);
+                .position(|s| s.value(center + radius * DVec3::X).abs() < 1e-14);
             all.surface_of_group[group as usize] = on.expect("its surface") as u32;
-            octahedron(radius, rows, group, &mut all);
+            octahedron(radius, center, rows, group, &mut all);
         }
         (all, surfaces)
     }
 
     /// Adds an octahedron of which each triangle is cut into `rows` rows of
-    /// triangles, all vertices at a distance from the origin; the second one's
+    /// triangles, all vertices at a distance from the centre; the second one's
     /// triangles face inwards.
-    fn octahedron(radius: f64, rows: u32, group: u32, all: &mut Surfaced) {
+    fn octahedron(radius: f64, center: DVec3, rows: u32, group: u32, all: &mut Surfaced) {
         let mut number_of = std::collections::HashMap::new();
         for signs in 0..8u32 {
             let sign = |axis: u32| 1.0 - 2.0 * f64::from(signs >> axis & 1);
@@ -199,7 +207,7 @@ mod tests {
                 let place = signs * place + DVec3::ZERO;
                 let key = place.to_array().map(|k| k as i32);
                 *number_of.entry(key).or_insert_with(|| {
-                    all.positions.push(radius * place.normalize());
+                    all.positions.push(center + radius * place.normalize());
                     all.positions.len() as u32 - 1
                 })
             };
@@ -224,7 +232,7 @@ mod tests {
         Mesh::new(surfaced.positions.clone(), surfaced.triangles.clone())
     }
 
-    fn goal(tolerance: f64) -> Goal {
+    pub fn goal(tolerance: f64) -> Goal {
         Goal {
             tolerance,
             promised: tolerance,
@@ -242,7 +250,7 @@ mod tests {
             ([1.0, 0.9], [2, 12]),
             ([1.0, 0.99], [5, 8]),
         ] {
-            let (mut surfaced, surfaces) = spheres(radii, rows);
+            let (mut surfaced, surfaces) = spheres(radii, DVec3::ZERO, rows);
             assert!(mesh(&surfaced).check().is_manifold());
             let goal = goal(0.2);
             let mut outcome = Outcome::default();
@@ -283,9 +291,39 @@ mod tests {
         }
     }
 
+    /// How many pairs of triangles of two spheres that touch still cross after some
+    /// rounds.
+    fn left(parting: Parting, radius: f64, rows: [u32; 2]) -> usize {
+        let touching = (1.0 - radius) * DVec3::new(0.6, 0.48, 0.64);
+        let (mut surfaced, surfaces) = spheres([1.0, radius], touching, rows);
+        let mut pairs = mesh(&surfaced).self_intersections();
+        assert!(pairs.len() > 10, "{}", pairs.len());
+        let (goal, mut outcome) = (goal(0.2), Outcome::default());
+        for _ in 0..14 {
+            if pairs.is_empty() {
+                break;
+            }
+            let (all, outcome) = (&mut surfaced, &mut outcome);
+            assert!(separate(all, &surfaces, &goal, &pairs, parting, outcome));
+            pairs = mesh(&surfaced).self_intersections();
+        }
+        assert_eq!(outcome.unkept, [], "{radius}");
+        assert!(mesh(&surfaced).check().is_manifold());
+        pairs.len()
+    }
+
+    /// Next to where they touch chords of both cross however short they are.
+    #[test]
+    fn spheres_that_touch_are_parted_beside_each_others_corners() {
+        for (radius, rows) in [(0.7, [2, 3]), (0.8, [2, 5]), (0.9, [3, 4]), (0.9, [4, 4])] {
+            assert_ne!(left(Parting::Farthest, radius, rows), 0, "{radius}");
+            assert_eq!(left(Parting::Beside, radius, rows), 0, "{radius}");
+        }
+    }
+
     /// Half a ball: of its surface the upper half of the octahedron's triangles, and
     /// a fan of them on the plane below. All sides but those of the fan stray alike.
-    fn half_ball() -> (Surfaced, Vec<Surface>) {
+    pub fn half_ball() -> (Surfaced, Vec<Surface>) {
         let solid = Solid::sphere(1.0) & Solid::half_space([0.0, 0.0, -1.0], 0.0);
         let surfaces = Program::lower(&solid).expect("valid").surfaces().to_vec();
         let plane = surfaces.iter().position(Surface::is_plane);

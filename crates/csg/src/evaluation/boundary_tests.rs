@@ -1,0 +1,181 @@
+//! Contours linked of pieces made by hand: where curves touch, and of faces between
+//! two curves.
+
+use glam::DVec3;
+
+use super::boundary::Boundary;
+use super::frame::Frame;
+use super::lines::Piece;
+use super::sectors::Side;
+use super::{Plane, Scene};
+use crate::control::Control;
+use crate::program::Surface;
+
+const WELD: f64 = 1e-11;
+const NEAR: f64 = 1e-9;
+
+fn plane(height: f64) -> Surface {
+    Surface {
+        anchor: height * DVec3::Z,
+        quadratic: [0.0; 6],
+        linear: DVec3::Z,
+        constant: 0.0,
+    }
+}
+
+/// Along the z axis.
+fn cylinder(center: DVec3, radius: f64) -> Surface {
+    Surface {
+        anchor: center,
+        quadratic: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        linear: DVec3::ZERO,
+        constant: -radius * radius,
+    }
+}
+
+/// A face of a surface by its number.
+fn side(plane: u32, along_normal: bool) -> Side {
+    Side {
+        plane,
+        look: 0,
+        along_normal,
+        patch: 0,
+    }
+}
+
+fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
+    Piece {
+        from,
+        to,
+        sides,
+        curve: sides.map(|side| side.plane),
+    }
+}
+
+/// The vertices of the contours of a surface's only face; none if pieces do not
+/// close.
+fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<Vec<DVec3>>> {
+    let planes: Vec<Plane> = surfaces.iter().map(Plane::of).collect();
+    let frames: Vec<Option<Frame>> = surfaces.iter().map(|s| Frame::of(s, 10.0)).collect();
+    let scene = Scene {
+        surfaces,
+        planes: &planes,
+        frames: &frames,
+        looks: &[0],
+        on_plane: 1e-12,
+        near: NEAR,
+        weld: WELD,
+        rounding: 1e-15,
+        control: &Control::default(),
+    };
+    let boundary = Boundary::link(&scene, pieces, &mut [])?;
+    let face = boundary.faces.iter().position(|f| f.plane == surface)?;
+    let start = |&half_edge: &u32| boundary.points[boundary.at(half_edge).from as usize];
+    let contours = boundary.contours().swap_remove(face);
+    let vertices = contours.iter().map(|c| c.iter().map(start).collect());
+    Some(vertices.collect())
+}
+
+/// The chords of a circle about a place on the y axis that goes through the origin:
+/// the rim of a hole in the plane z = 0, or else of a disc. Vertices are at these x
+/// next to the origin, too.
+fn rim(number: u32, center: f64, is_hole: bool, beside: &[f64]) -> Vec<Piece> {
+    let near = beside.iter().map(|x| (x / center).asin());
+    let far = (-3..=4).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_4);
+    let mut angles: Vec<f64> = near.chain(far).collect();
+    angles.sort_by(f64::total_cmp);
+    let place = |angle: &f64| {
+        let (sin, cos) = angle.sin_cos();
+        center * DVec3::new(sin, 1.0 - cos, 0.0)
+    };
+    let mut places: Vec<DVec3> = angles.iter().map(place).collect();
+    if is_hole {
+        places.reverse();
+    }
+    let next = places.iter().cycle().skip(1);
+    let ends = places.iter().zip(next).map(|(&from, &to)| [from, to]);
+    let sides = [side(0, true), side(number, !is_hole)];
+    ends.map(|ends| piece(ends, sides)).collect()
+}
+
+/// How many contours two circles make that touch.
+fn contours_of_circles(circles: [(f64, bool); 2], beside: &[f64]) -> Option<usize> {
+    let cylinders = circles.map(|(y, _)| cylinder(y * DVec3::Y, y.abs()));
+    let surfaces = [vec![plane(0.0)], cylinders.to_vec()].concat();
+    let rims = (1..).zip(circles);
+    let pieces: Vec<Piece> = rims
+        .flat_map(|(number, (center, is_hole))| rim(number, center, is_hole, beside))
+        .collect();
+    contours(&surfaces, &pieces, 0).map(|contours| contours.len())
+}
+
+/// Whose tangents are the same, so that only their bends tell on which side of each
+/// other they are.
+#[test]
+fn contours_keep_to_their_side_where_curves_touch() {
+    for (circles, count) in [
+        // The plane around two holes: from one it goes on to the other.
+        ([(1.0, true), (-0.7, true)], 1),
+        // A disc less one in it.
+        ([(1.0, false), (0.5, true)], 1),
+        ([(0.5, true), (1.0, false)], 1),
+        // Two discs.
+        ([(1.0, false), (-1.0, false)], 2),
+        // A disc in a hole.
+        ([(1.0, true), (0.5, false)], 2),
+    ] {
+        let found = contours_of_circles(circles, &[]);
+        assert_eq!(found, Some(count), "{circles:?}");
+    }
+}
+
+/// There they seem to cross, as they have a vertex in common.
+#[test]
+fn so_they_do_where_touching_curves_are_one_but_for_rounding() {
+    for circles in [[(1.0, false), (-1.0, false)], [(1.0, true), (0.5, false)]] {
+        for beside in [&[1e-6][..], &[-1e-6], &[-2e-6, 1e-6]] {
+            let found = contours_of_circles(circles, beside);
+            assert_eq!(found, Some(2), "{circles:?} {beside:?}");
+        }
+    }
+}
+
+/// The top of what two cylinders have in common, `width` across.
+fn lens(width: f64) -> Vec<Vec<DVec3>> {
+    let off = 1.0 - 0.5 * width;
+    let half_length = ((1.0 - off) * (1.0 + off)).sqrt();
+    let cylinders = [-off, off].map(|x| cylinder(x * DVec3::X, 1.0));
+    let surfaces = [vec![plane(1.0), plane(0.0)], cylinders.to_vec()].concat();
+    let [top, bottom, right, left] = [(0, true), (1, false), (2, true), (3, true)]
+        .map(|(surface, along_normal)| side(surface, along_normal));
+    let corner = |y: f64, z: f64| DVec3::new(0.0, y * half_length, z);
+    let [a, b, c, d] = [
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 0.0),
+        corner(1.0, 0.0),
+    ];
+    let pieces = [
+        piece([a, b], [top, right]),
+        piece([b, a], [top, left]),
+        piece([d, c], [bottom, right]),
+        piece([c, d], [bottom, left]),
+        piece([d, b], [right, left]),
+        piece([a, c], [right, left]),
+    ];
+    contours(&surfaces, &pieces, 0).expect("closed contours")
+}
+
+#[test]
+fn a_face_of_two_corners_stays_if_it_is_wider_than_rounding() {
+    for width in [0.1, 1e-5, 2.0 * NEAR] {
+        let contours = lens(width);
+        assert_eq!(contours.len(), 1, "{width}");
+        // With vertices in the middles of its edges.
+        assert_eq!(contours[0].len(), 4, "{width}");
+        let x = || contours[0].iter().map(|p| p.x);
+        let across = x().fold(0.0, f64::max) - x().fold(0.0, f64::min);
+        assert!((across - width).abs() < WELD, "{width}: {across}");
+    }
+    assert!(lens(0.5 * NEAR).is_empty());
+}
