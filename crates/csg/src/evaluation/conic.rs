@@ -19,15 +19,14 @@ const FAR: f64 = 100.0;
 
 /// The conic in which a quadric is 0 that changes from `foot` by value d² + slope d
 /// along each of two axes, more along the first, by its vertex: if the centre is so
-/// far from a scene around the origin that digits would be lost, and the vertex is
-/// not.
+/// far from a scene of that size around the origin that digits would be lost, and
+/// the vertex is not.
 fn near_parabola(
     quadric: &Surface,
     foot: DVec3,
     [(first, u, x), (second, v, slope)]: [(f64, DVec3, f64); 2],
-    near: f64,
+    scene: f64,
 ) -> Option<Curve> {
-    let scene = near / NEAR;
     if slope.abs() < 2.0 * second.abs() * FAR * scene {
         return None;
     }
@@ -53,17 +52,17 @@ fn near_parabola(
     })
 }
 
-/// The two parts, all that is near a scene around the origin, of the conic in which
-/// a quadric is 0 that changes from `foot` by value d² + slope d along each of two
-/// axes, more along the first: if they run along the second axis, nearly straight,
-/// and meet, if at all, so far away that seen from there digits would be lost.
+/// The two parts, all that is near a scene of that size around the origin, of the
+/// conic in which a quadric is 0 that changes from `foot` by value d² + slope d along
+/// each of two axes, more along the first: if they run along the second axis, nearly
+/// straight, and meet, if at all, so far away that seen from there digits would be
+/// lost.
 fn near_lines(
     quadric: &Surface,
     foot: DVec3,
     [(first, u, x), (second, v, _)]: [(f64, DVec3, f64); 2],
-    near: f64,
+    scene: f64,
 ) -> Option<SmallVec<[Curve; 2]>> {
-    let scene = near / NEAR;
     let on_axis = foot - x / (2.0 * first) * u;
     let middle = on_axis - on_axis.dot(v) * v;
     let rest = quadric.value(middle);
@@ -136,12 +135,14 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     } else {
         [(second, v, y), (first, u, x)]
     };
+    // Of whose size `near` is a share.
+    let scene = near / NEAR;
     let is_ruled = second == 0.0 && y.abs() <= NEGLIGIBLE * quadric.gradient(center).length();
-    if !is_ruled && let Some(parts) = near_lines(quadric, foot, axes, near) {
+    if !is_ruled && let Some(parts) = near_lines(quadric, foot, axes, scene) {
         return Ok(parts.into_iter().map(Branch::new).collect());
     }
     if second != 0.0 {
-        if let Some(curve) = near_parabola(quadric, foot, axes, near) {
+        if let Some(curve) = near_parabola(quadric, foot, axes, scene) {
             branches.push(Branch::new(curve));
             return Ok(branches);
         }
