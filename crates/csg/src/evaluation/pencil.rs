@@ -11,14 +11,16 @@
 //! two or three of the roots of the determinant are one, and rounding parts them,
 //! but not those of its derivatives.
 
+mod planes;
+
 use std::f64::consts::TAU;
 
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use super::conic::conic;
+use self::planes::conics;
 use super::curve::{BEGIN, Branch, Branches, Curve};
-use super::pairs::{Contacts, Unknown, line};
+use super::pairs::Unknown;
 use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::Trig;
@@ -26,9 +28,6 @@ use crate::program::{Surface, eigen_symmetric, jacobi};
 
 /// Eigenvalues below this share of the largest are none.
 const NO_VALUE: f64 = 1e-12;
-
-/// The same of a pair of planes, which is used as if it was one.
-const NO_PLANE: f64 = 1e-11;
 
 /// Two quadrics, and the combinations of them.
 struct Pencil<'a> {
@@ -167,97 +166,6 @@ impl<'a> Pencil<'a> {
     /// A point in space.
     fn place(&self, point: DVec4) -> DVec3 {
         self.origin + self.unit / point.w * point.truncate()
-    }
-
-    /// The curves in a quadric of the pencil that is a pair of planes, if it is:
-    /// of real ones, or of complex ones, which have a line in common that may meet
-    /// the surfaces in two contacts.
-    fn on_planes(&self, angle: f64, near: f64) -> Option<Result<Branches, Unknown>> {
-        /// The same of a pair of planes before its angle is refined.
-        const NEARLY: f64 = 1e-4;
-        let (sin, cos) = angle.sin_cos();
-        let (values, vectors) = eigenvectors(&self.combined([cos, sin]));
-        if values[2].abs() > NEARLY * values[0].abs() {
-            return None;
-        }
-        // The one that vanishes on the eigenvectors of the values next to 0: a step of
-        // Rayleigh's quotient iteration.
-        let [x, y] = self.matrices.map(|matrix| {
-            let on = |v: DVec4| v.dot(matrix * v);
-            on(vectors[2]) + on(vectors[3])
-        });
-        let length = x.hypot(y);
-        let (values, vectors) = if length > NEARLY {
-            eigenvectors(&self.combined([y / length, -x / length]))
-        } else {
-            (values, vectors)
-        };
-        let is_null = |value: f64| value.abs() <= NO_PLANE * values[0].abs();
-        if !is_null(values[2]) {
-            return None;
-        }
-        let [p, q] = [0, 1].map(|k| values[k].abs().sqrt() * vectors[k]);
-        if is_null(values[1]) {
-            return Some(self.in_planes(&[p], near));
-        }
-        if values[0] * values[1] < 0.0 {
-            return Some(self.in_planes(&[p + q, p - q], near));
-        }
-        let [x, y] = [vectors[2], vectors[3]];
-        let matrix = self.matrices[0];
-        let [xx, xy, yy] = [x.dot(matrix * x), x.dot(matrix * y), y.dot(matrix * y)];
-        // xx c² + 2 xy c s + yy s² = 0: (xx + yy) / 2 + r cos(2 t - phase).
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let (radius, phase) = (half.hypot(xy), xy.atan2(half));
-        if mean.abs().max(radius) <= NO_PLANE {
-            return Some(Err(Unknown::NoForm));
-        }
-        if mean.abs() > radius {
-            return Some(Ok(Branches::new()));
-        }
-        let swing = (-mean / radius).acos();
-        let at = |doubled: f64| {
-            let (sin, cos) = (0.5 * doubled).sin_cos();
-            self.place(cos * x + sin * y)
-        };
-        let contacts = [phase + swing, phase - swing].map(at);
-        let contacts = contacts.into_iter().filter(|at| at.is_finite()).collect();
-        Some(Err(Unknown::Touch(contacts)))
-    }
-
-    /// The conics in planes, with nodes where these meet.
-    fn in_planes(&self, planes: &[DVec4], near: f64) -> Result<Branches, Unknown> {
-        let plane = |&vector: &DVec4| {
-            let normal = vector.truncate();
-            let square = normal.length_squared();
-            // Not at infinity.
-            (square > 1e-18 * vector.length_squared()).then(|| Surface {
-                anchor: self.origin - self.unit * vector.w / square * normal,
-                quadratic: [0.0; 6],
-                linear: normal / square.sqrt(),
-                constant: 0.0,
-            })
-        };
-        let planes: SmallVec<[Surface; 2]> = planes.iter().filter_map(plane).collect();
-        let quadric = self.surfaces[0];
-        let mut nodes: SmallVec<[DVec3; 2]> = SmallVec::new();
-        if let [p, q] = planes.as_slice()
-            && let Some(line) = line(p, q)
-        {
-            let start = line.at(0.0);
-            let direction = line.direction(0.0);
-            let a = 0.5 * quadric.curvature_along(direction);
-            let b = 0.5 * quadric.gradient(start).dot(direction);
-            let root = (b * b - a * quadric.value(start)).sqrt();
-            let places = [(root - b) / a, (-root - b) / a];
-            nodes.extend(
-                places
-                    .into_iter()
-                    .filter(|t| t.is_finite())
-                    .map(|t| line.at(t)),
-            );
-        }
-        conics(&planes, &nodes, quadric, near)
     }
 
     /// The curves on a cone or cylinder.
@@ -483,18 +391,6 @@ fn multiple_roots(trig: &Trig) -> SmallVec<[f64; 4]> {
     found
 }
 
-/// The eigenvalues of a symmetric matrix from the largest to the least, and their
-/// eigenvectors.
-fn eigenvectors(matrix: &DMat4) -> ([f64; 4], [DVec4; 4]) {
-    let (values, vectors) = jacobi(matrix.to_cols_array_2d());
-    let mut order = [0, 1, 2, 3];
-    order.sort_by(|&i, &j| values[j].abs().total_cmp(&values[i].abs()));
-    (
-        order.map(|k| values[k]),
-        order.map(|k| DVec4::from_array(vectors[k])),
-    )
-}
-
 /// What a quadric has, given by its matrix.
 fn carrier(matrix: &DMat4) -> Carrier {
     let (values, vectors) = jacobi(matrix.to_cols_array_2d());
@@ -551,33 +447,4 @@ fn contact(a: &Surface, b: &Surface, start: DVec3) -> DVec3 {
         at -= step;
     }
     at
-}
-
-/// The conics in which planes cut a quadric, with nodes where they cross.
-fn conics(
-    planes: &[Surface],
-    nodes: &[DVec3],
-    quadric: &Surface,
-    near: f64,
-) -> Result<Branches, Unknown> {
-    let mut branches = Branches::new();
-    let mut contacts = Contacts::new();
-    for plane in planes {
-        let conic = match conic(plane, quadric, near) {
-            Err(Unknown::Touch(at)) => {
-                contacts.extend(at);
-                continue;
-            }
-            other => other?,
-        };
-        for mut branch in conic {
-            let places = nodes.iter().filter_map(|&node| branch.curve.place(node));
-            branch.nodes.extend(places);
-            branches.push(branch);
-        }
-    }
-    if branches.is_empty() && !contacts.is_empty() {
-        return Err(Unknown::Touch(contacts));
-    }
-    Ok(branches)
 }
