@@ -13,12 +13,15 @@
 //! opposite to each other across the pair: the same as if the pair's diagonal
 //! were flipped first.
 
+mod stars;
+
 use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
+use self::stars::Stars;
 use super::solve;
 use crate::program::Surface;
 
@@ -68,45 +71,6 @@ struct Face {
     triangle: u32,
     surface: u32,
     reversed: bool,
-}
-
-/// The faces around the vertices in question.
-#[derive(Default)]
-struct Stars {
-    /// Per vertex its star's place in the list, counted from 1; 0 for none.
-    place: Vec<u32>,
-    stars: Vec<Star>,
-    /// The vertices, in the list's order.
-    vertices: Vec<u32>,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Star {
-    faces: Vec<Face>,
-    /// The last merger that changed it, or a corner of its faces.
-    changed: u32,
-}
-
-impl Stars {
-    fn get(&self, vertex: u32) -> Option<&Star> {
-        let place = self.place[vertex as usize] as usize;
-        self.stars.get(place.wrapping_sub(1))
-    }
-
-    fn get_mut(&mut self, vertex: u32) -> Option<&mut Star> {
-        let place = self.place[vertex as usize] as usize;
-        self.stars.get_mut(place.wrapping_sub(1))
-    }
-
-    /// Sees to it that a vertex has a star.
-    fn want(&mut self, vertex: u32) {
-        let place = &mut self.place[vertex as usize];
-        if *place == 0 {
-            self.stars.push(Star::default());
-            self.vertices.push(vertex);
-            *place = self.stars.len() as u32;
-        }
-    }
 }
 
 /// A bad triangle, and how many mergers there had been when it was last tried.
@@ -217,92 +181,6 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
         !self.is_bad(face) || self.take_out(face, work) || (thorough && self.thin_out(face, work))
     }
 
-    /// The run that a triangle belongs to.
-    fn run(&self, triangle: u32) -> usize {
-        let after = self.runs.partition_point(|run| run.start <= triangle);
-        after.saturating_sub(1)
-    }
-
-    fn face(&self, triangle: u32) -> Face {
-        self.face_of(triangle, self.run(triangle))
-    }
-
-    fn face_of(&self, triangle: u32, run: usize) -> Face {
-        let run = &self.runs[run];
-        Face {
-            triangle,
-            surface: run.surface,
-            reversed: run.reversed,
-        }
-    }
-
-    fn corners(&self, face: Face) -> [u32; 3] {
-        self.triangles[face.triangle as usize]
-    }
-
-    /// The stars of all vertices of the bad triangles; if it is to be thorough,
-    /// of their neighbours, too.
-    fn stars(&self, bad: &[Face], thorough: bool, work: &Work) -> Stars {
-        let mut stars = Stars {
-            place: vec![0; self.positions.len()],
-            ..Stars::default()
-        };
-        let around = |stars: &Stars| -> Vec<Face> {
-            let is_around = |&triangle: &usize| {
-                let mut corners = self.triangles[triangle].iter();
-                corners.any(|&v| stars.place[v as usize] != 0)
-            };
-            let ranges = (self.near)(&stars.vertices);
-            let is_elsewhere = |&triangle: &u32| {
-                let after = ranges.partition_point(|range| range.end <= triangle as usize);
-                let range = ranges.get(after);
-                !range.is_some_and(|range| range.contains(&(triangle as usize)))
-            };
-            let elsewhere = work.altered.iter().copied().filter(is_elsewhere);
-            let elsewhere = elsewhere.filter(|&triangle| is_around(&(triangle as usize)));
-            let mut faces: Vec<Face> = elsewhere.map(|triangle| self.face(triangle)).collect();
-            faces.par_extend(ranges.par_iter().flat_map_iter(|range| {
-                let mut run = self.run(range.start as u32);
-                range.clone().filter(is_around).map(move |triangle| {
-                    let is_behind = |run: &Run| run.start as usize <= triangle;
-                    while self.runs.get(run + 1).is_some_and(is_behind) {
-                        run += 1;
-                    }
-                    self.face_of(triangle as u32, run)
-                })
-            }));
-            faces.retain(|face| !work.removed.contains(&face.triangle));
-            faces
-        };
-        let want = |faces: &[Face], stars: &mut Stars| {
-            let corners = faces.iter().flat_map(|&face| self.corners(face));
-            corners.for_each(|vertex| stars.want(vertex));
-        };
-        want(bad, &mut stars);
-        if thorough {
-            want(&around(&stars), &mut stars);
-        }
-        for face in around(&stars) {
-            for vertex in self.corners(face) {
-                if let Some(star) = stars.get_mut(vertex) {
-                    star.faces.push(face);
-                }
-            }
-        }
-        stars
-    }
-
-    /// Whether any merger after the first `since` has changed what decides
-    /// about a face: the stars of its corners and of the vertices around them.
-    fn changed_around(&self, face: Face, since: u32, stars: &Stars) -> bool {
-        let has_changed = |vertex: u32| stars.get(vertex).is_some_and(|star| star.changed > since);
-        let around = self.corners(face).into_iter();
-        let around = around.filter_map(|vertex| stars.get(vertex));
-        around
-            .flat_map(|star| &star.faces)
-            .any(|&face| self.corners(face).into_iter().any(has_changed))
-    }
-
     /// The area of a face with the given corners.
     fn area(&self, face: Face, corners: [u32; 3]) -> Area {
         let [p, q, r] = corners.map(|v| self.positions[v as usize]);
@@ -407,12 +285,6 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
         false
     }
 
-    /// The other face at the edge between two vertices.
-    fn neighbour(&self, face: Face, u: u32, v: u32, stars: &Stars) -> Option<Face> {
-        let mut star = stars.get(u)?.faces.iter().copied();
-        star.find(|&other| other.triangle != face.triangle && self.corners(other).contains(&v))
-    }
-
     /// Whether one vertex of a pair may be moved onto the other. If so,
     /// `work.flat` has the triangles without area afterwards, which is all
     /// right for those that had none before and for those with two vertices in
@@ -480,16 +352,6 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
     fn has_short_edge(&self, [p, q, r]: [u32; 3]) -> bool {
         let mut squares = [(p, q), (q, r), (r, p)].into_iter();
         squares.any(|(a, b)| self.square(a, b) <= 1e-4 * self.least_area)
-    }
-
-    /// The vertices around a vertex, each once.
-    fn link(&self, vertex: u32, star: &[Face], link: &mut Vec<u32>) {
-        link.clear();
-        for other in star.iter().flat_map(|&face| self.corners(face)) {
-            if other != vertex && !link.contains(&other) {
-                link.push(other);
-            }
-        }
     }
 
     fn merge(&mut self, pair: &Pair, work: &mut Work) {
