@@ -12,6 +12,9 @@ pub enum Position {
     Special,
     /// Anywhere, of any size.
     General,
+    /// A few of them as people put them together: sizes and places are multiples of
+    /// a quarter, and axes turned by multiples of 15 degrees, mostly not at all.
+    Aligned,
 }
 
 /// A bounded solid of up to 40 primitives; the same for the same seed.
@@ -21,7 +24,10 @@ pub fn random_tree(seed: u64, position: Position) -> Solid {
         position,
     };
     let shared: Vec<DAffine3> = (0..3).map(|_| placement(&mut random)).collect();
-    let primitives = 1 + random.below(40);
+    let primitives = match position {
+        Position::Aligned => 2 + random.below(7),
+        Position::Special | Position::General => 1 + random.below(40),
+    };
     let body = tree(&mut random, primitives, &shared);
     Solid::cuboid([4.0, 4.0, 4.0]) & body
 }
@@ -29,7 +35,7 @@ pub fn random_tree(seed: u64, position: Position) -> Solid {
 fn tree(random: &mut Random, primitives: u32, shared: &[DAffine3]) -> Solid {
     if primitives == 1 {
         let place = match random.below(4) {
-            _ if random.position == Position::General => placement(random),
+            _ if random.position != Position::Special => placement(random),
             0 => placement(random),
             1 => DAffine3::from_translation(lattice_point(random)),
             n => shared[(n as usize + random.below(2) as usize) % shared.len()],
@@ -48,7 +54,7 @@ fn tree(random: &mut Random, primitives: u32, shared: &[DAffine3]) -> Solid {
 
 fn size(random: &mut Random) -> f64 {
     match random.position {
-        Position::Special => 0.25 * f64::from(1 + random.below(5)),
+        Position::Special | Position::Aligned => 0.25 * f64::from(1 + random.below(5)),
         Position::General => 0.25 + random.unit(),
     }
 }
@@ -59,15 +65,26 @@ fn lattice_point(random: &mut Random) -> DVec3 {
 
 fn place(random: &mut Random) -> DVec3 {
     match random.position {
-        Position::Special => lattice_point(random),
+        Position::Special | Position::Aligned => lattice_point(random),
         Position::General => DVec3::from_array([(); 3].map(|()| 2.0 * random.unit() - 1.0)),
     }
 }
 
 fn placement(random: &mut Random) -> DAffine3 {
-    let [x, y, z] = [(); 3].map(|()| random.unit() * std::f64::consts::TAU);
+    let [x, y, z] = [(); 3].map(|()| angle(random));
     let turn = glam::DQuat::from_euler(EulerRot::ZYX, z, y, x);
     DAffine3::from_rotation_translation(turn, place(random))
+}
+
+fn angle(random: &mut Random) -> f64 {
+    match random.position {
+        Position::Aligned => match random.below(4) {
+            0 => (15.0 * f64::from(random.below(24))).to_radians(),
+            1 => (90.0 * f64::from(random.below(4))).to_radians(),
+            _ => 0.0,
+        },
+        Position::Special | Position::General => random.unit() * std::f64::consts::TAU,
+    }
 }
 
 fn primitive(random: &mut Random) -> Solid {

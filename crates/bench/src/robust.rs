@@ -44,6 +44,9 @@ pub struct Options {
     /// Trees in general position: no faces that coincide or touch
     #[arg(long)]
     general: bool,
+    /// Trees as people put them together: few primitives, at round places and angles
+    #[arg(long, conflicts_with = "general")]
+    aligned: bool,
     /// Ask manifold3d whether it takes the meshes, and about the trees' volumes:
     /// a Python that has it and numpy
     #[arg(long)]
@@ -65,10 +68,10 @@ pub fn run(options: &Options) {
         .for_each(|seed| {
             // Grids from hopeless to well resolved.
             let cells = [7, 16, 29, 48][(seed % 4) as usize];
-            let position = if options.general {
-                Position::General
-            } else {
-                Position::Special
+            let position = match (options.general, options.aligned) {
+                (true, _) => Position::General,
+                (_, true) => Position::Aligned,
+                _ => Position::Special,
             };
             let solid = random_tree(seed, position);
             let program = Program::lower(&solid).expect("a valid tree");

@@ -35,7 +35,7 @@ pub(super) enum Kind {
     Face,
     /// Along the curve in which its two surfaces meet.
     Curve,
-    /// Nowhere: the end of a curve, or an apex.
+    /// Nowhere: the end of a curve, or an apex, on a curve or not.
     Corner,
     /// The vertex is gone.
     Gone,
@@ -175,14 +175,8 @@ impl<'a> HalfEdges<'a> {
             }
         }
         match count {
-            0 => {
-                let surface = self.surface(self.leaving[vertex as usize]);
-                let is_apex = surface.apex().is_some_and(|apex| {
-                    let at = self.positions[vertex as usize];
-                    apex.distance(at) <= 1e-12 * (at.length() + apex.length())
-                });
-                if is_apex { Kind::Corner } else { Kind::Face }
-            }
+            0 if self.has_apex(self.leaving[vertex as usize], self.at(vertex)) => Kind::Corner,
+            0 => Kind::Face,
             2 => {
                 let [first, second] = features.map(|half| {
                     let twin = self.halves[half as usize].twin;
@@ -191,7 +185,12 @@ impl<'a> HalfEdges<'a> {
                 });
                 // A border within one surface, between primitives, is nobody's
                 // to move.
-                if first == second && first.0 != first.1 {
+                let is_curve = first == second && first.0 != first.1;
+                let sides = [features[0], self.twin(features[0])];
+                let is_apex = sides
+                    .iter()
+                    .any(|&half| self.has_apex(half, self.at(vertex)));
+                if is_curve && !is_apex {
                     Kind::Curve
                 } else {
                     Kind::Corner
@@ -199,6 +198,12 @@ impl<'a> HalfEdges<'a> {
             }
             _ => Kind::Corner,
         }
+    }
+
+    /// Whether a point is the apex of a half-edge's surface.
+    fn has_apex(&self, half: u32, at: DVec3) -> bool {
+        let apex = self.surface(half).apex();
+        apex.is_some_and(|apex| apex.distance(at) <= 1e-12 * (at.length() + apex.length()))
     }
 
     #[inline(always)]
