@@ -29,8 +29,8 @@ pub(super) fn assemble(
     for tries in 1..=MOST_TRIES {
         let Cut {
             mut positions,
+            contours,
             triangles,
-            ..
         } = Cut::new(scene, boundary)?;
         let triangles: Option<Vec<_>> = triangles.into_iter().collect();
         let mut triangles = triangles?;
@@ -41,7 +41,11 @@ pub(super) fn assemble(
             unfold(scene, side, triangles, &mut positions, &mut coarse);
         }
         let coarse = boundary.curves_between(scene, &coarse);
-        if tries < MOST_TRIES && !coarse.is_empty() && boundary.split(scene, &coarse).is_some() {
+        if tries < MOST_TRIES
+            && !coarse.is_empty()
+            && let Some(splits) = boundary.refine(scene, &coarse, &contours)
+        {
+            boundary.split_all(scene, &splits);
             continue;
         }
         let faces = &boundary.faces;

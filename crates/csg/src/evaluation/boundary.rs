@@ -5,12 +5,12 @@
 //! coordinates are. Where faces touch along an edge or at a point, contours keep
 //! to their own sector of the face, and twins to their own wedge of the solid.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 
 use super::Scene;
-use super::contacts::Contact;
+use super::contacts::{Contact, join_contacts};
 use super::lines::Piece;
 use super::sectors::Side;
 use super::triangulate::is_surrounded;
@@ -51,6 +51,9 @@ const SAME_BEND: f64 = 1e-9;
 /// How a curve leaves a vertex in the plane in which its face is seen.
 #[derive(Clone, Copy, Debug)]
 struct Departure {
+    half_edge: u32,
+    /// The vertex, and the edge's other end.
+    ends: [DVec3; 2],
     /// Of its tangent.
     angle: f64,
     /// Its curvature, positive to the left.
@@ -69,15 +72,15 @@ impl Boundary {
         for apex in scene.surfaces.iter().filter_map(Surface::apex) {
             welder.number(apex);
         }
-        for contact in contacts {
-            let vertex = welder.number(contact.at);
-            contact.at = welder.points[vertex as usize];
-        }
+        let joined = join_contacts(scene, contacts, &mut welder);
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
         for piece in pieces {
             scene.control.check().ok()?;
-            let (from, to) = (welder.number(piece.from), welder.number(piece.to));
+            let [from, to] = [piece.from, piece.to].map(|end| {
+                let vertex = welder.number(end);
+                joined.get(&vertex).copied().unwrap_or(vertex)
+            });
             if from == to {
                 continue;
             }
@@ -184,28 +187,55 @@ impl Boundary {
         // Next to where curves touch they are one curve but for rounding, too, and
         // their order is that of their bends.
         let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_DIRECTION);
-        let clockwise = |&h: &u32| {
-            let leaves = self.departure(scene, h, false);
+        let clockwise = |&half_edge: &u32| {
+            let leaves = self.departure(scene, half_edge, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);
             let is_same = turn.min(TAU - turn) < same(back.bend - leaves.bend);
             // Along one curve the face goes all around: both sides of a slit.
             let turn = match is_same {
-                true if back.bend - leaves.bend > SAME_BEND * back.bend.abs().max(1.0) => 0.0,
+                true if self.is_left(scene, &back, &leaves) => 0.0,
                 true => TAU,
                 false => turn,
             };
-            (turn, leaves.bend, h)
+            (turn, leaves)
         };
-        let in_order = |a: &(f64, f64, u32), b: &(f64, f64, u32)| {
-            if (a.0 - b.0).abs() < same(a.1 - b.1) {
-                b.1.total_cmp(&a.1)
-            } else {
+        let in_order = |a: &(f64, Departure), b: &(f64, Departure)| {
+            if (a.0 - b.0).abs() >= same(a.1.bend - b.1.bend) {
                 a.0.total_cmp(&b.0)
+            } else {
+                let is_left = [[a, b], [b, a]].map(|[a, b]| self.is_left(scene, &a.1, &b.1));
+                is_left[1].cmp(&is_left[0])
             }
         };
-        leaving.iter().map(clockwise).min_by(in_order).map(|c| c.2)
+        let first = leaving.iter().map(clockwise).min_by(in_order);
+        first.map(|(_, leaves)| leaves.half_edge)
     }
 
+    /// Whether of two edges that leave a vertex in the same direction the first is to
+    /// the left of the second: by their bends, and where these are the same by where
+    /// their curves are.
+    fn is_left(&self, scene: &Scene<'_>, one: &Departure, other: &Departure) -> bool {
+        let bends = one.bend - other.bend;
+        if bends.abs() > SAME_BEND * one.bend.abs().max(1.0) {
+            return bends > 0.0;
+        }
+        // Beside the far end of the shorter one.
+        let [length, other_length] = [one, other].map(|d| d.ends[0].distance(d.ends[1]));
+        let is_shorter = length <= other_length;
+        let [shorter, longer] = if is_shorter {
+            [one, other]
+        } else {
+            [other, one]
+        };
+        let at = shorter.ends[1];
+        let Some(near) = self.on_curve(scene, longer.half_edge, at) else {
+            return false;
+        };
+        let side = &self.faces[self.at(one.half_edge).face as usize];
+        let off = scene.flatten(side, at) - scene.flatten(side, near);
+        let left = DVec2::from_angle(one.angle).perp_dot(off);
+        at.distance(near) > scene.weld && (left > 0.0) == is_shorter
+    }
     /// How a half-edge leaves the vertex it starts from, or, going back, the one
     /// it ends in, as its face is seen. By the curve, not by its chord: of curves
     /// that touch there the chords may be the other way round.
@@ -214,11 +244,13 @@ impl Boundary {
         const TOUCHING: f64 = 1e-6;
         let side = &self.faces[self.at(half_edge).face as usize];
         let ends = [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
-        let [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
+        let ends @ [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
         let flat =
             |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);
         let chord = there - here;
         let along_chord = || Departure {
+            half_edge,
+            ends,
             angle: flat(chord).to_angle(),
             bend: 0.0,
         };
@@ -237,6 +269,8 @@ impl Boundary {
         let second = (u * q.cross(tangent) + v * tangent.cross(p)) / cross.dot(tangent);
         let (first, second) = (flat(tangent), flat(second));
         Departure {
+            half_edge,
+            ends,
             angle: first.to_angle(),
             bend: first.perp_dot(second) / first.length().powi(3),
         }

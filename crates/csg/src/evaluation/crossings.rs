@@ -101,25 +101,32 @@ impl Boundary {
     fn next_to(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
         let [a, b] = self.chord(half_edge);
         let half = 0.5 * a.distance(b);
-        let surfaces = self.surfaces_of(scene, half_edge);
-        let found = match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
-            None => a + (point - a).project_onto(b - a),
-            Some(surfaces) => {
-                let found = solve::common_point(&surfaces, point, half);
-                if found.residual > scene.weld || half <= 10.0 * scene.weld {
-                    return None;
-                }
-                found.point
-            }
-        };
+        let found = self.on_curve(scene, half_edge, point)?;
         let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
         is_between.then_some(found)
     }
 
+    /// The point of an edge's curve, which may go on beyond its ends, next to another
+    /// point; none if there is none, or the ends are one but for rounding.
+    pub fn on_curve(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
+        let [a, b] = self.chord(half_edge);
+        let half = 0.5 * a.distance(b);
+        let surfaces = self.surfaces_of(scene, half_edge);
+        match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
+            None => Some(a + (point - a).project_onto(b - a)),
+            Some(surfaces) => {
+                let found = solve::common_point(&surfaces, point, half);
+                let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
+                is_found.then_some(found.point)
+            }
+        }
+    }
+
     /// Adds splits that part edges of the same face which run across each other as
-    /// it is seen. If there are none, of each contour that goes around the wrong way
-    /// the edge that is farthest from its curve is halved. Half-edges are given by
-    /// contour.
+    /// it is seen. If there are none, edges are split beside corners that are nearer
+    /// to their curves, and if there are none of these, either, of each contour
+    /// that goes around the wrong way the edge that is farthest from its curve is
+    /// halved. Half-edges are given by contour.
     pub fn part(
         &self,
         scene: &Scene<'_>,
@@ -149,6 +156,11 @@ impl Boundary {
         if splits.len() > known {
             return;
         }
+        let beside = |edge: &(u32, _, _)| self.split_beside_corner(scene, edge.0, contours);
+        splits.extend(edges.iter().filter_map(beside));
+        if splits.len() > known {
+            return;
+        }
         // A face narrower than its curves bend may be turned over as a whole.
         for contour in contours {
             let area = |&h: &u32| flat(self.at(h).from).perp_dot(flat(self.end(h)));
@@ -159,6 +171,53 @@ impl Boundary {
                 splits.extend(worst.and_then(|&h| self.halve(scene, h)));
             }
         }
+    }
+
+    /// Splits of edges that are too coarse for the faces next to them: beside a corner
+    /// that is nearer to the edge's curve, or else in the middle; none if one has
+    /// no such point. Contours are given by face.
+    pub fn refine(
+        &self,
+        scene: &Scene<'_>,
+        edges: &[u32],
+        contours: &[Vec<Vec<u32>>],
+    ) -> Option<Vec<Split>> {
+        let split = |&half_edge: &u32| {
+            let both = [half_edge, self.at(half_edge).twin].into_iter();
+            let mut beside = both.filter_map(|half| {
+                let contours = &contours[self.at(half).face as usize];
+                self.split_beside_corner(scene, half, contours)
+            });
+            beside.next().or_else(|| self.halve(scene, half_edge))
+        };
+        edges.iter().map(split).collect()
+    }
+
+    /// The split of an edge beside a corner of its face that is nearer to the edge's
+    /// curve than the edge is, where that is farthest off: next to where curves touch,
+    /// faces are narrower than chords stray, however short these are, unless the
+    /// vertices on both sides of the face are side by side.
+    fn split_beside_corner(
+        &self,
+        scene: &Scene<'_>,
+        half_edge: u32,
+        contours: &[Vec<u32>],
+    ) -> Option<Split> {
+        /// Of an arc's middle no other point is much farther from the chord.
+        const FARTHEST: f64 = 1.5;
+        let [a, b] = self.chord(half_edge);
+        let off_chord = |point: DVec3| (point - a).reject_from(b - a).length();
+        let reach = 2.0 * FARTHEST * off_chord(self.middle(scene, half_edge)?);
+        let corners = contours.iter().flatten().map(|&h| self.at(h).from);
+        let corners = corners.map(|corner| self.points[corner as usize]);
+        let beside = corners.filter(|&corner| off_chord(corner) < reach);
+        let beside = beside.filter_map(|corner| {
+            let at = self.next_to(scene, half_edge, corner)?;
+            let off = off_chord(at);
+            (corner.distance(at) < off).then_some((off, at))
+        });
+        let (_, at) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(self.split_of(half_edge, at))
     }
 
     /// How far an edge's curve is from the middle of its chord.
