@@ -109,7 +109,8 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 48] = [
+const MODELS: [&str; 50] = [
+    "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-turned-spheroid",
     "ball-on-plate",
@@ -145,6 +146,7 @@ const MODELS: [&str; 48] = [
     "pyramid-8",
     "random-tree",
     "rim-along-a-cylinder",
+    "rim-along-a-ruling",
     "rods-side-by-side",
     "roots-about-a-contact",
     "rounded-edge",

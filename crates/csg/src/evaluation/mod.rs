@@ -15,7 +15,7 @@
 //!    points where others cross them ([`roots`], [`trig`]), as chains of chords
 //!    ([`arcs`], [`arc`]). Their faces are cut into patches along seams, so that each
 //!    can be seen from one side ([`frame`]).
-//! 4. The pieces are linked to the contours of faces ([`boundary`]), and these
+//! 4. The pieces are linked to the contours of faces ([`boundary`], [`mod@contours`]), and these
 //!    cut into triangles ([`mod@triangulate`]), with more chords where they would
 //!    run across each other ([`crossings`]). Points where something touches a face
 //!    become vertices of it ([`contacts`]), and triangles that would face away from
@@ -40,6 +40,7 @@ mod boundary_tests;
 mod cells;
 mod conic;
 mod contacts;
+mod contours;
 mod crossings;
 mod curve;
 mod frame;

@@ -1,0 +1,167 @@
+//! Which half-edge of a contour follows which: around each vertex and in each face,
+//! by the directions in which the curves leave.
+
+use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::boundary::{Boundary, NONE};
+
+/// Directions in a face that differ by less are the same, in radians.
+const SAME_DIRECTION: f64 = 1e-9;
+
+/// Of curvatures as a face is seen, about 1 where it has the size of its surface.
+const SAME_BEND: f64 = 1e-9;
+
+/// How a curve leaves a vertex in the plane in which its face is seen.
+#[derive(Clone, Copy, Debug)]
+struct Departure {
+    half_edge: u32,
+    /// The vertex, and the edge's other end.
+    ends: [DVec3; 2],
+    /// Of its tangent.
+    angle: f64,
+    /// Its curvature, positive to the left.
+    bend: f64,
+}
+
+impl Boundary {
+    /// Finds every half-edge's next: around each vertex and in each face, the
+    /// one that starts where the face's sector left of it ends.
+    pub fn link_contours(&mut self, scene: &Scene<'_>) -> Option<()> {
+        // Half-edges by the vertex they start from.
+        let mut first_at = vec![0u32; self.points.len() + 1];
+        for half_edge in &self.half_edges {
+            first_at[half_edge.from as usize + 1] += 1;
+        }
+        for vertex in 0..self.points.len() {
+            first_at[vertex + 1] += first_at[vertex];
+        }
+        let mut filled = first_at.clone();
+        let mut leaving = vec![0u32; self.half_edges.len()];
+        for (index, half_edge) in (0u32..).zip(&self.half_edges) {
+            let slot = &mut filled[half_edge.from as usize];
+            leaving[*slot as usize] = index;
+            *slot += 1;
+        }
+        let mut out: SmallVec<[u32; 4]> = SmallVec::new();
+        for vertex in 0..self.points.len() {
+            scene.control.check().ok()?;
+            let here = first_at[vertex] as usize..first_at[vertex + 1] as usize;
+            for k in here.clone() {
+                // Each arrives as another one's twin.
+                let arriving = self.at(leaving[k]).twin;
+                let face = self.at(arriving).face;
+                let same_face = |&h: &u32| self.at(h).face == face;
+                out.clear();
+                out.extend(leaving[here.clone()].iter().copied().filter(same_face));
+                let next = match out.as_slice() {
+                    &[only] => only,
+                    many => self.end_of_sector(scene, arriving, many)?,
+                };
+                if self.at(next).previous != NONE {
+                    return None;
+                }
+                self.join(arriving, next);
+            }
+        }
+        Some(())
+    }
+
+    /// Of the half-edges that leave the vertex where another arrives, in the
+    /// same face, the first clockwise from it: between the two lies the face.
+    fn end_of_sector(&self, scene: &Scene<'_>, arriving: u32, leaving: &[u32]) -> Option<u32> {
+        use std::f64::consts::TAU;
+        let back = self.departure(scene, arriving, true);
+        // Next to where curves touch they are one curve but for rounding, too, and
+        // their order is that of their bends.
+        let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_DIRECTION);
+        let clockwise = |&half_edge: &u32| {
+            let leaves = self.departure(scene, half_edge, false);
+            let turn = (back.angle - leaves.angle).rem_euclid(TAU);
+            let is_same = turn.min(TAU - turn) < same(back.bend - leaves.bend);
+            // Along one curve the face goes all around: both sides of a slit.
+            let turn = match is_same {
+                true if self.is_left(scene, &back, &leaves) => 0.0,
+                true => TAU,
+                false => turn,
+            };
+            (turn, leaves)
+        };
+        let in_order = |a: &(f64, Departure), b: &(f64, Departure)| {
+            if (a.0 - b.0).abs() >= same(a.1.bend - b.1.bend) {
+                a.0.total_cmp(&b.0)
+            } else {
+                let is_left = [[a, b], [b, a]].map(|[a, b]| self.is_left(scene, &a.1, &b.1));
+                is_left[1].cmp(&is_left[0])
+            }
+        };
+        let first = leaving.iter().map(clockwise).min_by(in_order);
+        first.map(|(_, leaves)| leaves.half_edge)
+    }
+
+    /// Whether of two edges that leave a vertex in the same direction the first is to
+    /// the left of the second: by their bends, and where these are the same by where
+    /// their curves are.
+    fn is_left(&self, scene: &Scene<'_>, one: &Departure, other: &Departure) -> bool {
+        let bends = one.bend - other.bend;
+        if bends.abs() > SAME_BEND * one.bend.abs().max(1.0) {
+            return bends > 0.0;
+        }
+        // Beside the far end of the shorter one.
+        let [length, other_length] = [one, other].map(|d| d.ends[0].distance(d.ends[1]));
+        let is_shorter = length <= other_length;
+        let [shorter, longer] = if is_shorter {
+            [one, other]
+        } else {
+            [other, one]
+        };
+        let at = shorter.ends[1];
+        let Some(near) = self.on_curve(scene, longer.half_edge, at) else {
+            return false;
+        };
+        let side = &self.faces[self.at(one.half_edge).face as usize];
+        let off = scene.flatten(side, at) - scene.flatten(side, near);
+        let left = DVec2::from_angle(one.angle).perp_dot(off);
+        at.distance(near) > scene.weld && (left > 0.0) == is_shorter
+    }
+    /// How a half-edge leaves the vertex it starts from, or, going back, the one
+    /// it ends in, as its face is seen. By the curve, not by its chord: of curves
+    /// that touch there the chords may be the other way round.
+    fn departure(&self, scene: &Scene<'_>, half_edge: u32, is_back: bool) -> Departure {
+        /// Surfaces at a smaller sine of their angle have no tangent in common.
+        const TOUCHING: f64 = 1e-6;
+        let side = &self.faces[self.at(half_edge).face as usize];
+        let ends = [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
+        let ends @ [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
+        let flat =
+            |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);
+        let chord = there - here;
+        let along_chord = || Departure {
+            half_edge,
+            ends,
+            angle: flat(chord).to_angle(),
+            bend: 0.0,
+        };
+        let Some([a, b]) = self.surfaces_of(scene, half_edge) else {
+            return along_chord();
+        };
+        let [p, q] = [a, b].map(|s| s.gradient(here));
+        let cross = p.cross(q);
+        let is_straight = a.is_plane() && b.is_plane();
+        if is_straight || cross.length() <= TOUCHING * p.length() * q.length() {
+            return along_chord();
+        }
+        let tangent = cross.normalize() * cross.dot(chord).signum();
+        // The second derivative keeps to both surfaces.
+        let [u, v] = [a, b].map(|s| -s.curvature_along(tangent));
+        let second = (u * q.cross(tangent) + v * tangent.cross(p)) / cross.dot(tangent);
+        let (first, second) = (flat(tangent), flat(second));
+        Departure {
+            half_edge,
+            ends,
+            angle: first.to_angle(),
+            bend: first.perp_dot(second) / first.length().powi(3),
+        }
+    }
+}
