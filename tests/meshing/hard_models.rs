@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 50] = [
+const MODELS: [&str; 51] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-turned-spheroid",
@@ -119,6 +119,7 @@ const MODELS: [&str; 50] = [
     "bubble-below-face",
     "capsule",
     "cone",
+    "cone-cut-beside-its-apex",
     "conical-pit",
     "conics-touching",
     "contact-of-fourth-order",
@@ -319,6 +320,22 @@ fn what_is_thinner_than_a_cell_is_reported_beside_what_is_not() {
     }
     let report = mesh(&block, 16).report;
     assert!(report.fallbacks.is_empty(), "{:?}", report.fallbacks);
+}
+
+/// Triangles that go around the apex are no farther from the cone than from it.
+#[test]
+fn a_cone_cut_beside_its_apex_takes_few_triangles() {
+    for pose in [HOME, TURNED] {
+        let program = Program::lower(&pose.of(&model("cone-cut-beside-its-apex")));
+        let mesher = Mesher::new().tolerance(0.01);
+        let meshed = mesher
+            .mesh(&program.expect("a valid solid"))
+            .expect("a mesh");
+        let Meshed { mesh, report, .. } = meshed;
+        assert!(report.fallbacks.is_empty(), "{:?}", report.fallbacks);
+        assert!(report.deviation.is_some_and(|bound| bound <= 0.01));
+        assert!(mesh.triangles.len() <= 50, "{}", mesh.triangles.len());
+    }
 }
 
 /// On grids much of its tip is thinner than a cell.

@@ -21,7 +21,8 @@
 //! the image of a point of the mesh that is as near as the bound says, or lies
 //! in such a sliver, all of which is as near to the curve's chords as
 //! [`of_chord`] says. What this rests on is that the mesh has the boundary's
-//! topology.
+//! topology. Around a cone's apex all this holds for a mesh of which vertices next to
+//! the apex are moved there, and no point is moved by more than these.
 
 mod chord;
 
@@ -87,6 +88,32 @@ pub(super) fn estimate(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
 /// triangle is too large for the surface's curvature.
 #[must_use]
 pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
+    let bound = along_gradient(surface, corners);
+    let apex = surface.apex().filter(|&apex| {
+        let is_near = |corner: &DVec3| corner.distance(apex) < bound;
+        corners.iter().any(is_near)
+    });
+    apex.map_or(bound, |apex| bound.min(over_apex(surface, apex, corners)))
+}
+
+/// The same for a triangle that goes by a cone's apex so closely that gradients turn
+/// too far along it: with the nearest corner moved there, or two of them, no point of
+/// it is moved by more than these.
+fn over_apex(surface: &Surface, apex: DVec3, mut corners: [DVec3; 3]) -> f64 {
+    corners.sort_unstable_by(|a, b| a.distance(apex).total_cmp(&b.distance(apex)));
+    let [nearest, second, farthest] = corners;
+    let with_tip = along_gradient(surface, [apex, second, farthest]);
+    // On a ruling but for rounding.
+    let folded = along_gradient(surface, [apex, farthest, farthest]);
+    let bounds = [
+        nearest.distance(apex) + with_tip,
+        second.distance(apex) + folded,
+    ];
+    bounds[0].min(bounds[1])
+}
+
+/// A bound of the distance by the flow along the gradient.
+fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
     let mut corners = corners.map(|at| Corner::new(surface, at));
     if surface.is_plane() {
         return corners[0].off.max(corners[1].off).max(corners[2].off);
@@ -391,6 +418,29 @@ mod tests {
                 (1.0 - p.z - p.truncate().length()) * std::f64::consts::FRAC_1_SQRT_2
             };
             assert_tight(&cone, corners, distance, 1.3);
+        }
+
+        /// Some corners so near to the tip that the triangle goes around it.
+        #[test]
+        fn cones_around_their_tip(
+            angles in prop::array::uniform3(0.0..6.3f64),
+            exponents in prop::array::uniform3(0.0..12.0f64),
+        ) {
+            let cone = curved(&Solid::frustum(1.0, 0.0, 0.0..1.0));
+            let radii = exponents.map(|e| 0.5 * 10f64.powf(-e));
+            let corners = [0, 1, 2].map(|i| {
+                DVec3::new(radii[i] * angles[i].cos(), radii[i] * angles[i].sin(), 1.0 - radii[i])
+            });
+            let distance = |p: DVec3| {
+                (1.0 - p.z - p.truncate().length()) * std::f64::consts::FRAC_1_SQRT_2
+            };
+            let bound = of_triangle(&cone, corners);
+            let sampled = samples(corners).map(distance).fold(0.0, f64::max);
+            prop_assert!(sampled <= bound + 1e-15, "{sampled} > {bound}");
+            // No farther than from the farther one of the corners near the tip.
+            let mut from_tip = corners.map(|c| c.distance(DVec3::Z));
+            from_tip.sort_by(f64::total_cmp);
+            prop_assert!(bound <= 1.01 * from_tip[1] + 1e-15, "{bound}, {from_tip:?}");
         }
 
         #[test]
