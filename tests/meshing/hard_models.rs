@@ -109,10 +109,11 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 51] = [
+const MODELS: [&str; 52] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-turned-spheroid",
+    "ball-inscribed-in-a-cylinder",
     "ball-on-plate",
     "ball-through-edges",
     "block-of-cubes",

@@ -51,23 +51,26 @@ impl HalfEdges<'_> {
     pub fn fix_contacts(&mut self) {
         // Zero has two signs.
         let bits = |at: DVec3| (at + DVec3::ZERO).to_array().map(f64::to_bits);
-        let vertices = 0..self.positions.len() as u32;
-        let is_there = |&vertex: &u32| self.kinds[vertex as usize] != Kind::Gone;
-        let mut order: Vec<u32> = vertices.filter(is_there).collect();
-        order.sort_unstable_by_key(|&vertex| bits(self.at(vertex)));
         // The first vertex in the same place, and whether there are others.
         let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
         let mut is_shared = vec![false; self.positions.len()];
-        for same in
-            order.chunk_by(|&a, &b| self.positions[a as usize] == self.positions[b as usize])
-        {
-            if same.len() > 1 {
-                for &vertex in same {
-                    self.kinds[vertex as usize] = Kind::Corner;
-                    places[vertex as usize] = same[0];
-                    is_shared[vertex as usize] = true;
+        let mut first_at = FxHashMap::default();
+        first_at.reserve(self.positions.len());
+        for (vertex, place) in (0u32..).zip(&mut places) {
+            if self.kinds[vertex as usize] == Kind::Gone {
+                continue;
+            }
+            *place = *first_at.entry(bits(self.at(vertex))).or_insert(vertex);
+            if *place != vertex {
+                for shared in [*place, vertex] {
+                    self.kinds[shared as usize] = Kind::Corner;
+                    is_shared[shared as usize] = true;
                 }
             }
+        }
+        if !is_shared.contains(&true) {
+            self.contacts = Contacts::default();
+            return;
         }
         let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
         let halves = 0..self.halves.len() as u32;

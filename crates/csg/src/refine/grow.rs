@@ -105,6 +105,17 @@ impl<'m, 's> Grower<'m, 's> {
     /// it; whether anything was cut.
     pub(super) fn cut_sides(&mut self, sides: &[Side]) -> bool {
         self.changed.clear();
+        self.cut_all(sides);
+        let is_cut = !self.changed.is_empty();
+        self.flip();
+        self.free_stuck();
+        let changed = self.flip_and_take_changed();
+        self.settle(changed);
+        is_cut
+    }
+
+    /// Cuts sides, and measures the chords that come of it.
+    fn cut_all(&mut self, sides: &[Side]) {
         for side in sides {
             if let Some(vertex) = self.cut_side(side)
                 && side.kind != Kind::Face
@@ -112,12 +123,6 @@ impl<'m, 's> Grower<'m, 's> {
                 self.measure_chords_at(vertex);
             }
         }
-        let is_cut = !self.changed.is_empty();
-        self.flip();
-        self.free_stuck();
-        let changed = self.flip_and_take_changed();
-        self.settle(changed);
-        is_cut
     }
 
     /// Cuts a side at a point of its surface or curve; the vertex there.

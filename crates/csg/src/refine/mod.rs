@@ -191,9 +191,7 @@ pub(crate) fn to_tolerance(
         });
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
-    if !goal.tight.is_empty() {
-        mesh.fix_contacts();
-    }
+    mesh.fix_contacts();
     coarsen::coarsen(&mut mesh, goal);
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, precision);

@@ -43,22 +43,12 @@ pub(crate) fn separate(
     let Some(mut mesh) = half_edges(surfaced, surfaces) else {
         return false;
     };
-    if !goal.tight.is_empty() {
-        mesh.fix_contacts();
-    }
-    let mut sides: Vec<Side> = pairs
+    mesh.fix_contacts();
+    let sides = pairs
         .iter()
         .flat_map(|&pair| sides_of(&mesh, pair, parting, precision))
         .collect();
-    // Where the solid touches itself, all edges are cut at the same place.
-    for index in 0..sides.len() {
-        let side = sides[index];
-        let kind = Kind::Corner;
-        let alike = mesh.contacts.alike(side.ends).iter();
-        sides.extend(alike.map(|&ends| Side { ends, kind, ..side }));
-    }
-    sides.sort_unstable_by_key(|side| side.ends);
-    sides.dedup_by_key(|side| side.ends);
+    let sides = together(&mesh, sides);
     let mut grower = Grower::new(&mut mesh, goal, precision);
     grower.outcome = std::mem::take(outcome);
     let is_changed = grower.cut_sides(&sides);
@@ -99,6 +89,20 @@ pub(super) struct Side {
     pub target: DVec3,
     /// Of the vertex there.
     pub kind: Kind,
+}
+
+/// Each side once, and where the solid touches itself all edges at the same place, to
+/// be cut at the same point.
+pub(super) fn together(mesh: &HalfEdges<'_>, mut sides: Vec<Side>) -> Vec<Side> {
+    for index in 0..sides.len() {
+        let side = sides[index];
+        let kind = Kind::Corner;
+        let alike = mesh.contacts.alike(side.ends).iter();
+        sides.extend(alike.map(|&ends| Side { ends, kind, ..side }));
+    }
+    sides.sort_unstable_by_key(|side| side.ends);
+    sides.dedup_by_key(|side| side.ends);
+    sides
 }
 
 /// The sides of two triangles to be cut.

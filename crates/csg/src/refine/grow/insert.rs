@@ -5,6 +5,8 @@ use glam::DVec3;
 
 use super::{Grower, Piece};
 use crate::refine::half_edges::{HalfEdges, Kind, next};
+use crate::refine::regions::Way;
+use crate::refine::separate::{Side, cut_of, together};
 use crate::refine::shape::faces_out_in_the_middle;
 
 /// Whether the four triangles that a split leaves face the right way.
@@ -18,6 +20,13 @@ pub(in super::super) fn splits_well(mesh: &HalfEdges<'_>, half: u32, target: DVe
             && faces_out_in_the_middle(surface, region, [target, w, c])
     };
     side_is_good(half) && side_is_good(mesh.twin(half))
+}
+
+/// Whether a triangle of a point and two vertices faces the way the surface along an
+/// edge does.
+fn faces_at(mesh: &HalfEdges<'_>, half: u32, at: DVec3, [b, c]: [u32; 2]) -> bool {
+    let corners = [at, mesh.at(b), mesh.at(c)];
+    faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
 }
 
 impl Grower<'_, '_> {
@@ -50,32 +59,34 @@ impl Grower<'_, '_> {
         }
     }
 
+    /// The first edge that a vertex would cross on its way, and where: the share of the
+    /// way at which the triangle between the two has no area left.
+    fn blocking(&self, vertex: u32, target: DVec3) -> Option<(f64, u32)> {
+        let mesh = &*self.mesh;
+        let from = mesh.at(vertex);
+        let crossing = |rim: u32| {
+            let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
+            let [before, after] = [from, target].map(|at| {
+                let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
+                let normal = (ends[0] - at).cross(ends[1] - at);
+                mesh.region(rim).outward * normal.dot(gradient)
+            });
+            (before / (before - after)).clamp(0.0, 1.0)
+        };
+        let rims = mesh.around(vertex).map(next);
+        rims.filter(|&rim| !faces_at(mesh, rim, target, [mesh.origin(rim), mesh.target(rim)]))
+            .map(|rim| (crossing(rim), rim))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// Moves a vertex, flipping the edges that are in its way, each where the way
     /// crosses it; as far as it may go.
     fn push(&mut self, vertex: u32, target: DVec3) -> bool {
         const MOST_FLIPS: usize = 24;
         for _ in 0..MOST_FLIPS {
+            let blocked = self.blocking(vertex, target);
             let mesh = &mut *self.mesh;
             let from = mesh.at(vertex);
-            let faces = |half: u32, at: DVec3, [b, c]: [u32; 2]| {
-                let corners = [at, mesh.at(b), mesh.at(c)];
-                faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
-            };
-            // Where on the way a triangle at the vertex has no area left.
-            let crossing = |rim: u32| {
-                let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
-                let [before, after] = [from, target].map(|at| {
-                    let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
-                    let normal = (ends[0] - at).cross(ends[1] - at);
-                    mesh.region(rim).outward * normal.dot(gradient)
-                });
-                (before / (before - after)).clamp(0.0, 1.0)
-            };
-            let blocked = mesh.around(vertex).map(next);
-            let blocked = blocked
-                .filter(|&rim| !faces(rim, target, [mesh.origin(rim), mesh.target(rim)]))
-                .map(|rim| (crossing(rim), rim))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((share, rim)) = blocked else {
                 mesh.positions[vertex as usize] = target;
                 return true;
@@ -86,8 +97,8 @@ impl Grower<'_, '_> {
             let (b, c) = (mesh.origin(rim), mesh.target(rim));
             let beyond = mesh.apex(mesh.twin(rim));
             let at = from.lerp(target, share);
-            if !faces(rim, at, [b, beyond])
-                || !faces(rim, at, [beyond, c])
+            if !faces_at(mesh, rim, at, [b, beyond])
+                || !faces_at(mesh, rim, at, [beyond, c])
                 || mesh.are_joined(vertex, beyond)
             {
                 return false;
@@ -109,5 +120,38 @@ impl Grower<'_, '_> {
             }
         }
         self.flip();
+    }
+
+    /// Cuts chords of curves that keep vertices from where they ought to be, beside
+    /// these: next to where curves touch, one may be beyond the other one's chord.
+    pub(in super::super) fn cut_beside_stuck(&mut self) {
+        const MOST_ROUNDS: usize = 8;
+        for _ in 0..MOST_ROUNDS {
+            let before = self.stuck.len();
+            let beside = self.stuck.iter();
+            let beside = beside.filter_map(|&(vertex, target)| self.side_beside(vertex, target));
+            let sides = together(self.mesh, beside.collect());
+            if sides.is_empty() {
+                break;
+            }
+            self.cut_all(&sides);
+            self.flip();
+            self.free_stuck();
+            if self.stuck.len() > before {
+                break;
+            }
+        }
+    }
+
+    /// The chord that keeps a vertex from where it ought to be, to be cut beside it.
+    fn side_beside(&self, vertex: u32, target: DVec3) -> Option<Side> {
+        let mesh = &*self.mesh;
+        let (_, rim) = self.blocking(vertex, target)?;
+        let sides = [rim, mesh.twin(rim)];
+        let is_fixed = mesh.is_feature(rim) || mesh.is_contact(rim);
+        let is_done = sides.iter().any(|&side| mesh.region(side).way == Way::Done);
+        let is_straight = sides.iter().all(|&side| mesh.surface(side).is_plane());
+        let may_be_cut = is_fixed && !is_done && !is_straight;
+        may_be_cut.then(|| cut_of(mesh, rim, target, self.precision))?
     }
 }

@@ -96,6 +96,7 @@ impl Grower<'_, '_> {
     /// measures triangles.
     pub(super) fn settle(&mut self, mut far: Vec<u32>) {
         if !self.stuck.is_empty() {
+            self.cut_beside_stuck();
             for (vertex, place) in std::mem::take(&mut self.stuck) {
                 self.mesh.positions[vertex as usize] = place;
                 self.outcome.unkept.push((Unkept::Folded, place));
