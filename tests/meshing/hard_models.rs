@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 52] = [
+const MODELS: [&str; 53] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-turned-spheroid",
@@ -130,6 +130,7 @@ const MODELS: [&str; 52] = [
     "crossing-pipes",
     "cubes-sharing-a-corner",
     "cubes-sharing-an-edge",
+    "curves-cut-beside-a-contact",
     "dimples",
     "doubled-chords",
     "doubled-diagonals",

@@ -242,6 +242,8 @@ fn defaults_give_a_good_mesh_of_any_model() {
         let tolerance = 1e-3 * bounds.size().max_element();
         let bound = report.deviation.expect("a bound");
         assert!(bound <= tolerance, "{name}: {bound}");
+        let off = report.largest_vertex_distance;
+        assert!(off <= 1e-12 * bounds.size().length(), "{name}: {off}");
         let explicit = Mesher::new().tolerance(tolerance).mesh(&program);
         assert!(*mesh == explicit.expect("a mesh").mesh, "{name}");
     }

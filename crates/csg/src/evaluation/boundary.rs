@@ -9,11 +9,11 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Scene;
-use super::contacts::{Contact, join_contacts};
+use super::contacts::Contact;
 use super::lines::Piece;
 use super::sectors::Side;
 use super::triangulate::is_surrounded;
-use super::weld::Welder;
+use super::weld::{Welded, weld};
 use crate::program::Surface;
 
 /// An index that stands for nothing.
@@ -48,20 +48,12 @@ impl Boundary {
     /// Contacts are moved to the vertices at the same places.
     pub fn link(scene: &Scene<'_>, pieces: &[Piece], contacts: &mut [Contact]) -> Option<Self> {
         let mut all = Self::default();
-        let mut welder = Welder::new(scene.weld);
-        // Vertices at apexes of cones are there to the last bit.
-        for apex in scene.surfaces.iter().filter_map(Surface::apex) {
-            welder.number(apex);
-        }
-        let joined = join_contacts(scene, contacts, &mut welder);
+        let Welded { points, ends } = weld(scene, pieces, contacts)?;
+        all.points = points;
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
-        for piece in pieces {
+        for (piece, [from, to]) in pieces.iter().zip(ends) {
             scene.control.check().ok()?;
-            let [from, to] = [piece.from, piece.to].map(|end| {
-                let vertex = welder.number(end);
-                joined.get(&vertex).copied().unwrap_or(vertex)
-            });
             if from == to {
                 continue;
             }
@@ -84,7 +76,6 @@ impl Boundary {
                 });
             }
         }
-        all.points = welder.points;
         all.link_contours(scene)?;
         all.simplify(scene)?;
         all.split_double_edges(scene)?;

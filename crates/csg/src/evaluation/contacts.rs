@@ -9,7 +9,6 @@ use smallvec::SmallVec;
 use super::Scene;
 use super::picture::Picture;
 use super::sectors::Side;
-use super::weld::Welder;
 use crate::net::solve;
 use crate::program::Surface;
 
@@ -21,40 +20,9 @@ pub(super) struct Contact {
     pub surfaces: SmallVec<[u32; 3]>,
 }
 
-/// Numbers contacts, and makes one of those between the same surfaces that differ by
-/// less than tells these apart: where a curve touches a surface to the fourth order,
-/// as a circle does a cylinder along which its plane touches this one, the place is
-/// known to a quarter of the digits, and each of their curves tells another one.
-/// The numbers that were replaced, and by which.
-pub(super) fn join_contacts(
-    scene: &Scene<'_>,
-    contacts: &mut [Contact],
-    welder: &mut Welder,
-) -> FxHashMap<u32, u32> {
-    let mut joined = FxHashMap::default();
-    let mut of_surfaces: FxHashMap<SmallVec<[u32; 3]>, SmallVec<[u32; 2]>> = FxHashMap::default();
-    for contact in contacts {
-        let vertex = welder.number(contact.at);
-        let mut surfaces = contact.surfaces.clone();
-        surfaces.sort_unstable();
-        let known = of_surfaces.entry(surfaces).or_default();
-        let is_same = |&&other: &&u32| contact.reaches(scene, welder.points[other as usize]);
-        let same = known.iter().find(is_same).copied();
-        if same.is_none() {
-            known.push(vertex);
-        }
-        let same = same.unwrap_or(vertex);
-        if same != vertex {
-            joined.insert(vertex, same);
-        }
-        contact.at = welder.points[same as usize];
-    }
-    joined
-}
-
 impl Contact {
     /// Whether it cannot be told from a contact of the same surfaces at another place.
-    fn reaches(&self, scene: &Scene<'_>, other: DVec3) -> bool {
+    pub fn is_one_with(&self, scene: &Scene<'_>, other: DVec3) -> bool {
         let distance = self.at.distance(other);
         let surfaces = self.surfaces.iter().map(|&id| &scene.surfaces[id as usize]);
         let surfaces: SmallVec<[&Surface; 4]> = surfaces.collect();
