@@ -74,32 +74,37 @@ pub(crate) fn draw_edges(
         renderer,
         scene,
         matrix,
+        has_edges: true,
     };
-    let mut draw = |points: &[Vec3], width: f64| {
+    let beside = Drawn {
+        has_edges: false,
+        ..frame
+    };
+    let mut draw = |frame: &Drawn, points: &[Vec3], width: f64| {
         project_polyline(matrix, points.iter().copied(), |segment| {
-            layers.draw(&frame, &segment, width);
+            layers.draw(frame, &segment, width);
         });
     };
     let corner = |v: u32| scene.positions.get(v as usize).copied();
     if options.features {
         for line in scene.feature_edges() {
             let points: Vec<Vec3> = line.iter().filter_map(|&v| corner(v)).collect();
-            draw(&points, width);
+            draw(&frame, &points, width);
         }
     }
     if options.silhouettes {
-        silhouettes(scene, matrix, |a, b| draw(&[a, b], width));
+        silhouettes(scene, matrix, |a, b| draw(&beside, &[a, b], width));
     }
     if options.wireframe {
         for index in 0..scene.kept_triangles {
             if let Some([a, b, c]) = scene.corners(index) {
-                draw(&[a, b, c, a], width);
+                draw(&frame, &[a, b, c, a], width);
             }
         }
     }
     if options.points {
         for &p in &scene.positions[..scene.kept_vertices] {
-            draw(&[p, p], width * 3.0);
+            draw(&frame, &[p, p], width * 3.0);
         }
     }
     if options.hidden == HiddenEdges::Dash {

@@ -95,7 +95,7 @@ impl FrameMatrix {
 impl FrameMatrix {
     /// OpenGL clip coordinates of a point relative to the scene's centre.
     pub fn clip(&self, p: Vec3) -> DVec4 {
-        let [x, y, z, w] = [0, 1, 2, 3].map(|row| f64::from(self.row(row, p)));
+        let [x, y, z, w] = [0, 1, 2, 3].map(|row| self.precise_row(row, p));
         let half = f64::from(SUBPIXELS) / 2.0;
         DVec4::new(
             x / (f64::from(self.width.max(1)) * half),

@@ -195,50 +195,105 @@ pub(crate) struct Drawn<'a> {
     pub renderer: &'a Renderer,
     pub scene: &'a Scene,
     pub matrix: &'a FrameMatrix,
+    /// Whether lines are edges of its triangles. Silhouettes are beside them, and may
+    /// be on triangles that face away.
+    pub has_edges: bool,
 }
 
 impl Drawn<'_> {
     /// Whether a point of the window on the surface of what is drawn is seen
-    /// at a pixel that the line around it touches: if the point is not behind
-    /// what is drawn at that pixel or at one next to it, or not behind its
-    /// plane. For surfaces slope: on both sides of an edge that two faces turn
-    /// towards the viewer, what is drawn is nearer than the edge itself.
+    /// at a pixel that the line around it touches.
     fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
+        let of_edge = if self.has_edges {
+            self.shows_on_triangles(x, y, point)
+        } else {
+            None
+        };
+        of_edge.unwrap_or_else(|| self.shows_nearby(x, y, point))
+    }
+
+    /// Whether a point of an edge is not behind one of the triangles that are
+    /// drawn at a pixel or at one next to it and cover the point: exact, however
+    /// thin a wall is. None where there is no such triangle: where they are smaller
+    /// than pixels, or at the border of what is drawn.
+    fn shows_on_triangles(&self, x: u32, y: u32, point: DVec3) -> Option<bool> {
+        /// Of the depth, and more than rounding.
+        const SAME: f64 = 1e-9;
+        let at = point.truncate();
+        let mut covered = None;
+        for (x, y) in self.pixels_around(x, y) {
+            let number = self.renderer.number(x, y).map(|(number, _)| number);
+            if let Some(corners) = number.and_then(|number| self.triangle(number))
+                && covers(corners, at)
+                && let Some(plane) = plane_depth(corners, at)
+            {
+                if point.z * (1.0 + SAME) >= plane {
+                    return Some(true);
+                }
+                covered = Some(false);
+            }
+        }
+        covered
+    }
+
+    /// Whether a point is not behind what is drawn at a pixel or at one next to it,
+    /// or not behind its plane. For surfaces slope: on both sides of an edge that
+    /// two faces turn towards the viewer, what is drawn is nearer than the edge
+    /// itself.
+    fn shows_nearby(&self, x: u32, y: u32, point: DVec3) -> bool {
         let depth = point.z * (1.0 + 1e-4);
-        let not_behind = |x: u32, y: u32| {
+        self.pixels_around(x, y).any(|(x, y)| {
             let Some((number, kept)) = self.renderer.number(x, y) else {
                 return true;
             };
-            // The cap of a section hides what is behind it, and is seen but
-            // from outside: no edge lies in a valley with it.
-            let plane = || match decode(number) {
-                (triangle, None) => self.plane_depth(triangle, point.truncate()),
-                (_, Some(_)) => None,
-            };
+            let corners = || self.triangle(number);
+            let plane = || plane_depth(corners()?, point.truncate());
             depth >= f64::from(kept) || plane().is_some_and(|plane| depth >= plane)
-        };
-        // Beyond the picture's border nothing is known.
-        let last = (self.renderer.width - 1, self.renderer.height - 1);
-        let mut columns = x.saturating_sub(1)..=(x + 1).min(last.0);
-        let rows = y.saturating_sub(1)..=(y + 1).min(last.1);
-        not_behind(x, y) || columns.any(|x| rows.clone().any(|y| not_behind(x, y)))
+        })
     }
 
-    /// The reversed depth of a triangle's plane at a point of the window, kept
-    /// between those of its corners.
-    fn plane_depth(&self, triangle: usize, at: DVec2) -> Option<f64> {
+    /// A pixel, and those next to it. Beyond the picture's border nothing is known.
+    fn pixels_around(&self, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> {
+        let last = (self.renderer.width - 1, self.renderer.height - 1);
+        let columns = x.saturating_sub(1)..=(x + 1).min(last.0);
+        let rows = y.saturating_sub(1)..=(y + 1).min(last.1);
+        let around = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
+        std::iter::once((x, y)).chain(around)
+    }
+
+    /// The corners in the window of the triangle that a pixel shows, if all are
+    /// before the viewer. Not of the cap of a section, which hides what is behind
+    /// it, and is seen but from outside: no edge lies in a valley with it.
+    fn triangle(&self, number: i32) -> Option<[DVec3; 3]> {
+        let (triangle, None) = decode(number) else {
+            return None;
+        };
         let corners = self.scene.corners(triangle)?;
         let clip = corners.map(|corner| self.matrix.clip(corner));
-        if clip.iter().any(|corner| corner.w <= 0.0) {
-            return None;
-        }
-        let [a, b, c] = clip.map(|corner| self.matrix.window(corner));
-        let normal = (b - a).cross(c - a);
-        let away = at - a.truncate();
-        let depth = a.z - normal.truncate().dot(away) / normal.z;
-        let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-        depth.is_finite().then(|| depth.clamp(low, high))
+        let is_before = clip.iter().all(|corner| corner.w > 0.0);
+        is_before.then(|| clip.map(|corner| self.matrix.window(corner)))
     }
+}
+
+/// Whether a point of the window is in a triangle, or on its border.
+fn covers([a, b, c]: [DVec3; 3], at: DVec2) -> bool {
+    /// Of a triangle's width, and more than rounding.
+    const BORDER: f64 = 1e-9;
+    let [a, b, c] = [a, b, c].map(DVec3::truncate);
+    let area = (b - a).perp_dot(c - a);
+    let weight = |p: DVec2, q: DVec2| (q - p).perp_dot(at - p) / area;
+    let weights = [weight(a, b), weight(b, c), weight(c, a)];
+    weights.iter().all(|&weight| weight >= -BORDER)
+}
+
+/// The reversed depth of a triangle's plane at a point of the window, kept
+/// between those of its corners.
+fn plane_depth([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
+    let normal = (b - a).cross(c - a);
+    let away = at - a.truncate();
+    let depth = a.z - normal.truncate().dot(away) / normal.z;
+    let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+    depth.is_finite().then(|| depth.clamp(low, high))
 }
 
 /// Puts a polyline given in scene coordinates into the window, cut to the

@@ -136,6 +136,39 @@ fn edges_behind_what_fills_the_picture_are_not_drawn() {
     }
 }
 
+/// However thin it is, and however it slopes.
+#[test]
+fn edges_behind_a_thin_wall_are_not_drawn() {
+    let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners =
+        |size: f64, depth: f64| square.map(|(x, z)| DVec3::new(size * x, depth, size * z));
+    let wall = Mesh::new(corners(1.0, 0.0).to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+    let mut options = RenderOptions::default();
+    let mut edges = features();
+    edges.wireframe = true;
+    options.edges = Some(edges);
+    for thickness in [1e-2, 1e-3, 1e-4, 1e-5] {
+        let mut both = wall.clone();
+        both.positions.extend(corners(0.9, thickness));
+        both.positions.push(thickness * DVec3::Y);
+        let behind = [[4, 5, 8], [5, 6, 8], [6, 7, 8], [7, 4, 8]];
+        both.triangles.extend(behind);
+        for view in [StandardView::Front, StandardView::Iso] {
+            for lens in [Lens::Orthographic { height: 2.0 }, Lens::DEFAULT] {
+                let view_of_wall = view_of(&wall, view, lens);
+                let [alone, before] = [&wall, &both].map(|mesh| {
+                    let (_, image) = draw(&Scene::new(mesh), &view_of_wall, &options);
+                    image
+                });
+                for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
+                    let [alone, before] = [&alone, &before].map(|i| dark(i.get(x, y).unwrap()));
+                    assert!(alone == before, "{thickness} {view:?} {lens:?} {x} {y}");
+                }
+            }
+        }
+    }
+}
+
 /// The bottom of a valley is farther away than all around it, and seen.
 #[test]
 fn edges_between_faces_that_turn_towards_the_viewer_are_drawn() {
