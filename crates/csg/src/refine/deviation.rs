@@ -491,6 +491,54 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn chords_of_crossing_pipes(
+            start in 0.0..6.3f64,
+            angle in 1e-3..0.2f64,
+            radius in 0.3..0.98f64,
+        ) {
+            let wide = curved(&Solid::cylinder(1.0, -3.0..3.0));
+            // About the x axis.
+            let coefficients = [0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -radius * radius];
+            let narrow = surfaces(&Solid::quadric(coefficients))[0];
+            let on_curve = |t: f64| {
+                let (y, z) = (radius * t.cos(), radius * t.sin());
+                DVec3::new((1.0 - y * y).sqrt(), y, z)
+            };
+            let (p, q) = (on_curve(start), on_curve(start + angle));
+            let bound = of_chord([&wide, &narrow], p, q);
+            let mut largest = 0.0f64;
+            for i in 1..20 {
+                let point = p + f64::from(i) / 20.0 * (q - p);
+                let nearest = (0..=400)
+                    .map(|j| on_curve(start + angle * f64::from(j) / 400.0).distance(point))
+                    .fold(f64::MAX, f64::min);
+                largest = largest.max(nearest);
+            }
+            // The nearest of the samples on the curve is a little off.
+            let step = 1.5 * angle / 400.0 / (1.0 - radius * radius).sqrt();
+            prop_assert!(largest * largest <= bound * bound + step * step);
+            prop_assert!(bound <= 1.5 * largest + step, "{bound}, sampled {largest}");
+        }
+    }
+
+    /// However small the angle between the surfaces is.
+    #[test]
+    fn chords_along_rulings_that_two_surfaces_have_in_common_are_exact() {
+        for width in [0.5, 2e-3, 2e-5, 2e-7] {
+            let cylinder = |side: f64| {
+                let solid = Solid::cylinder(1.0, -5.0..5.0);
+                curved(&solid.translate([side * (1.0 - 0.5 * width), 0.0, 0.0]))
+            };
+            let [left, right] = [-1.0, 1.0].map(cylinder);
+            let y = (width - 0.25 * width * width).sqrt();
+            let ends = [-4.0, 4.0].map(|z| DVec3::new(0.0, y, z));
+            let bound = of_chord([&left, &right], ends[0], ends[1]);
+            assert!(bound < 1e-11, "{width}: {bound}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_bounded_is_said() {
         let sphere = curved(&Solid::sphere(1.0));

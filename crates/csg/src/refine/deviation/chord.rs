@@ -14,9 +14,9 @@ const PARALLEL: f64 = 1e-6;
 ///
 /// With the equations scaled to unit gradients at the middle of a part of the
 /// chord, J their Jacobian there and F their values, |J⁺ F| is the distance to
-/// first order; along the path x' = -J(x)⁺ F the Jacobian changes by at most
-/// E = L · (distance from the middle), which lengthens the path by at most
-/// 1 / (1 - |J⁺| E). Near a point where the surfaces touch that proves nothing,
+/// first order; along the path x' = -J(x)⁺ F the Jacobian changes by at most E,
+/// which lengthens the path by at most 1 / (1 - |J⁺| E): along the chord as the
+/// gradients do, at a constant rate, and L · (distance from the chord) besides. Near a point where the surfaces touch that proves nothing,
 /// but a part of the chord is at most as far from the curve as from the
 /// chord's end. Where they touch at both ends, and so all along the curve, one
 /// surface goes on where the other ends: then it is the distance to the
@@ -48,6 +48,7 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
         p,
         along: q - p,
         at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
+        turns: surfaces.map(|s| s.gradient(p).distance(s.gradient(q))),
     };
     let (bound, first_order) = chord.bound(0.0, 1.0);
     if bound <= 1.02 * first_order {
@@ -89,6 +90,8 @@ struct Chord<'a> {
     /// f and g in the middle; at share t of the chord they are 4t(1 - t) of
     /// that.
     at_middle: [f64; 2],
+    /// By how much the gradients change along the chord, at a constant rate.
+    turns: [f64; 2],
 }
 
 impl Chord<'_> {
@@ -108,9 +111,11 @@ impl Chord<'_> {
         if first_order.is_nan() {
             return (f64::INFINITY, 0.0);
         }
-        // |J⁺| times the change of J per length.
-        let rate = ((l1 * l1 + l2 * l2) / (1.0 - cosine.abs())).sqrt();
-        let at_end = 0.5 * (to - from) * rate * self.along.length();
+        let [t1, t2] = [0, 1].map(|i| self.turns[i] / lengths[i]);
+        // |J⁺| times the change of J per length, and from the middle to an end.
+        let inverse = 1.0 / (1.0 - cosine.abs()).sqrt();
+        let rate = inverse * l1.hypot(l2);
+        let at_end = 0.5 * (to - from) * inverse * t1.hypot(t2);
         let is_whole = from == 0.0 && to == 1.0;
         let longer = |distance: f64| {
             let room = 1.0 - rate * distance;
