@@ -21,17 +21,25 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    /// Whether it cannot be told from a contact of the same surfaces at another place.
-    pub fn is_one_with(&self, scene: &Scene<'_>, other: DVec3) -> bool {
-        let distance = self.at.distance(other);
+    /// Whether it is between surfaces of another contact, and cannot be told from that:
+    /// they have all between the two places in common.
+    pub fn is_part_of(&self, scene: &Scene<'_>, other: &Self) -> bool {
+        /// Of what is told apart.
+        const REACH: f64 = 1e6;
+        let distance = self.at.distance(other.at);
+        let is_among = |id: &u32| other.surfaces.contains(id);
+        if distance > REACH * scene.weld || !self.surfaces.iter().all(is_among) {
+            return false;
+        }
+        // Two have a curve in common anyway.
+        if distance <= scene.weld || self.surfaces.len() < 3 {
+            return distance <= scene.weld;
+        }
         let surfaces = self.surfaces.iter().map(|&id| &scene.surfaces[id as usize]);
         let surfaces: SmallVec<[&Surface; 4]> = surfaces.collect();
-        // They have all between the two in common.
-        let middle = self.at.midpoint(other);
+        let middle = self.at.midpoint(other.at);
         let common = solve::common_point(&surfaces, middle, distance);
-        distance <= 1e6 * scene.weld
-            && common.residual <= scene.rounding
-            && common.point.distance(middle) <= 0.25 * distance
+        common.residual <= scene.rounding && common.point.distance(middle) <= 0.25 * distance
     }
 }
 

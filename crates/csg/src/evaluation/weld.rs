@@ -1,5 +1,7 @@
 //! Points that are nearer to each other than rounding tells become one.
 
+use std::cmp::Reverse;
+
 use glam::{BVec3, DVec3, I64Vec3};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
@@ -64,33 +66,40 @@ pub(super) fn weld(
     Some(welded)
 }
 
-/// Numbers contacts, and makes one of those between the same surfaces that differ by
-/// less than tells these apart: where a curve touches a surface to the fourth order,
-/// as a circle does a cylinder along which its plane touches this one, the place is
-/// known to a quarter of the digits, and each of their curves tells another one.
-/// The numbers that were replaced, and by which.
+/// Numbers contacts, and makes one of those between the same surfaces, or some of
+/// them, that differ by less than tells these apart: where a curve touches a surface
+/// to the fourth order, as a circle does a cylinder along which its plane touches this
+/// one, the place is known to a quarter of the digits, and each of their curves tells
+/// another one. The numbers that were replaced, and by which.
 fn join_contacts(
     scene: &Scene<'_>,
     contacts: &mut [Contact],
     welder: &mut Welder,
 ) -> FxHashMap<u32, u32> {
     let mut joined = FxHashMap::default();
-    let mut of_surfaces: FxHashMap<SmallVec<[u32; 3]>, SmallVec<[u32; 2]>> = FxHashMap::default();
-    for contact in contacts {
+    // Of those that stay, by surface.
+    let mut of_surface: FxHashMap<u32, Vec<usize>> = FxHashMap::default();
+    let mut order: Vec<usize> = (0..contacts.len()).collect();
+    order.sort_by_key(|&index| Reverse(contacts[index].surfaces.len()));
+    for index in order {
+        let contact = &contacts[index];
         let vertex = welder.number(contact.at);
-        let mut surfaces = contact.surfaces.clone();
-        surfaces.sort_unstable();
-        let known = of_surfaces.entry(surfaces).or_default();
-        let is_same = |&&other: &&u32| contact.is_one_with(scene, welder.points[other as usize]);
-        let same = known.iter().find(is_same).copied();
-        if same.is_none() {
-            known.push(vertex);
+        let known = contact.surfaces.iter().map(|id| of_surface.get(id));
+        let fewest = known.map(|known| known.map_or(&[][..], Vec::as_slice));
+        let fewest = fewest.min_by_key(|known| known.len()).unwrap_or_default();
+        let mut others = fewest.iter().map(|&other| &contacts[other]);
+        if let Some(same) = others.find(|other| contact.is_part_of(scene, other)) {
+            let (at, same) = (same.at, welder.number(same.at));
+            if same != vertex {
+                joined.insert(vertex, same);
+            }
+            contacts[index].at = at;
+        } else {
+            for &id in &contact.surfaces {
+                of_surface.entry(id).or_default().push(index);
+            }
+            contacts[index].at = welder.points[vertex as usize];
         }
-        let same = same.unwrap_or(vertex);
-        if same != vertex {
-            joined.insert(vertex, same);
-        }
-        contact.at = welder.points[same as usize];
     }
     joined
 }
@@ -133,14 +142,17 @@ impl Welded {
         if is_on(vertex) {
             return true;
         }
+        /// Of what is told apart: farther from where they touch curves are apart by more.
+        const REACH: f64 = 1e6;
+        let at = self.points[vertex as usize];
+        let distance = |v: u32| self.points[v as usize].distance(at);
         let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
         let touch = |&k: &usize| {
             let is_other =
                 |&j: &usize| pieces[j].curve != pieces[k].curve && beyond(j) == beyond(k);
-            beyond(k) != vertex && around.iter().any(is_other) && is_on(beyond(k))
+            let is_next = beyond(k) != vertex && distance(beyond(k)) <= REACH * scene.weld;
+            is_next && around.iter().any(is_other) && is_on(beyond(k))
         };
-        let at = self.points[vertex as usize];
-        let distance = |v: u32| self.points[v as usize].distance(at);
         let touching = around.iter().copied().filter(touch).map(beyond);
         let nearest = touching.min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         let Some(nearest) = nearest else {
