@@ -125,6 +125,7 @@ impl Boundary {
         let left = DVec2::from_angle(one.angle).perp_dot(off);
         at.distance(near) > scene.weld && (left > 0.0) == is_shorter
     }
+
     /// How a half-edge leaves the vertex it starts from, or, going back, the one
     /// it ends in, as its face is seen. By the curve, not by its chord: of curves
     /// that touch there the chords may be the other way round.
