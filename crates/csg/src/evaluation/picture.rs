@@ -24,6 +24,23 @@ const fn next(half: u32) -> u32 {
     if half % 3 == 2 { half - 2 } else { half + 1 }
 }
 
+/// Whether a point is clearly within the circle through three others, which are
+/// counter-clockwise: the determinant of Guibas and Stolfi (*Primitives for the
+/// Manipulation of General Subdivisions*, 1985), with Shewchuk's bound of its
+/// rounding (*Adaptive Precision Floating-Point Arithmetic*, 1997). On the circle is
+/// not in it, so that it takes no exact arithmetic for strips of alike quads.
+fn is_in_circle(circle: [DVec2; 3], point: DVec2) -> bool {
+    const BOUND: f64 = 6.0 * f64::EPSILON;
+    let [a, b, c] = circle.map(|corner| corner - point);
+    let (mut determinant, mut permanent) = (0.0, 0.0);
+    for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {
+        let (plus, minus) = (q.x * r.y, q.y * r.x);
+        determinant += p.length_squared() * (plus - minus);
+        permanent += p.length_squared() * (plus.abs() + minus.abs());
+    }
+    determinant > BOUND * permanent
+}
+
 impl<'a> Picture<'a> {
     pub fn new(scene: &'a Scene<'a>, side: &'a Side, triangles: Vec<[u32; 3]>) -> Self {
         let mut of_edge: FxHashMap<[u32; 2], u32> = FxHashMap::default();
@@ -92,11 +109,8 @@ impl<'a> Picture<'a> {
                 continue;
             }
             let [a, d, b, c] = self.quad(half, twin);
-            let [at_a, at_d, at_b, at_c] = [a, d, b, c].map(|vertex| {
-                let DVec2 { x, y } = self.seen(vertex, positions);
-                robust::Coord { x, y }
-            });
-            if robust::incircle(at_a, at_b, at_c, at_d) <= 0.0 {
+            let [at_a, at_d, at_b, at_c] = [a, d, b, c].map(|v| self.seen(v, positions));
+            if !is_in_circle([at_a, at_b, at_c], at_d) {
                 continue;
             }
             left -= 1;

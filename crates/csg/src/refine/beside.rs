@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::grow::{project, splits_well};
-use super::half_edges::{HalfEdges, Kind};
+use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
 use super::separate::{Side, cut_of};
 
 /// Sides of two triangles, with points beside corners of the other triangle which are
@@ -31,7 +31,7 @@ pub(super) fn sides_beside(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64)
         return sides;
     }
     for [triangle, other] in both_ways {
-        for half in 3 * triangle..3 * triangle + 3 {
+        for half in halves_of(triangle) {
             if let Some((share, point)) = piercing(mesh, half, other) {
                 sides.extend(side_of_triangle(mesh, other, point));
                 if INNER.contains(&share) {
@@ -48,7 +48,7 @@ const INNER: std::ops::Range<f64> = 0.05..0.95;
 
 /// Whether a point is between a triangle's plane and its surface.
 fn is_below(mesh: &HalfEdges<'_>, triangle: u32, point: DVec3) -> bool {
-    let surface = mesh.surface(3 * triangle);
+    let surface = mesh.surface(first_of(triangle));
     let corners @ [a, _, _] = mesh.corners(triangle);
     let normal = normal(corners);
     let along = normal.dot(surface.gradient(a)).signum();
@@ -72,13 +72,13 @@ fn weights(corners: [DVec3; 3], point: DVec3) -> [f64; 3] {
 fn side_of_triangle(mesh: &HalfEdges<'_>, triangle: u32, near: DVec3) -> Option<Side> {
     /// Of the points' barycentric coordinates: farther from corners and sides.
     const LEAST: f64 = 0.02;
-    let target = project(mesh.surface(3 * triangle), near)?;
+    let target = project(mesh.surface(first_of(triangle)), near)?;
     let weights = weights(mesh.corners(triangle), target);
     if weights.iter().any(|w| !(LEAST..INNER.end).contains(w)) {
         return None;
     }
     // Opposite to the corners.
-    let halves = [1, 2, 0].map(|k| 3 * triangle + k);
+    let halves = [1, 2, 0].map(|k| first_of(triangle) + k);
     let may_be_cut = |&(_, half): &(f64, u32)| {
         let is_inside = mesh.surface_index(half) == mesh.surface_index(mesh.twin(half))
             && !mesh.is_feature(half)

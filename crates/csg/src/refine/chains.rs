@@ -25,17 +25,13 @@ pub(super) struct Division {
 /// Every curve between two different surfaces of which one is curved, from
 /// corner to corner or all around, as half-edges in a row.
 pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
-    let mut is_done = vec![false; mesh.halves.len()];
+    let mut is_done = vec![false; mesh.end_of_halves() as usize];
     let mut chains = Vec::new();
     let is_start = |half: u32| mesh.kinds[mesh.origin(half) as usize] != Kind::Curve;
     // Those with ends first; what is left then goes around.
     for with_ends in [true, false] {
-        for half in 0..mesh.halves.len() as u32 {
-            if is_done[half as usize]
-                || mesh.is_gone(half / 3)
-                || (with_ends && !is_start(half))
-                || !is_curved(mesh, half)
-            {
+        for half in mesh.halves() {
+            if is_done[half as usize] || (with_ends && !is_start(half)) || !is_curved(mesh, half) {
                 continue;
             }
             let mut chain = Vec::new();

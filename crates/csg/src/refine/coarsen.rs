@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use super::Goal;
-use super::half_edges::{HalfEdges, Kind, NONE, next};
+use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, next, triangle_of};
 use super::regions::{Bend, metric};
 use super::shape::faces_out;
 
@@ -64,7 +64,7 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
     let mut waiting = vec![true; mesh.positions.len()];
     let is_movable = |kind: &Kind| matches!(kind, Kind::Face | Kind::Curve);
     let mut is_movable: Vec<bool> = mesh.kinds.iter().map(is_movable).collect();
-    for half in 0..mesh.halves.len() as u32 {
+    for half in mesh.halves().filter(|_| !goal.tight.is_empty()) {
         if goal.tight.contains_key(&mesh.surface_index(half)) {
             is_movable[mesh.origin(half) as usize] = false;
         }
@@ -101,7 +101,8 @@ impl Removal {
             return false;
         }
         self.slots.clear();
-        self.slots.extend(self.spokes.iter().map(|spoke| spoke / 3));
+        self.slots
+            .extend(self.spokes.iter().map(|&spoke| triangle_of(spoke)));
         let mut chord_twin = NONE;
         match mesh.kinds[vertex as usize] {
             Kind::Face => {
@@ -170,8 +171,9 @@ impl Removal {
         for hole in &self.holes {
             for ((corners, beyond), &triangle) in hole.ears.iter().zip(&mut slots) {
                 mesh.set_region(triangle, hole.region);
-                for (half, (&corner, &beyond)) in (3 * triangle..).zip(corners.iter().zip(beyond)) {
-                    mesh.halves[half as usize].origin = corner;
+                let halves = halves_of(triangle);
+                for (half, (&corner, &beyond)) in halves.zip(corners.iter().zip(beyond)) {
+                    mesh.set_origin(half, corner);
                     mesh.leaving[corner as usize] = half;
                     match beyond {
                         LATER => {}
@@ -183,10 +185,7 @@ impl Removal {
             }
         }
         for &triangle in &self.slots[used..] {
-            for half in 3 * triangle..3 * triangle + 3 {
-                mesh.halves[half as usize].origin = NONE;
-            }
-            mesh.free.push(triangle);
+            mesh.discard(triangle);
         }
         mesh.kinds[vertex as usize] = Kind::Gone;
         mesh.leaving[vertex as usize] = NONE;
@@ -197,7 +196,7 @@ impl Removal {
     fn dig(&mut self, mesh: &HalfEdges<'_>, which: usize, from: usize, count: usize) {
         let hole = &mut self.holes[which];
         let spokes = &self.spokes;
-        hole.region = mesh.halves[spokes[from] as usize].region;
+        hole.region = mesh.region_index(triangle_of(spokes[from]));
         hole.ears.clear();
         hole.corners.clear();
         for i in 0..count {
@@ -315,7 +314,7 @@ impl Hole {
             }
             let rim = &mut self.rim;
             let before = (i + n - 1) % n;
-            let half = 3 * slots[self.ears.len()];
+            let half = first_of(slots[self.ears.len()]);
             // Corners p, q, r: sides p → q, q → r, and r → p, beyond which the
             // rest of the hole is.
             self.ears
@@ -380,7 +379,7 @@ impl Hole {
         let k = parts[i][j].1;
         let before = self.emit(parts, i, k, slots);
         let after = self.emit(parts, k, j, slots);
-        let half = 3 * slots[self.ears.len()];
+        let half = first_of(slots[self.ears.len()]);
         let corners = [i, k, j].map(|i| self.corners[i].0);
         self.ears.push((corners, [before, after, LATER]));
         half + 2

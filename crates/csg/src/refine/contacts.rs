@@ -73,8 +73,7 @@ impl HalfEdges<'_> {
             return;
         }
         let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
-        let halves = 0..self.halves.len() as u32;
-        for half in halves.filter(|&half| !self.is_gone(half / 3)) {
+        for half in self.halves() {
             let ends = [self.origin(half), self.target(half)];
             let mut between = ends.map(|v| places[v as usize]);
             if ends[0] < ends[1] && ends.iter().any(|&v| is_shared[v as usize]) {

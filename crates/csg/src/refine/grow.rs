@@ -19,8 +19,8 @@ pub(super) use self::insert::splits_well;
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
-use super::flips::{flip_all, flip_and_note};
-use super::half_edges::{HalfEdges, Kind, NONE};
+use super::flips::Waiting;
+use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, triangle_of};
 use super::regions::{Bend, Way};
 use super::separate::Side;
 use super::tessellate::Fine;
@@ -44,7 +44,7 @@ pub(super) struct Grower<'m, 's> {
     pub(super) precision: f64,
     pub(super) pieces: Vec<Piece>,
     /// Edges to be looked at for flipping.
-    pub(super) stack: Vec<u32>,
+    pub(super) waiting: Waiting,
     /// Edges whose triangles changed since they were looked at.
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
@@ -67,7 +67,7 @@ impl<'m, 's> Grower<'m, 's> {
             precision,
             pieces: Vec::new(),
             fine: Fine::default(),
-            stack: Vec::new(),
+            waiting: Waiting::default(),
             changed: Vec::new(),
             stuck: Vec::new(),
             outcome: Outcome::default(),
@@ -89,7 +89,7 @@ impl<'m, 's> Grower<'m, 's> {
         self.free_stuck();
         self.settle(far);
         for subdivision in &self.fine.subdivisions {
-            let surface = self.mesh.surface_index(3 * subdivision.large);
+            let surface = self.mesh.surface_index(first_of(subdivision.large));
             let promised = self.goal.promised;
             self.outcome.note(
                 subdivision.deviation,
@@ -199,12 +199,10 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     fn flip_everything(&mut self) {
-        for half in 0..self.mesh.halves.len() as u32 {
-            if !self.mesh.is_gone(half / 3) && half < self.mesh.twin(half) {
-                self.stack.push(half);
-            }
+        for half in self.mesh.edges() {
+            self.waiting.push(half);
         }
-        flip_all(self.mesh, &mut self.stack);
+        self.waiting.flip_all(self.mesh, |_| {});
     }
 
     /// Halves the pieces of curves and the edges inside faces that bend both ways
@@ -221,9 +219,11 @@ impl<'m, 's> Grower<'m, 's> {
         let mut faces = self.mesh.regions.iter();
         let has_curved = faces.any(|r| r.bend.is_twice() && r.way != Way::Done);
         if has_curved {
-            let halves = 0..self.mesh.halves.len() as u32;
-            let edges = halves.filter(|&half| !self.mesh.is_gone(half / 3));
-            most = edges.map(|half| of_edge(self, half)).fold(most, f64::max);
+            most = self
+                .mesh
+                .halves()
+                .map(|half| of_edge(self, half))
+                .fold(most, f64::max);
         }
         // More than 2^levels parts are asked of none.
         let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
@@ -337,7 +337,7 @@ impl<'m, 's> Grower<'m, 's> {
     /// Lets an edge stand for a piece.
     fn mark(&mut self, half: u32, piece: u32) {
         for side in [half, self.mesh.twin(half)] {
-            self.mesh.halves[side as usize].piece = piece;
+            self.mesh.set_piece(side, piece);
         }
     }
 
@@ -354,7 +354,7 @@ impl<'m, 's> Grower<'m, 's> {
     /// and what comes of that.
     fn halve_edges(&mut self, most: f64, parts: impl Fn(&Self, u32) -> f64) {
         self.changed.clear();
-        self.changed.extend(0..self.mesh.halves.len() as u32);
+        self.changed.extend(self.mesh.edges());
         let mut halves = Vec::new();
         for _ in 0..MOST_ROUNDS {
             if self.changed.is_empty() {
@@ -363,7 +363,7 @@ impl<'m, 's> Grower<'m, 's> {
             std::mem::swap(&mut self.changed, &mut halves);
             self.changed.clear();
             for &half in &halves {
-                if half > self.mesh.twin(half) || self.mesh.is_gone(half / 3) {
+                if half > self.mesh.twin(half) || self.mesh.is_gone(triangle_of(half)) {
                     continue;
                 }
                 let wanted = parts(self, half);
@@ -377,7 +377,9 @@ impl<'m, 's> Grower<'m, 's> {
     }
 
     pub(super) fn flip(&mut self) {
-        flip_and_note(self.mesh, &mut self.stack, &mut self.changed);
+        let changed = &mut self.changed;
+        self.waiting
+            .flip_all(self.mesh, |halves| changed.extend(halves));
     }
 
     /// Cuts an edge inside a face that should become `wanted` chords near its
@@ -429,7 +431,7 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Cuts a triangle in two at its longest side inside its face.
     fn cut_triangle(&mut self, triangle: u32) -> bool {
-        let longest = (3 * triangle..3 * triangle + 3)
+        let longest = halves_of(triangle)
             .filter(|&side| !self.mesh.is_feature(side) && !self.mesh.is_contact(side))
             .max_by(|&a, &b| self.chords_of(a, true).total_cmp(&self.chords_of(b, true)));
         longest.is_some_and(|side| self.cut(side, 2.0))
@@ -438,7 +440,7 @@ impl<'m, 's> Grower<'m, 's> {
     /// Flips edges; the triangles that changed since that list was empty.
     fn flip_and_take_changed(&mut self) -> Vec<u32> {
         self.flip();
-        let mut triangles: Vec<u32> = self.changed.iter().map(|half| half / 3).collect();
+        let mut triangles: Vec<u32> = self.changed.iter().map(|&half| triangle_of(half)).collect();
         triangles.sort_unstable();
         triangles.dedup();
         triangles

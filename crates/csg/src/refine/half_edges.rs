@@ -1,9 +1,11 @@
 //! The mesh while it changes: triangles as triples of half-edges.
 //!
-//! Half-edges 3t, 3t + 1 and 3t + 2 run around triangle t; each knows the
+//! Half-edges 4t, 4t + 1 and 4t + 2 run around triangle t; each knows the
 //! vertex it leaves and its twin, which runs along the same edge the other way
 //! in the neighbouring triangle. Splitting, flipping and removing keep the mesh
 //! closed, oriented and manifold.
+
+use std::ops::Range;
 
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -15,17 +17,30 @@ use crate::program::Surface;
 /// No half-edge, no vertex, no curve.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// One side of an edge.
+/// One side of an edge. Every fourth one is none, so that a triangle's are found
+/// without a division.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Half {
+struct Half {
     /// The vertex it leaves; [`NONE`] in a triangle that is gone.
-    pub origin: u32,
-    pub twin: u32,
+    origin: u32,
+    twin: u32,
     /// The piece of a curve that the edge stands for, if there is any left to
     /// be cut up.
-    pub piece: u32,
+    piece: u32,
     /// The face of its triangle.
-    pub region: u32,
+    region: u32,
+}
+
+impl Half {
+    /// The half-edges of a triangle.
+    fn of_triangle([a, b, c]: [u32; 3], region: u32) -> [Self; 4] {
+        [a, b, c, NONE].map(|origin| Self {
+            origin,
+            twin: NONE,
+            piece: NONE,
+            region,
+        })
+    }
 }
 
 /// Where a vertex may go.
@@ -49,7 +64,7 @@ pub(super) struct HalfEdges<'a> {
     pub kinds: Vec<Kind>,
     /// For each vertex a half-edge that leaves it.
     pub leaving: Vec<u32>,
-    pub halves: Vec<Half>,
+    halves: Vec<Half>,
     /// For each piece of a curve its half-edge in the piece's direction.
     pub piece_halves: Vec<u32>,
     /// Triangles that are gone.
@@ -62,62 +77,73 @@ pub(super) struct HalfEdges<'a> {
 }
 
 #[inline(always)]
-pub(super) fn next(half: u32) -> u32 {
-    if half % 3 == 2 { half - 2 } else { half + 1 }
+pub(super) const fn next(half: u32) -> u32 {
+    if half & 3 == 2 { half - 2 } else { half + 1 }
 }
 
 #[inline(always)]
-pub(super) fn previous(half: u32) -> u32 {
-    if half.is_multiple_of(3) {
-        half + 2
-    } else {
-        half - 1
-    }
+pub(super) const fn previous(half: u32) -> u32 {
+    if half & 3 == 0 { half + 2 } else { half - 1 }
+}
+
+/// The triangle that a half-edge runs around.
+#[inline(always)]
+pub(super) const fn triangle_of(half: u32) -> u32 {
+    half >> 2
+}
+
+/// The first half-edge of a triangle.
+#[inline(always)]
+pub(super) const fn first_of(triangle: u32) -> u32 {
+    triangle << 2
+}
+
+/// The half-edges of a triangle.
+#[inline(always)]
+pub(super) const fn halves_of(triangle: u32) -> Range<u32> {
+    first_of(triangle)..first_of(triangle) + 3
 }
 
 /// Half-edges with their twins; `None` if the triangles are no closed, oriented
 /// 2-manifold.
 fn pair_up(vertices: usize, triangles: &[[u32; 3]]) -> Option<Vec<Half>> {
-    let origins = triangles.as_flattened();
-    // The half-edges of every vertex, by counting.
+    // The half-edges that leave every vertex, and where to, by counting.
     let mut starts = vec![0u32; vertices + 2];
-    for &origin in origins {
+    for &origin in triangles.as_flattened() {
         *starts.get_mut(origin as usize + 2)? += 1;
     }
     for v in 2..starts.len() {
         starts[v] += starts[v - 1];
     }
-    let mut leaving = vec![0u32; origins.len()];
-    for (half, &origin) in origins.iter().enumerate() {
-        let slot = &mut starts[origin as usize + 1];
-        leaving[*slot as usize] = half as u32;
-        *slot += 1;
-    }
-    let target = |half: u32| origins[next(half) as usize];
-    let mut halves: Vec<Half> = origins
-        .iter()
-        .map(|&origin| Half {
-            origin,
-            twin: NONE,
-            piece: NONE,
-            region: NONE,
-        })
-        .collect();
-    for half in 0..origins.len() as u32 {
-        let (from, to) = (origins[half as usize], target(half));
-        if from >= to {
-            continue;
+    let mut leaving = vec![(0, 0); 3 * triangles.len()];
+    for (triangle, &[a, b, c]) in (0u32..).zip(triangles) {
+        for (half, (from, to)) in halves_of(triangle).zip([(a, b), (b, c), (c, a)]) {
+            let slot = &mut starts[from as usize + 1];
+            leaving[*slot as usize] = (to, half);
+            *slot += 1;
         }
-        let back = &leaving[starts[to as usize] as usize..starts[to as usize + 1] as usize];
-        let mut twins = back.iter().copied().filter(|&other| target(other) == from);
-        let twin = twins.next()?;
-        if twins.next().is_some() || halves[twin as usize].twin != NONE {
-            return None;
-        }
-        halves[half as usize].twin = twin;
-        halves[twin as usize].twin = half;
     }
-    halves.iter().all(|h| h.twin != NONE).then_some(halves)
+    let mut halves = Vec::with_capacity(4 * triangles.len());
+    for &corners in triangles {
+        halves.extend(Half::of_triangle(corners, NONE));
+    }
+    for (from, ends) in (0u32..).zip(starts[..=vertices].windows(2)) {
+        for &(to, half) in &leaving[ends[0] as usize..ends[1] as usize] {
+            if from >= to {
+                continue;
+            }
+            let back = starts[to as usize] as usize..starts[to as usize + 1] as usize;
+            let mut twins = leaving[back].iter().filter(|(target, _)| *target == from);
+            let &(_, twin) = twins.next()?;
+            if twins.next().is_some() || halves[twin as usize].twin != NONE {
+                return None;
+            }
+            halves[half as usize].twin = twin;
+            halves[twin as usize].twin = half;
+        }
+    }
+    let is_paired = |half: &Half| half.origin == NONE || half.twin != NONE;
+    halves.iter().all(is_paired).then_some(halves)
 }
 
 impl<'a> HalfEdges<'a> {
@@ -131,8 +157,10 @@ impl<'a> HalfEdges<'a> {
     ) -> Option<Self> {
         let halves = pair_up(positions.len(), triangles)?;
         let mut leaving = vec![NONE; positions.len()];
-        for (half, h) in halves.iter().enumerate() {
-            leaving[h.origin as usize] = half as u32;
+        for (triangle, corners) in (0u32..).zip(triangles) {
+            for (half, &origin) in halves_of(triangle).zip(corners) {
+                leaving[origin as usize] = half;
+            }
         }
         let mut mesh = Self {
             surfaces,
@@ -179,7 +207,7 @@ impl<'a> HalfEdges<'a> {
             0 => Kind::Face,
             2 => {
                 let [first, second] = features.map(|half| {
-                    let twin = self.halves[half as usize].twin;
+                    let twin = self.twin(half);
                     let (a, b) = (self.surface_index(half), self.surface_index(twin));
                     (a.min(b), a.max(b))
                 });
@@ -212,19 +240,49 @@ impl<'a> HalfEdges<'a> {
     }
 
     #[inline(always)]
+    pub fn set_origin(&mut self, half: u32, vertex: u32) {
+        self.halves[half as usize].origin = vertex;
+    }
+
+    #[inline(always)]
     pub fn target(&self, half: u32) -> u32 {
-        self.halves[next(half) as usize].origin
+        self.origin(next(half))
     }
 
     /// The vertex across from a half-edge in its triangle.
     #[inline(always)]
     pub fn apex(&self, half: u32) -> u32 {
-        self.halves[previous(half) as usize].origin
+        self.origin(previous(half))
+    }
+
+    /// The corners of the triangles on both sides of an edge, counter-clockwise from
+    /// the vertex that a half-edge leaves: the one across from it comes last.
+    #[inline(always)]
+    pub fn quad(&self, half: u32) -> [u32; 4] {
+        let twin = self.twin(half);
+        [
+            self.origin(half),
+            self.apex(twin),
+            self.origin(twin),
+            self.apex(half),
+        ]
     }
 
     #[inline(always)]
     pub fn twin(&self, half: u32) -> u32 {
         self.halves[half as usize].twin
+    }
+
+    /// The piece of a curve that an edge stands for, if there is any left to be cut
+    /// up.
+    #[inline(always)]
+    pub fn piece(&self, half: u32) -> u32 {
+        self.halves[half as usize].piece
+    }
+
+    #[inline(always)]
+    pub fn set_piece(&mut self, half: u32, piece: u32) {
+        self.halves[half as usize].piece = piece;
     }
 
     #[inline(always)]
@@ -237,9 +295,15 @@ impl<'a> HalfEdges<'a> {
         &self.regions[self.halves[half as usize].region as usize]
     }
 
+    /// The region of a triangle, by number.
+    #[inline(always)]
+    pub fn region_index(&self, triangle: u32) -> u32 {
+        self.halves[first_of(triangle) as usize].region
+    }
+
     #[inline(always)]
     pub fn set_region(&mut self, triangle: u32, region: u32) {
-        for half in 3 * triangle..3 * triangle + 3 {
+        for half in halves_of(triangle) {
             self.halves[half as usize].region = region;
         }
     }
@@ -263,7 +327,7 @@ impl<'a> HalfEdges<'a> {
 
     #[inline(always)]
     pub fn triangle(&self, triangle: u32) -> [u32; 3] {
-        let half = 3 * triangle;
+        let half = first_of(triangle);
         [
             self.origin(half),
             self.origin(half + 1),
@@ -279,11 +343,36 @@ impl<'a> HalfEdges<'a> {
     }
 
     pub fn is_gone(&self, triangle: u32) -> bool {
-        self.origin(3 * triangle) == NONE
+        self.origin(first_of(triangle)) == NONE
     }
 
     pub fn triangle_count(&self) -> u32 {
-        (self.halves.len() / 3) as u32
+        triangle_of(self.end_of_halves())
+    }
+
+    /// More than any half-edge's number.
+    pub fn end_of_halves(&self) -> u32 {
+        self.halves.len() as u32
+    }
+
+    /// The half-edges of all triangles that are not gone.
+    pub fn halves(&self) -> impl Iterator<Item = u32> + '_ {
+        let halves = (0u32..).zip(&self.halves);
+        let left = halves.filter(|(_, half)| half.origin != NONE);
+        left.map(|(half, _)| half)
+    }
+
+    /// One half of every edge.
+    pub fn edges(&self) -> impl Iterator<Item = u32> + '_ {
+        self.halves().filter(|&half| half < self.twin(half))
+    }
+
+    /// A triangle is no more.
+    pub fn discard(&mut self, triangle: u32) {
+        for half in halves_of(triangle) {
+            self.set_origin(half, NONE);
+        }
+        self.free.push(triangle);
     }
 
     /// The half-edges that leave a vertex, counter-clockwise.
@@ -306,11 +395,21 @@ impl<'a> HalfEdges<'a> {
     /// Whether an edge joins two vertices. Takes as long as the smaller number of
     /// edges at one of them.
     pub fn are_joined(&self, from: u32, to: u32) -> bool {
-        let around = self.around(from).zip(self.around(to));
-        let mut ends =
-            around.map(|(there, back)| [self.target(there) == to, self.target(back) == from]);
-        ends.any(|[there, back]| there || back)
-            || (!self.fine_edges.is_empty() && self.fine_edges.contains(&[from, to]))
+        let firsts = [from, to].map(|vertex| self.leaving[vertex as usize]);
+        if firsts.contains(&NONE) {
+            return false;
+        }
+        let [mut there, mut back] = firsts;
+        loop {
+            if self.target(there) == to || self.target(back) == from {
+                return true;
+            }
+            [there, back] = [there, back].map(|half| self.twin(previous(half)));
+            if there == firsts[0] || back == firsts[1] {
+                break;
+            }
+        }
+        !self.fine_edges.is_empty() && self.fine_edges.contains(&[from, to])
     }
 
     /// Makes two half-edges twins.
@@ -323,10 +422,10 @@ impl<'a> HalfEdges<'a> {
     /// Gives the twin and the piece of one half-edge to another.
     #[inline(always)]
     fn hand_over(&mut self, from: u32, to: u32) {
-        let Half { twin, piece, .. } = self.halves[from as usize];
+        let (twin, piece) = (self.twin(from), self.piece(from));
         self.join(to, twin);
-        self.halves[to as usize].piece = piece;
-        self.halves[from as usize].piece = NONE;
+        self.set_piece(to, piece);
+        self.set_piece(from, NONE);
         if piece != NONE && self.piece_halves[piece as usize] == from {
             self.piece_halves[piece as usize] = to;
         }
@@ -348,20 +447,16 @@ impl<'a> HalfEdges<'a> {
         let (n, p) = (next(half), previous(half));
         let (tn, tp) = (next(twin), previous(twin));
         let (c, w, d) = (self.origin(p), self.origin(n), self.origin(tp));
-        let (b, e) = (self.halves.len() as u32, self.halves.len() as u32 + 3);
-        for (side, origins) in [(half, [x, w, c]), (twin, [w, x, d])] {
+        let b = self.end_of_halves();
+        let e = b + 4;
+        for (side, corners) in [(half, [x, w, c]), (twin, [w, x, d])] {
             let region = self.halves[side as usize].region;
-            self.halves.extend(origins.map(|origin| Half {
-                origin,
-                twin: NONE,
-                piece: NONE,
-                region,
-            }));
+            self.halves.extend(Half::of_triangle(corners, region));
         }
         self.hand_over(n, b + 1);
         self.hand_over(tp, e + 2);
-        self.halves[n as usize].origin = x;
-        self.halves[twin as usize].origin = x;
+        self.set_origin(n, x);
+        self.set_origin(twin, x);
         self.join(n, b + 2);
         self.join(tp, e + 1);
         self.join(b, e);
@@ -397,8 +492,8 @@ impl<'a> HalfEdges<'a> {
         let (c, d) = (self.origin(p), self.origin(tp));
         self.hand_over(tp, half);
         self.hand_over(p, twin);
-        self.halves[half as usize].origin = d;
-        self.halves[twin as usize].origin = c;
+        self.set_origin(half, d);
+        self.set_origin(twin, c);
         self.join(p, tp);
         self.leaving[a as usize] = tn;
         self.leaving[b as usize] = n;

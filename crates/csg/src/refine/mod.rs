@@ -37,7 +37,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use self::grow::Grower;
-use self::half_edges::{HalfEdges, NONE};
+use self::half_edges::{HalfEdges, NONE, first_of};
 use self::regions::Way;
 pub(crate) use self::separate::{Parting, folded, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
@@ -236,7 +236,7 @@ fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
             }
             *place
         };
-        let group = mesh.region(3 * subdivision.large).group;
+        let group = mesh.region(first_of(subdivision.large)).group;
         let triangles = subdivision
             .triangles
             .iter()
@@ -253,13 +253,13 @@ fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
         *place
     };
     for triangle in 0..mesh.triangle_count() {
-        if mesh.is_gone(triangle) || mesh.region(3 * triangle).way == Way::Done {
+        if mesh.is_gone(triangle) || mesh.region(first_of(triangle)).way == Way::Done {
             continue;
         }
         surfaced
             .triangles
             .push(mesh.triangle(triangle).map(&mut place));
-        surfaced.groups.push(mesh.region(3 * triangle).group);
+        surfaced.groups.push(mesh.region(first_of(triangle)).group);
     }
     surfaced.positions = positions;
 }

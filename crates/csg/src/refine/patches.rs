@@ -2,7 +2,7 @@
 //! ones of like size, nearly flat, which are then tessellated in one step.
 
 use super::grow::{Grower, Piece};
-use super::half_edges::{HalfEdges, NONE};
+use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
 use super::regions::Way;
 use super::smooth::smooth;
 use super::tessellate::{Fine, INNER, Tessellator, rows_of};
@@ -75,7 +75,7 @@ impl Grower<'_, '_> {
                 for edge in [[a, b], [b, c], [c, a]] {
                     let is_on_rim = edge.iter().all(|&vertex| vertex < INNER);
                     if is_on_rim && !self.mesh.fine_edges.insert(edge) {
-                        doubled.push(self.mesh.surface_index(3 * subdivision.large));
+                        doubled.push(self.mesh.surface_index(first_of(subdivision.large)));
                     }
                 }
             }
@@ -88,7 +88,7 @@ impl Grower<'_, '_> {
     fn try_at_once(&mut self, control: &Control) -> Result<Vec<u32>, Error> {
         const MOST_TRIES: usize = 2;
         self.halve_all(control, Self::parts_of_piece, Self::parts_of_edge)?;
-        smooth(self.mesh, &mut self.stack);
+        smooth(self.mesh, &mut self.waiting);
         self.cut_triangles(control, Self::is_hardly_far)?;
         let mut tries = 0;
         loop {
@@ -112,7 +112,7 @@ impl Grower<'_, '_> {
             let around = |&(vertex, _): &(u32, _)| self.mesh.around(vertex);
             let stuck = self.stuck.iter().flat_map(around);
             let stuck = stuck.filter(|&half| is_at_once(self.mesh, half));
-            let folded = folded.into_iter().map(|triangle| 3 * triangle);
+            let folded = folded.into_iter().map(first_of);
             let surface = |half| self.mesh.surface_index(half);
             return Ok(folded.chain(stuck).map(surface).collect());
         }
@@ -125,11 +125,11 @@ impl Grower<'_, '_> {
         let mut sums = vec![(0.0, 0.0); self.mesh.surfaces.len()];
         // Where the solid touches itself edges are to stay as they are.
         let mut has_contacts = vec![false; self.mesh.regions.len()];
-        for half in 0..self.mesh.halves.len() as u32 {
+        for half in self.mesh.halves() {
             if self.mesh.is_contact(half) {
-                has_contacts[self.mesh.halves[half as usize].region as usize] = true;
+                has_contacts[self.mesh.region_index(triangle_of(half)) as usize] = true;
             }
-            if !self.mesh.is_gone(half / 3) && self.mesh.region(half).bend.is_twice() {
+            if self.mesh.region(half).bend.is_twice() {
                 let (chords, turn) = (self.chords_of(half, false), self.turn(half));
                 let sum = &mut sums[self.mesh.surface_index(half) as usize];
                 *sum = (sum.0 + chords, sum.1 + turn);
@@ -146,8 +146,8 @@ impl Grower<'_, '_> {
 
     /// Cuts up a triangle that cannot be filled without a fold.
     fn cut_folded(&mut self, triangle: u32) {
-        for half in 3 * triangle..3 * triangle + 3 {
-            let piece = self.mesh.halves[half as usize].piece;
+        for half in halves_of(triangle) {
+            let piece = self.mesh.piece(half);
             if piece != NONE && self.pieces[piece as usize].count > 0 {
                 self.halve_piece(piece as usize);
                 return;
@@ -157,7 +157,7 @@ impl Grower<'_, '_> {
             let ends = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
             ends[0].distance_squared(ends[1])
         };
-        let sides = 3 * triangle..3 * triangle + 3;
+        let sides = halves_of(triangle);
         let longest = sides.max_by(|&a, &b| length(a).total_cmp(&length(b)));
         if let Some(half) = longest
             && self.mesh.surface_index(half) == self.mesh.surface_index(self.mesh.twin(half))
@@ -215,11 +215,9 @@ impl Grower<'_, '_> {
     /// not nearly two.
     fn is_hardly_far(&self, triangle: u32) -> bool {
         const NOT_NEARLY_TWO: f64 = 1.6;
-        let sides = 3 * triangle..3 * triangle + 3;
-        is_at_once(self.mesh, 3 * triangle)
-            && sides
-                .into_iter()
-                .all(|side| self.mesh.halves[side as usize].piece == NONE)
+        let sides = halves_of(triangle);
+        is_at_once(self.mesh, first_of(triangle))
+            && sides.into_iter().all(|side| self.mesh.piece(side) == NONE)
             && (1.0..NOT_NEARLY_TWO).contains(&rows_of(self.mesh, triangle, self.goal).next_down())
     }
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::deviation;
-use super::half_edges::{HalfEdges, NONE};
+use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
 use crate::program::{Surface, eigen_symmetric};
 
 /// How a surface bends, which says what triangles suit it.
@@ -120,24 +120,28 @@ pub(super) fn regions(
     let mut regions = Vec::new();
     let mut pending = Vec::new();
     for seed in 0..groups.len() as u32 {
-        if mesh.halves[3 * seed as usize].region != NONE {
+        if mesh.region_index(seed) != NONE {
             continue;
         }
         let group = groups[seed as usize];
         let surface_index = surface_of_group[group as usize];
         let surface = &mesh.surfaces[surface_index as usize];
         let index = regions.len() as u32;
+        let bend = Bend::of(surface);
         // Folded triangles are outvoted by area.
         let mut facing = 0.0;
         mesh.set_region(seed, index);
         pending.push(seed);
         while let Some(triangle) = pending.pop() {
             let [p, q, r] = mesh.triangle(triangle).map(|v| mesh.at(v));
-            let gradient = surface.gradient((p + q + r) / 3.0).normalize_or_zero();
+            let gradient = match bend {
+                Bend::Flat => surface.linear,
+                _ => surface.gradient((p + q + r) / 3.0).normalize_or_zero(),
+            };
             facing += (q - p).cross(r - p).dot(gradient);
-            for half in 3 * triangle..3 * triangle + 3 {
-                let other = mesh.twin(half) / 3;
-                let is_new = mesh.halves[3 * other as usize].region == NONE;
+            for half in halves_of(triangle) {
+                let other = triangle_of(mesh.twin(half));
+                let is_new = mesh.region_index(other) == NONE;
                 if is_new && groups[other as usize] == group {
                     mesh.set_region(other, index);
                     pending.push(other);
@@ -147,7 +151,7 @@ pub(super) fn regions(
         regions.push(Region {
             surface: surface_index,
             group,
-            bend: Bend::of(surface),
+            bend,
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
             shrinkage: deviation::shrinkage(surface),
             way: Way::OneByOne,

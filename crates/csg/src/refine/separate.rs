@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::beside::sides_beside;
 use super::curves::on_curve;
 use super::grow::{Grower, project};
-use super::half_edges::{HalfEdges, Kind};
+use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
 use super::shape::faces_in;
 use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
@@ -61,8 +61,12 @@ pub(crate) fn separate(
 pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
     half_edges(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
         let is_folded = |&triangle: &u32| {
-            let region = mesh.region(3 * triangle);
-            faces_in(mesh.surface(3 * triangle), region, mesh.corners(triangle))
+            let region = mesh.region(first_of(triangle));
+            faces_in(
+                mesh.surface(first_of(triangle)),
+                region,
+                mesh.corners(triangle),
+            )
         };
         (0..mesh.triangle_count()).filter(is_folded).collect()
     })
@@ -122,7 +126,7 @@ fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], parting: Parting, precision: f
 fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<Side> {
     /// Of the farthest one's distance.
     const FAR: f64 = 0.5;
-    let halves = pair.iter().flat_map(|&t| 3 * t..3 * t + 3);
+    let halves = pair.iter().flat_map(|&t| halves_of(t));
     let sides = halves.filter_map(|half| halved(mesh, half, precision));
     let mut sides: Vec<(f64, Side)> = sides.filter(|side| side.0 > 100.0 * precision).collect();
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);

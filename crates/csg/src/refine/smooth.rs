@@ -1,7 +1,7 @@
 //! Evens out triangles before they are tessellated, so that as few small ones
 //! as possible do.
 
-use super::flips::flip_all;
+use super::flips::Waiting;
 use super::grow::project;
 use super::half_edges::{HalfEdges, Kind, next};
 use super::regions::Way;
@@ -9,7 +9,7 @@ use super::shape::faces_out_in_the_middle;
 
 /// Moves the vertices inside the faces that are to be tessellated amid their
 /// neighbours, and flips edges accordingly.
-pub(super) fn smooth(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
+pub(super) fn smooth(mesh: &mut HalfEdges<'_>, waiting: &mut Waiting) {
     const SWEEPS: usize = 3;
     let is_wanted = |vertex: &u32| {
         mesh.kinds[*vertex as usize] == Kind::Face
@@ -21,9 +21,12 @@ pub(super) fn smooth(mesh: &mut HalfEdges<'_>, stack: &mut Vec<u32>) {
             centre(mesh, vertex);
         }
         for &vertex in &vertices {
-            stack.extend(mesh.around(vertex).flat_map(|spoke| [spoke, next(spoke)]));
+            for spoke in mesh.around(vertex) {
+                waiting.push(spoke);
+                waiting.push(next(spoke));
+            }
         }
-        flip_all(mesh, stack);
+        waiting.flip_all(mesh, |_| {});
     }
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::deviation::{Corner, Judge};
 use super::grow::{Piece, project};
-use super::half_edges::{HalfEdges, NONE};
+use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
 use super::patch::Patch;
 use super::regions::Way;
 use super::{BYTES_PER_TRIANGLE, Goal, deviation};
@@ -87,7 +87,7 @@ impl<'m, 's> Tessellator<'m, 's> {
     /// For the triangles of the regions that are to be tessellated.
     pub fn new(mesh: &'m HalfEdges<'s>, goal: &'m Goal) -> Self {
         let count = mesh.triangle_count();
-        let is_wanted = |&t: &u32| !mesh.is_gone(t) && mesh.region(3 * t).way == Way::AtOnce;
+        let is_wanted = |&t: &u32| !mesh.is_gone(t) && mesh.region(first_of(t)).way == Way::AtOnce;
         let wanted: Vec<u32> = (0..count).filter(is_wanted).collect();
         let mut large = vec![Large::default(); count as usize];
         for &triangle in &wanted {
@@ -103,7 +103,7 @@ impl<'m, 's> Tessellator<'m, 's> {
             mesh,
             goal,
             large,
-            sides: vec![Side::default(); mesh.halves.len()],
+            sides: vec![Side::default(); mesh.end_of_halves() as usize],
             fine: Fine {
                 points: Vec::new(),
                 subdivisions,
@@ -148,8 +148,8 @@ impl<'m, 's> Tessellator<'m, 's> {
         let fine = subdivisions.clone().map(|subdivision| {
             let rows = whole(self.large[subdivision.large as usize].rows) as usize;
             let inner = rows.saturating_sub(1) * rows.saturating_sub(2) / 2;
-            let sides = 3 * subdivision.large as usize..3 * subdivision.large as usize + 3;
-            let on_sides: u32 = self.sides[sides].iter().map(|side| side.count).sum();
+            let sides = halves_of(subdivision.large);
+            let on_sides: u32 = sides.map(|side| self.sides[side as usize].count).sum();
             1 + on_sides as usize + 2 * inner
         });
         let live = self.mesh.triangle_count() as usize - self.mesh.free.len();
@@ -161,11 +161,11 @@ impl<'m, 's> Tessellator<'m, 's> {
         let mesh = self.mesh;
         for index in 0..self.fine.subdivisions.len() {
             let triangle = self.fine.subdivisions[index].large;
-            for half in 3 * triangle..3 * triangle + 3 {
+            for half in halves_of(triangle) {
                 let twin = mesh.twin(half);
                 let own = self.large[triangle as usize];
-                let beyond = self.large[twin as usize / 3];
-                let piece = mesh.halves[half as usize].piece;
+                let beyond = self.large[triangle_of(twin) as usize];
+                let piece = mesh.piece(half);
                 let side = if beyond.rows > 0.0 && half > twin {
                     let side = self.sides[twin as usize];
                     Side {
@@ -241,7 +241,7 @@ impl<'m, 's> Tessellator<'m, 's> {
     fn fill_one(&self, patch: &mut Patch, subdivision: &mut Subdivision) {
         let triangle = subdivision.large;
         let mesh = self.mesh;
-        let half = 3 * triangle;
+        let half = first_of(triangle);
         let (surface, region) = (mesh.surface(half), mesh.region(half));
         patch.clear();
         for side in half..half + 3 {
@@ -275,7 +275,7 @@ impl<'m, 's> Tessellator<'m, 's> {
 
     /// Bounds how far the small triangles stray, and hands them over.
     fn judge(&self, patch: &mut Patch, subdivision: &mut Subdivision) {
-        let half = 3 * subdivision.large;
+        let half = first_of(subdivision.large);
         let (surface, region) = (self.mesh.surface(half), self.mesh.region(half));
         let corner = |&at: &DVec3| Corner::new(surface, at);
         patch.corners.extend(patch.positions.iter().map(corner));
@@ -299,12 +299,12 @@ impl<'m, 's> Tessellator<'m, 's> {
 
 /// How many rows a triangle needs, as a real number.
 pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
-    let surface = mesh.surface(3 * triangle);
+    let surface = mesh.surface(first_of(triangle));
     let corners = mesh.corners(triangle);
     let estimate = deviation::estimate(surface, corners);
     /// The surface over a triangle is larger than the triangle.
     const CURVED: f64 = 1.05;
-    let for_distance = (estimate / goal.aim_on(mesh.surface_index(3 * triangle))).sqrt();
+    let for_distance = (estimate / goal.aim_on(mesh.surface_index(first_of(triangle)))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
         let turn = a

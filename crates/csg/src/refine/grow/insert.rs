@@ -54,7 +54,7 @@ impl Grower<'_, '_> {
     /// All edges around a vertex are to be looked at again.
     fn touch(&mut self, vertex: u32) {
         for spoke in self.mesh.around(vertex) {
-            self.stack.push(next(spoke));
+            self.waiting.push(next(spoke));
             self.changed.extend([spoke, self.mesh.twin(spoke)]);
         }
     }

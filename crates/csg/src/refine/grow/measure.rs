@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Grower;
+use crate::refine::half_edges::first_of;
 use crate::refine::regions::{Bend, Way};
 use crate::refine::{Unkept, deviation};
 
@@ -11,17 +12,16 @@ impl Grower<'_, '_> {
     /// itself, which stay as they are.
     pub(super) fn measure_straight_edges(&mut self) {
         let mesh = &*self.mesh;
-        for half in 0..mesh.halves.len() as u32 {
-            let twin = mesh.twin(half);
-            if half < twin && !mesh.is_gone(half / 3) && mesh.is_feature(half) {
-                let surfaces = [mesh.surface(half), mesh.surface(twin)];
-                let [p, q] = [half, twin].map(|side| mesh.at(mesh.origin(side)));
-                if surfaces.iter().all(|s| s.is_plane()) || mesh.is_contact(half) {
-                    let bound = deviation::of_chord(surfaces, p, q);
-                    let pair = [half, twin].map(|side| mesh.surface_index(side));
-                    let promised = self.goal.promised;
-                    self.outcome.note(bound, p.midpoint(q), &pair, promised);
-                }
+        for half in mesh.edges().filter(|&half| mesh.is_feature(half)) {
+            let sides = [half, mesh.twin(half)];
+            let bends = sides.map(|side| mesh.region(side).bend);
+            if bends == [Bend::Flat; 2] || mesh.is_contact(half) {
+                let surfaces = sides.map(|side| mesh.surface(side));
+                let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
+                let bound = deviation::of_chord(surfaces, p, q);
+                let pair = sides.map(|side| mesh.surface_index(side));
+                let promised = self.goal.promised;
+                self.outcome.note(bound, p.midpoint(q), &pair, promised);
             }
         }
     }
@@ -42,7 +42,7 @@ impl Grower<'_, '_> {
     /// Whether a triangle is as near to its surface as the tolerance: then it is
     /// measured, and one that was changed later may have been.
     pub(super) fn note_if_near(&mut self, triangle: u32) -> bool {
-        let region = self.mesh.region(3 * triangle);
+        let region = self.mesh.region(first_of(triangle));
         // Those in planes are as near as their edges.
         if self.mesh.is_gone(triangle) || region.bend == Bend::Flat || region.way == Way::Done {
             return true;
@@ -63,7 +63,7 @@ impl Grower<'_, '_> {
         }
         if bound <= tolerance {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let surface = self.mesh.surface_index(3 * triangle);
+            let surface = self.mesh.surface_index(first_of(triangle));
             self.outcome
                 .note(bound, middle, &[surface], self.goal.promised);
         }
@@ -75,7 +75,7 @@ impl Grower<'_, '_> {
         if self.note_if_near(triangle) {
             return;
         }
-        let region = self.mesh.region(3 * triangle);
+        let region = self.mesh.region(first_of(triangle));
         let surface = &self.mesh.surfaces[region.surface as usize];
         let corners = self.mesh.corners(triangle);
         let promised = self.goal.promised;
