@@ -268,7 +268,7 @@ impl Curve {
     /// Into how many chords the curve should be cut between two places so that
     /// each turns by no more than about `turn` where its radius of curvature is
     /// `size`, and strays as far where it is another one, but turns by no more
-    /// than twice that. So chords keep their order where curves touch.
+    /// than three times that. So chords keep their order where curves touch.
     pub fn chords(&self, from: f64, to: f64, turn: f64, size: f64) -> u32 {
         let (total, length) = match self {
             Self::Line { .. } => return 1,
@@ -291,7 +291,7 @@ impl Curve {
         if total == 0.0 {
             return 1;
         }
-        let turn = turn * (size * total / length).sqrt().min(2.0);
+        let turn = turn * (size * total / length).sqrt().min(3.0);
         (total / turn).ceil().clamp(1.0, 1e4) as u32
     }
 
