@@ -354,7 +354,9 @@ impl Boundary {
             if self.is_removed(start) || seen[start as usize] {
                 continue;
             }
-            let mut contour = Vec::new();
+            let count = std::iter::successors(Some(start), |&at| Some(self.at(at).next));
+            let count = 1 + count.skip(1).take_while(|&at| at != start).count();
+            let mut contour = Vec::with_capacity(count);
             let mut at = start;
             while !seen[at as usize] {
                 seen[at as usize] = true;

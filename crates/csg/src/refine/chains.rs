@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::conics::OnConic;
 use super::curves::{Stretches, is_straight};
 use super::half_edges::{HalfEdges, Kind, next};
+use super::regions::Bend;
 use super::shape::faces_out_in_the_middle;
 use super::{Goal, deviation};
 use crate::program::Surface;
@@ -28,10 +29,11 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
     let mut is_done = vec![false; mesh.end_of_halves() as usize];
     let mut chains = Vec::new();
     let is_start = |half: u32| mesh.kinds[mesh.origin(half) as usize] != Kind::Curve;
+    let curved: Vec<u32> = mesh.halves().filter(|&h| is_curved(mesh, h)).collect();
     // Those with ends first; what is left then goes around.
     for with_ends in [true, false] {
-        for half in mesh.halves() {
-            if is_done[half as usize] || (with_ends && !is_start(half)) || !is_curved(mesh, half) {
+        for &half in &curved {
+            if is_done[half as usize] || (with_ends && !is_start(half)) {
                 continue;
             }
             let mut chain = Vec::new();
@@ -49,10 +51,13 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
 }
 
 fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
-    let (a, b) = (mesh.surface(half), mesh.surface(mesh.twin(half)));
-    let is_border = std::ptr::eq(a, b);
-    let is_straight = a.is_plane() && b.is_plane();
-    mesh.is_feature(half) && !is_border && !is_straight && !mesh.is_contact(half)
+    if !mesh.is_feature(half) || mesh.is_contact(half) {
+        return false;
+    }
+    let [a, b] = [half, mesh.twin(half)].map(|side| mesh.region(side));
+    let is_border = a.surface == b.surface;
+    let is_straight = a.bend == Bend::Flat && b.bend == Bend::Flat;
+    !is_border && !is_straight
 }
 
 /// The next edge along the same curve.

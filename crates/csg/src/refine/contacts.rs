@@ -118,7 +118,7 @@ impl HalfEdges<'_> {
         edges
     }
 
-    fn between(&self, [from, to]: [u32; 2]) -> Option<u32> {
+    pub fn between(&self, [from, to]: [u32; 2]) -> Option<u32> {
         self.around(from).find(|&half| self.target(half) == to)
     }
 

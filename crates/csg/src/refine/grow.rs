@@ -76,8 +76,6 @@ impl<'m, 's> Grower<'m, 's> {
 
     pub fn run(&mut self, control: &Control) -> Result<(), Error> {
         self.measure_straight_edges();
-        // Well-shaped triangles are in no vertex's way along its curve.
-        self.flip_everything();
         self.measure_curves();
         self.check_size(control)?;
         self.flip_everything();
@@ -151,7 +149,19 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Finds the points that every edge along a curve needs.
     pub(super) fn measure_curves(&mut self) {
-        for chain in chains(self.mesh) {
+        let mut left = chains(self.mesh);
+        left.retain(|chain| !self.cut_up(chain));
+        if left.is_empty() {
+            return;
+        }
+        // Well-shaped triangles are in no vertex's way along its curve.
+        let ends_of = |&half: &u32| [self.mesh.origin(half), self.mesh.target(half)];
+        let ends = left.iter().map(|chain| chain.iter().map(ends_of).collect());
+        let left: Vec<Vec<[u32; 2]>> = ends.collect();
+        self.flip_everything();
+        for ends in left {
+            let chain = ends.iter().filter_map(|&ends| self.mesh.between(ends));
+            let chain: Vec<u32> = chain.collect();
             if self.cut_up(&chain) {
                 continue;
             }
