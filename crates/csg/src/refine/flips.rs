@@ -122,3 +122,69 @@ fn leaves_it_unfolded(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 
     faces_out_in_the_middle(surface, region, [d, b, c])
         && faces_out_in_the_middle(surface, region, [c, a, d])
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A convex polygon as a fan of triangles, closed by another fan with an apex
+    /// below, whose triangles are faces of their own.
+    fn fan(angles: &[f64], plane: &[Surface; 1]) -> HalfEdges<'_> {
+        let count = angles.len() as u32;
+        let corner = |angle: &f64| DVec3::new(2.0 * angle.cos(), angle.sin(), 0.0);
+        let corners = angles.iter().map(corner).chain([DVec3::NEG_Z]);
+        let above = (1..count - 1).map(|k| [0, k, k + 1]);
+        let below = (0..count).map(|k| [(k + 1) % count, k, count]);
+        let triangles: Vec<[u32; 3]> = above.chain(below).collect();
+        let groups: Vec<u32> = (0..triangles.len() as u32)
+            .map(|triangle| (triangle + 3).saturating_sub(count))
+            .collect();
+        let surface_of_group = vec![0; groups.len()];
+        let mesh = HalfEdges::new(
+            corners.collect(),
+            &triangles,
+            &groups,
+            &surface_of_group,
+            plane,
+        );
+        mesh.expect("closed")
+    }
+
+    proptest! {
+        /// No corner is within the circle through those of a triangle beside its own,
+        /// also where edges come into the way of others that were good before.
+        #[test]
+        fn flat_faces_end_delaunay(
+            mut angles in proptest::collection::vec(0.0..std::f64::consts::TAU, 8..40)
+        ) {
+            angles.sort_by(f64::total_cmp);
+            angles.dedup_by(|a, b| *a - *b < 0.01);
+            prop_assume!(angles.len() > 5);
+            let plane = [Surface {
+                anchor: DVec3::ZERO,
+                quadratic: [0.0; 6],
+                linear: DVec3::Z,
+                constant: 0.0,
+            }];
+            let mut mesh = fan(&angles, &plane);
+            let mut waiting = Waiting::default();
+            for half in mesh.edges() {
+                waiting.push(half);
+            }
+            let mut changed = Vec::new();
+            waiting.flip_all(&mut mesh, |halves| changed.push(halves));
+            for half in mesh.edges().filter(|&half| !mesh.is_feature(half)) {
+                let [a, d, b, c] = mesh.quad(half).map(|vertex| {
+                    let at = mesh.at(vertex);
+                    robust::Coord { x: at.x, y: at.y }
+                });
+                prop_assert!(robust::incircle(a, b, c, d) < 1e-9);
+            }
+            for [half, twin] in changed {
+                prop_assert_eq!(mesh.is_feature(half), mesh.is_feature(twin));
+            }
+        }
+    }
+}
