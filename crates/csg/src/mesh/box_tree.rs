@@ -13,7 +13,7 @@ pub(super) struct Bounds {
 
 impl Bounds {
     /// Overlaps nothing.
-    const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
     };
@@ -26,7 +26,11 @@ impl Bounds {
         })
     }
 
-    fn union(self, other: Self) -> Self {
+    fn around_all(boxes: impl Iterator<Item = Self>) -> Self {
+        boxes.fold(Self::EMPTY, Self::union)
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),
             high: self.high.max(other.high),
@@ -35,8 +39,23 @@ impl Bounds {
 
     /// Whether the closed boxes have a point in common.
     fn overlaps(&self, other: &Self) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+        // (In one go: which of them decides is hard to foresee.)
+        (self.low.x <= other.high.x)
+            & (self.low.y <= other.high.y)
+            & (self.low.z <= other.high.z)
+            & (other.low.x <= self.high.x)
+            & (other.low.y <= self.high.y)
+            & (other.low.z <= self.high.z)
     }
+}
+
+/// The box of something in a sheet.
+#[derive(Clone, Copy)]
+pub(super) struct Boxed {
+    pub bounds: Bounds,
+    /// What is in the box.
+    pub index: u32,
+    pub sheet: u32,
 }
 
 /// Boxes in a leaf.
@@ -44,46 +63,91 @@ const LEAF: usize = 4;
 /// Subtrees of fewer leaves are searched by one task.
 const SERIAL_LEAVES: usize = 64;
 
-/// A complete binary tree over the boxes, sorted along a Morton curve.
+/// Of a node with boxes of several sheets.
+const SEVERAL: u32 = u32::MAX;
+
+/// A complete binary tree over boxes, sorted by sheet, and within along a Morton curve.
 pub(super) struct BoxTree {
     /// Node `k` has the children `2k` and `2k + 1`, the root is 1, and the
     /// leaves are the last half.
-    nodes: Vec<Bounds>,
-    /// Leaf `i` holds the entries `LEAF * i ..`; each is a box and its index.
-    entries: Vec<(Bounds, u32)>,
+    nodes: Vec<Node>,
+    /// Leaf `i` holds the entries `LEAF * i ..`.
+    entries: Vec<Boxed>,
+}
+
+#[derive(Clone, Copy)]
+struct Node {
+    bounds: Bounds,
+    /// The only one below, or [`SEVERAL`].
+    sheet: u32,
+}
+
+impl Node {
+    fn join(nodes: impl Iterator<Item = Self>) -> Self {
+        nodes
+            .reduce(|one, other| Self {
+                bounds: one.bounds.union(other.bounds),
+                sheet: if one.sheet == other.sheet {
+                    one.sheet
+                } else {
+                    SEVERAL
+                },
+            })
+            .unwrap_or(Self {
+                bounds: Bounds::EMPTY,
+                sheet: SEVERAL,
+            })
+    }
 }
 
 impl BoxTree {
-    /// Sorts the boxes and their indices into a tree: n log n.
-    pub(super) fn new(boxes: &[(Bounds, u32)]) -> Self {
-        let whole = boxes
-            .iter()
-            .fold(Bounds::EMPTY, |whole, entry| whole.union(entry.0));
+    /// Sorts the boxes into a tree: n log n.
+    pub(super) fn new(boxes: &[Boxed]) -> Self {
+        let whole = Bounds::around_all(boxes.iter().map(|entry| entry.bounds));
         // (By place in the input too, so that the order is the same every time.)
-        let mut order: Vec<(u64, u32)> = boxes
+        let mut order: Vec<(u32, u64, u32)> = boxes
             .par_iter()
             .zip(0..boxes.len() as u32)
-            .map(|((bounds, _), place)| (morton(bounds, &whole), place))
+            .map(|(entry, place)| (entry.sheet, morton(&entry.bounds, &whole), place))
             .collect();
         order.par_sort_unstable();
-        let entries: Vec<(Bounds, u32)> = order
+        let entries: Vec<Boxed> = order
             .par_iter()
-            .map(|&(_, place)| boxes[place as usize])
+            .map(|&(_, _, place)| boxes[place as usize])
             .collect();
         let leaves = entries.len().div_ceil(LEAF).next_power_of_two();
-        let mut nodes = vec![Bounds::EMPTY; 2 * leaves];
+        let mut nodes = vec![Node::join([].into_iter()); 2 * leaves];
         for (leaf, boxes) in entries.chunks(LEAF).enumerate() {
-            nodes[leaves + leaf] = boxes
-                .iter()
-                .fold(Bounds::EMPTY, |all, entry| all.union(entry.0));
+            nodes[leaves + leaf] = Node::join(boxes.iter().map(|entry| Node {
+                bounds: entry.bounds,
+                sheet: entry.sheet,
+            }));
         }
         for node in (1..leaves).rev() {
-            nodes[node] = nodes[2 * node].union(nodes[2 * node + 1]);
+            nodes[node] = Node::join([nodes[2 * node], nodes[2 * node + 1]].into_iter());
         }
         Self { nodes, entries }
     }
 
-    /// All pairs of overlapping boxes that pass the test, as their indices,
+    /// Whether a box overlaps one of another sheet.
+    pub(super) fn meets_another(&self, entry: &Boxed) -> bool {
+        self.meets_another_below(1, entry)
+    }
+
+    fn meets_another_below(&self, node: usize, entry: &Boxed) -> bool {
+        let Node { bounds, sheet } = &self.nodes[node];
+        if *sheet == entry.sheet || !bounds.overlaps(&entry.bounds) {
+            return false;
+        }
+        if self.is_leaf(node) {
+            let mut others = self.entries_of(node).iter();
+            return others
+                .any(|other| other.sheet != entry.sheet && other.bounds.overlaps(&entry.bounds));
+        }
+        self.meets_another_below(2 * node, entry) || self.meets_another_below(2 * node + 1, entry)
+    }
+
+    /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
     /// the lower first; in ascending order.
     pub(super) fn pairs(&self, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
         let mut pairs = self.within(1, test);
@@ -94,6 +158,9 @@ impl BoxTree {
     /// The pairs of boxes below one node.
     fn within(&self, node: usize, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
+        if self.nodes[node].sheet != SEVERAL {
+            return pairs;
+        }
         if self.is_leaf(node) {
             let entries = self.entries_of(node);
             for (number, first) in entries.iter().enumerate() {
@@ -133,13 +200,18 @@ impl BoxTree {
         test: &(impl Fn(u32, u32) -> bool + Sync),
         pairs: &mut Vec<[u32; 2]>,
     ) {
-        if !self.nodes[first].overlaps(&self.nodes[second]) {
+        let (one, other) = (&self.nodes[first], &self.nodes[second]);
+        let is_one_sheet = one.sheet == other.sheet && one.sheet != SEVERAL;
+        if is_one_sheet || !one.bounds.overlaps(&other.bounds) {
             return;
         }
         if self.is_leaf(first) {
-            for one in self.entries_of(first) {
-                for other in self.entries_of(second) {
-                    try_pair(one, other, test, pairs);
+            let others = self.entries_of(second);
+            for entry in self.entries_of(first) {
+                if entry.bounds.overlaps(&other.bounds) {
+                    for other in others {
+                        try_pair(entry, other, test, pairs);
+                    }
                 }
             }
             return;
@@ -159,23 +231,35 @@ impl BoxTree {
         (self.nodes.len() / 2) >> node.ilog2()
     }
 
-    fn entries_of(&self, leaf: usize) -> &[(Bounds, u32)] {
+    fn entries_of(&self, leaf: usize) -> &[Boxed] {
         let start = (leaf - self.nodes.len() / 2) * LEAF;
         let end = (start + LEAF).min(self.entries.len());
         self.entries.get(start..end).unwrap_or_default()
     }
 }
 
+#[inline(always)]
 fn try_pair(
-    (bounds, index): &(Bounds, u32),
-    (other_bounds, other): &(Bounds, u32),
+    one: &Boxed,
+    other: &Boxed,
     test: &impl Fn(u32, u32) -> bool,
     pairs: &mut Vec<[u32; 2]>,
 ) {
-    let pair = [*index.min(other), *index.max(other)];
-    if bounds.overlaps(other_bounds) && test(pair[0], pair[1]) {
-        pairs.push(pair);
+    if one.sheet != other.sheet && one.bounds.overlaps(&other.bounds) {
+        let pair = [one.index.min(other.index), one.index.max(other.index)];
+        if test(pair[0], pair[1]) {
+            pairs.push(pair);
+        }
     }
+}
+
+/// The order of boxes along a Morton curve.
+pub(super) fn along_curve(boxes: impl Iterator<Item = Bounds> + Clone) -> Vec<u32> {
+    let whole = Bounds::around_all(boxes.clone());
+    let codes: Vec<u64> = boxes.map(|bounds| morton(&bounds, &whole)).collect();
+    let mut order: Vec<u32> = (0..codes.len() as u32).collect();
+    order.sort_by_key(|&k| codes[k as usize]);
+    order
 }
 
 /// The place of a box's centre along a Morton curve: the bits of its three

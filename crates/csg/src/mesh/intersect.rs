@@ -1,11 +1,12 @@
 //! Where a mesh runs through itself, decided exactly.
 
-use glam::{DVec2, DVec3, Vec3Swizzles};
+use glam::DVec2;
 use rayon::prelude::*;
-use robust::{Coord, Coord3D};
 
-use super::box_tree::{Bounds, BoxTree};
-use super::star::usable;
+use super::apart::{Face, clearly_apart};
+use super::box_tree::{BoxTree, Boxed, along_curve};
+use super::predicates::{Triangle, flattened, side, turn};
+use super::sheets::{Part, Sheet, sheets};
 use crate::mesh::Mesh;
 
 impl Mesh {
@@ -25,66 +26,67 @@ impl Mesh {
     /// vertices, are not finite or have no area are passed over.
     ///
     /// n log n for n triangles of similar size, in parallel; the same for any
-    /// number of threads.
+    /// number of threads. Half as long or less where neighbours share their
+    /// vertices as where each triangle has its own: most of them are then told
+    /// apart all at once.
     #[must_use]
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
-        let boxes: Vec<(Bounds, u32)> = (0..self.triangles.len().min(u32::MAX as usize))
-            .into_par_iter()
-            .filter(|&index| usable(&self.triangles[index], self.positions.len()))
-            .map(|index| (self.corners(index), index as u32))
-            .filter(|(corners, _)| corners.iter().all(|c| c.is_finite()) && has_area(corners))
-            .map(|(corners, index)| (Bounds::around(&corners), index))
-            .collect();
-        BoxTree::new(&boxes).pairs(&|first, second| {
-            intersect(self.corners(first as usize), self.corners(second as usize))
+        // (As one task: else each step would wait for the pool's threads to wake up.)
+        rayon::scope(|_| {
+            let triangles = near_others(&sheets(self));
+            BoxTree::new(&triangles).pairs(&|first, second| {
+                let [one, other] = [first, second].map(|index| Face {
+                    corners: self.corners(index as usize),
+                    vertices: self.triangles[index as usize],
+                });
+                !clearly_apart(&one, &other) && intersect(one.corners, other.corners)
+            })
         })
     }
 }
 
-type Triangle = [DVec3; 3];
-
-/// Which side of the plane through a, b and c the point d is on: 1 for the
-/// side from which they are counter-clockwise, 0 for the plane itself. Exact.
-fn side([a, b, c]: [DVec3; 3], d: DVec3) -> i8 {
-    let [a, b, c, d] = [a, b, c, d].map(|p| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
+/// The triangles whose boxes overlap that of another sheet, as far as it is quick to tell.
+fn near_others(parts: &[Part]) -> Vec<Boxed> {
+    /// Of these a look at each triangle does not pay.
+    const SMALL: usize = 100;
+    let sizes = parts.iter().map(|part| part.sheets.len());
+    let firsts: Vec<usize> = sizes
+        .scan(0, |before, size| {
+            Some(std::mem::replace(before, *before + size))
+        })
+        .collect();
+    // Numbered so that a tree over the sheets has small nodes.
+    let sheets: Vec<&Sheet> = parts.iter().flat_map(|part| &part.sheets).collect();
+    let order = along_curve(sheets.iter().map(|sheet| sheet.bounds));
+    let mut numbers = vec![0; sheets.len()];
+    let mut boxes = Vec::with_capacity(sheets.len());
+    for (number, &index) in (0..).zip(&order) {
+        numbers[index as usize] = number;
+        boxes.push(Boxed {
+            bounds: sheets[index as usize].bounds,
+            index,
+            sheet: number,
+        });
+    }
+    let tree = BoxTree::new(&boxes);
+    let near = parts.par_iter().zip(firsts).flat_map_iter(|(part, first)| {
+        let numbers = &numbers[first..];
+        let tree = &tree;
+        part.triangles.iter().filter_map(move |triangle| {
+            let sheet = triangle.sheet as usize;
+            let triangle = Boxed {
+                sheet: numbers[sheet],
+                ..*triangle
+            };
+            (part.sheets[sheet].size < SMALL || tree.meets_another(&triangle)).then_some(triangle)
+        })
     });
-    // (Shewchuk's predicate is positive below the plane.)
-    sign(-robust::orient3d(a, b, c, d))
-}
-
-/// Whether a, b and c turn counter-clockwise (1), not at all, or clockwise.
-fn turn(a: DVec2, b: DVec2, c: DVec2) -> i8 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p.x, y: p.y });
-    sign(robust::orient2d(a, b, c))
-}
-
-fn sign(value: f64) -> i8 {
-    i8::from(value > 0.0) - i8::from(value < 0.0)
-}
-
-/// The projections along the axes.
-const PROJECTIONS: [fn(DVec3) -> DVec2; 3] = [|p| p.yz(), |p| p.zx(), |p| p.xy()];
-
-/// The first projection in which the triangle has an area.
-fn projection([a, b, c]: &Triangle) -> Option<fn(DVec3) -> DVec2> {
-    PROJECTIONS
-        .into_iter()
-        .find(|along| turn(along(*a), along(*b), along(*c)) != 0)
-}
-
-fn has_area(triangle: &Triangle) -> bool {
-    projection(triangle).is_some()
+    near.collect()
 }
 
 /// Whether two triangles with area intersect in the sense of
 /// [`Mesh::self_intersections`].
 fn intersect(mut first: Triangle, mut second: Triangle) -> bool {
-    if clearly_apart(&first, &second) {
-        return false;
-    }
     let sides = |of: &Triangle, plane: &Triangle| {
         of.map(|p| {
             if plane.contains(&p) {
@@ -135,74 +137,14 @@ fn apex(sides: [i8; 3]) -> Option<usize> {
 /// Whether two triangles in one plane overlap in more than edges and points:
 /// no edge of either may have the other wholly on its outer side.
 fn overlap_in_plane(first: &Triangle, second: &Triangle) -> bool {
-    let Some(along) = projection(first) else {
-        return false;
-    };
-    let flat = |triangle: &Triangle| triangle.map(along);
     let separates = |[a, b, c]: [DVec2; 3], other: [DVec2; 3]| {
-        let inner = turn(a, b, c);
+        let inner = turn([a, b, c]);
         [[a, b], [b, c], [c, a]]
             .into_iter()
-            .any(|[from, to]| other.iter().all(|&p| turn(from, to, p) * inner <= 0))
+            .any(|[from, to]| other.iter().all(|&p| turn([from, to, p]) * inner <= 0))
     };
-    let (first, second) = (flat(first), flat(second));
-    !separates(first, second) && !separates(second, first)
-}
-
-/// A quick way to tell most neighbours apart without exact arithmetic, which
-/// is slow just where it is needed most often: between triangles of one plane
-/// that share corners. True only if it is certain that the triangles meet in
-/// no more than points and common edges.
-fn clearly_apart(first: &Triangle, second: &Triangle) -> bool {
-    [(first, second), (second, first)]
-        .into_iter()
-        .any(|(one, other)| {
-            let [a, b, c] = *one;
-            // One's own plane, then a plane through each of its edges, upright.
-            if keeps_off([a, b, c], one, other, None) {
-                return true;
-            }
-            let normal = (b - a).cross(c - a);
-            let size = (b - a).abs().max_element() / normal.abs().max_element();
-            let up = normal * size;
-            [(a, b, c), (b, c, a), (c, a, b)]
-                .into_iter()
-                .any(|(from, to, third)| keeps_off([from, to, from + up], one, other, Some(third)))
-        })
-}
-
-/// Whether all corners of the other triangle are clearly on one side of the
-/// plane, but for those they share that lie in the plane; and, if a third
-/// corner of one's own is given, that one on the other side.
-///
-/// The plane goes through two or all three corners of `one`, exactly.
-fn keeps_off(plane: [DVec3; 3], one: &Triangle, other: &Triangle, third: Option<DVec3>) -> bool {
-    let mut seen = third.map_or(0, |third| -clear_side(plane, third));
-    if third.is_some() && seen == 0 {
-        return false;
-    }
-    let in_plane = |p: &DVec3| one.contains(p) && third != Some(*p);
-    let agrees = other.iter().filter(|p| !in_plane(p)).all(|&p| {
-        let side = clear_side(plane, p);
-        let agrees = side != 0 && (seen == 0 || seen == side);
-        seen = side;
-        agrees
-    });
-    // (A triangle with the same three corners has been on no side yet.)
-    agrees && seen != 0
-}
-
-/// [`side`] in plain arithmetic, or 0 where rounding could turn it: the first
-/// stage of Shewchuk's predicate with its error bound.
-fn clear_side([a, b, c]: [DVec3; 3], d: DVec3) -> i8 {
-    const BOUND: f64 = (7.0 + 56.0 * (f64::EPSILON / 2.0)) * (f64::EPSILON / 2.0);
-    let (a, b, c) = (a - d, b - d, c - d);
-    let (plus, minus) = (b.yzx() * c.zxy(), b.zxy() * c.yzx());
-    let determinant = a.dot(plus - minus);
-    let permanent = a.abs().dot(plus.abs() + minus.abs());
-    if determinant.abs() > BOUND * permanent {
-        sign(-determinant)
-    } else {
-        0
-    }
+    (0..3)
+        .map(|axis| [first, second].map(|triangle| flattened(*triangle, axis)))
+        .find(|[first, _]| turn(*first) != 0)
+        .is_some_and(|[first, second]| !separates(first, second) && !separates(second, first))
 }

@@ -2,13 +2,18 @@
 //!
 //! Nothing here knows about solids; `raster` and `io` need only this module.
 
+mod apart;
 mod box_tree;
 mod check;
 mod components;
+mod contour;
 mod data;
 mod intersect;
 mod measure;
+mod predicates;
+mod sheets;
 mod star;
+mod twins;
 
 pub use check::{DefectPlace, MeshCheck, MeshDefect, PLACES_PER_DEFECT};
 pub use components::Components;

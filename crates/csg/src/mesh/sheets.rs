@@ -1,0 +1,309 @@
+//! Parts of a mesh that cannot run through themselves, so that only pairs of triangles
+//! of different ones need to be tested.
+//!
+//! Seen along an axis, all triangles of a *sheet* are counter-clockwise. So a point lies
+//! in as many of them as the sheet's border winds around it, since each triangle's border
+//! winds once around the points in it, and what runs along an edge both ways cancels out.
+//! If the border falls apart into closed polygons that are simple, seen along the axis,
+//! and only one of them is counter-clockwise, then it winds at most once around a point,
+//! so no two triangles cover the same one. What they have in common then lies above a part
+//! of an edge of both: they touch at most, edge on edge or in a point. (After Volino and
+//! Magnenat-Thalmann, *Efficient self-collision detection on smoothly discretized surface
+//! animations using geometrical shape regularity*, 1994; here decided exactly.)
+
+use std::ops::Range;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+use super::box_tree::{Bounds, Boxed};
+use super::contour::{self, Side};
+use super::predicates::{flat, flattened, turn};
+use super::star::usable;
+use super::twins::{NONE, twins};
+use crate::mesh::Mesh;
+
+/// The triangles with area of a part of a mesh, each in a sheet.
+pub(super) struct Part {
+    /// Their sheets are numbered within the part.
+    pub triangles: Vec<Boxed>,
+    pub sheets: Vec<Sheet>,
+}
+
+pub(super) struct Sheet {
+    pub bounds: Bounds,
+    /// How many triangles.
+    pub size: usize,
+}
+
+/// For n triangles and m corners of borders n + m log m, unless borders are intricate.
+pub(super) fn sheets(mesh: &Mesh) -> Vec<Part> {
+    /// Triangles of a part: so many, whatever the number of threads, that borders between
+    /// parts are short.
+    const SIZE: usize = 1 << 16;
+    let count = mesh.triangles.len().min(NONE as usize);
+    (0..count.div_ceil(SIZE))
+        .into_par_iter()
+        .map(|part| {
+            let start = part * SIZE;
+            Grower::new(mesh, start..count.min(start + SIZE)).grow_all()
+        })
+        .collect()
+}
+
+/// An axis, and from which end of it a triangle is counter-clockwise.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Facing {
+    axis: u8,
+    turn: i8,
+}
+
+impl Facing {
+    /// Along the axis that a triangle with area faces most.
+    fn of(corners: [DVec3; 3]) -> Option<Self> {
+        let normal = normal(corners).abs();
+        let main = if normal.x > normal.y && normal.x > normal.z {
+            0
+        } else if normal.y > normal.z {
+            1
+        } else {
+            2
+        };
+        [main, (main + 1) % 3, (main + 2) % 3]
+            .into_iter()
+            .map(|axis| Self {
+                axis: axis as u8,
+                turn: turn(flattened(corners, axis)),
+            })
+            .find(|facing| facing.turn != 0)
+    }
+
+    /// Whether a triangle faces that way, too, and not only just.
+    fn fits(self, corners: [DVec3; 3]) -> bool {
+        /// Of the normal's largest component.
+        const LEAST: f64 = 0.5;
+        let normal = normal(corners);
+        let along = normal.to_array()[self.axis as usize] * f64::from(self.turn);
+        along > LEAST * normal.abs().max_element()
+            && turn(flattened(corners, self.axis as usize)) == self.turn
+    }
+}
+
+fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// The sheets of some triangles, one after the other.
+struct Grower<'a> {
+    mesh: &'a Mesh,
+    /// Those with area; the sheet is [`NONE`] at first.
+    triangles: Vec<Boxed>,
+    /// Their main facings.
+    facings: Vec<Facing>,
+    /// Of half-edges by their places among these triangles.
+    twins: Vec<u32>,
+    sheets: Vec<Sheet>,
+    /// The triangles of one sheet.
+    grown: Vec<u32>,
+    /// The half-edges of borders seen.
+    is_traced: Vec<bool>,
+    /// Buffers.
+    border: Vec<u32>,
+    corners: Vec<DVec2>,
+    sides: Vec<Side>,
+}
+
+impl<'a> Grower<'a> {
+    fn new(mesh: &'a Mesh, range: Range<usize>) -> Self {
+        let mut triangles = Vec::with_capacity(range.len());
+        let mut facings = Vec::with_capacity(range.len());
+        let mut vertices = Vec::with_capacity(range.len());
+        let (mut lowest, mut highest) = (usize::MAX, 0);
+        for index in range {
+            let triangle = mesh.triangles[index];
+            if !usable(&triangle, mesh.positions.len()) {
+                continue;
+            }
+            let corners = mesh.corners(index);
+            if !corners.iter().all(|c| c.is_finite()) {
+                continue;
+            }
+            let Some(facing) = Facing::of(corners) else {
+                continue;
+            };
+            triangles.push(Boxed {
+                bounds: Bounds::around(&corners),
+                index: index as u32,
+                sheet: NONE,
+            });
+            facings.push(facing);
+            vertices.push(triangle);
+            for vertex in triangle {
+                lowest = lowest.min(vertex as usize);
+                highest = highest.max(vertex as usize + 1);
+            }
+        }
+        let twins = twins(lowest..highest.max(lowest), &vertices);
+        Self {
+            mesh,
+            facings,
+            is_traced: vec![false; twins.len()],
+            twins,
+            triangles,
+            sheets: Vec::new(),
+            grown: Vec::new(),
+            border: Vec::new(),
+            corners: Vec::new(),
+            sides: Vec::new(),
+        }
+    }
+
+    fn grow_all(mut self) -> Part {
+        for seed in 0..self.triangles.len() {
+            if self.triangles[seed].sheet == NONE {
+                self.grow(seed as u32);
+            }
+        }
+        Part {
+            triangles: self.triangles,
+            sheets: self.sheets,
+        }
+    }
+
+    /// The sheet of a triangle, or one for each of its triangles if it may run through
+    /// itself.
+    fn grow(&mut self, seed: u32) {
+        let facing = self.facings[seed as usize];
+        let sheet = self.sheets.len() as u32;
+        let mut bounds = self.triangles[seed as usize].bounds;
+        self.triangles[seed as usize].sheet = sheet;
+        self.grown.clear();
+        self.grown.push(seed);
+        let mut done = 0;
+        while let Some(&triangle) = self.grown.get(done) {
+            done += 1;
+            for half in 3 * triangle as usize..3 * triangle as usize + 3 {
+                let twin = self.twins[half];
+                if twin == NONE {
+                    continue;
+                }
+                let other = twin / 3;
+                if self.triangles[other as usize].sheet == NONE && self.fits(other, facing) {
+                    let other_box = &mut self.triangles[other as usize];
+                    other_box.sheet = sheet;
+                    bounds = bounds.union(other_box.bounds);
+                    self.grown.push(other);
+                }
+            }
+        }
+        if self.is_simple(sheet, facing) {
+            self.sheets.push(Sheet {
+                bounds,
+                size: self.grown.len(),
+            });
+            return;
+        }
+        for &triangle in &self.grown {
+            let triangle = &mut self.triangles[triangle as usize];
+            triangle.sheet = self.sheets.len() as u32;
+            self.sheets.push(Sheet {
+                bounds: triangle.bounds,
+                size: 1,
+            });
+        }
+    }
+
+    fn fits(&self, triangle: u32, facing: Facing) -> bool {
+        self.facings[triangle as usize] == facing
+            || facing.fits(
+                self.mesh
+                    .corners(self.triangles[triangle as usize].index as usize),
+            )
+    }
+
+    /// Whether the border of the sheet just grown consists of simple polygons, only one of
+    /// which is counter-clockwise.
+    fn is_simple(&mut self, sheet: u32, facing: Facing) -> bool {
+        let mut outer = 0;
+        for place in 0..self.grown.len() {
+            let triangle = self.grown[place];
+            for half in 3 * triangle..3 * triangle + 3 {
+                if self.is_traced[half as usize] || !self.is_border(half, sheet) {
+                    continue;
+                }
+                self.trace(half, sheet);
+                match self.count_outer(facing) {
+                    Some(count) => outer += count,
+                    None => return false,
+                }
+                if outer > 1 {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    fn is_border(&self, half: u32, sheet: u32) -> bool {
+        let twin = self.twins[half as usize];
+        twin == NONE || self.triangles[twin as usize / 3].sheet != sheet
+    }
+
+    /// The vertices along the border of a sheet.
+    fn trace(&mut self, start: u32, sheet: u32) {
+        let next = |half: u32| if half % 3 == 2 { half - 2 } else { half + 1 };
+        self.border.clear();
+        let mut half = start;
+        while !self.is_traced[half as usize] {
+            self.is_traced[half as usize] = true;
+            let triangle = self.triangles[half as usize / 3].index;
+            self.border
+                .push(self.mesh.triangles[triangle as usize][half as usize % 3]);
+            half = next(half);
+            while !self.is_border(half, sheet) {
+                half = next(self.twins[half as usize]);
+            }
+        }
+    }
+
+    /// How many polygons that face as the sheet does the border traced falls apart into;
+    /// none if it meets itself but at vertices that it passes more than once.
+    fn count_outer(&mut self, facing: Facing) -> Option<usize> {
+        let border = std::mem::take(&mut self.border);
+        let mut outer = 0;
+        let mut add = |polygon: &[u32]| {
+            outer += usize::from(self.turn(polygon, facing.axis)? == facing.turn);
+            Some(())
+        };
+        let is_simple = add(&border).or_else(|| split(&border, add)).is_some();
+        self.border = border;
+        is_simple.then_some(outer)
+    }
+
+    /// Which way a polygon runs, seen along an axis, if it is simple.
+    fn turn(&mut self, polygon: &[u32], axis: u8) -> Option<i8> {
+        let positions = polygon.iter().map(|&v| self.mesh.positions[v as usize]);
+        self.corners.clear();
+        self.corners
+            .extend(positions.map(|p| flat(p, axis as usize)));
+        contour::orientation(&self.corners, &mut self.sides)
+    }
+}
+
+/// Cuts a closed line at the vertices that it passes more than once.
+fn split(line: &[u32], mut add: impl FnMut(&[u32]) -> Option<()>) -> Option<()> {
+    let mut places: FxHashMap<u32, usize> = FxHashMap::default();
+    let mut open: Vec<u32> = Vec::new();
+    for &vertex in line {
+        if let Some(&place) = places.get(&vertex) {
+            add(&open[place..])?;
+            for vertex in open.drain(place..) {
+                places.remove(&vertex);
+            }
+        }
+        places.insert(vertex, open.len());
+        open.push(vertex);
+    }
+    add(&open)
+}
