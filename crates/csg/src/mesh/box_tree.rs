@@ -26,7 +26,7 @@ impl Bounds {
         })
     }
 
-    fn around_all(boxes: impl Iterator<Item = Self>) -> Self {
+    pub(super) fn around_all(boxes: impl Iterator<Item = Self>) -> Self {
         boxes.fold(Self::EMPTY, Self::union)
     }
 
@@ -66,7 +66,7 @@ const SERIAL_LEAVES: usize = 64;
 /// Of a node with boxes of several sheets.
 const SEVERAL: u32 = u32::MAX;
 
-/// A complete binary tree over boxes, sorted by sheet, and within along a Morton curve.
+/// A complete binary tree over boxes in a row.
 pub(super) struct BoxTree {
     /// Node `k` has the children `2k` and `2k + 1`, the root is 1, and the
     /// leaves are the last half.
@@ -101,20 +101,9 @@ impl Node {
 }
 
 impl BoxTree {
-    /// Sorts the boxes into a tree: n log n.
-    pub(super) fn new(boxes: &[Boxed]) -> Self {
-        let whole = Bounds::around_all(boxes.iter().map(|entry| entry.bounds));
-        // (By place in the input too, so that the order is the same every time.)
-        let mut order: Vec<(u32, u64, u32)> = boxes
-            .par_iter()
-            .zip(0..boxes.len() as u32)
-            .map(|(entry, place)| (entry.sheet, morton(&entry.bounds, &whole), place))
-            .collect();
-        order.par_sort_unstable();
-        let entries: Vec<Boxed> = order
-            .par_iter()
-            .map(|&(_, _, place)| boxes[place as usize])
-            .collect();
+    /// Of boxes in an order in which those that follow each other are near each other and
+    /// those of a sheet together.
+    pub(super) fn new(entries: Vec<Boxed>) -> Self {
         let leaves = entries.len().div_ceil(LEAF).next_power_of_two();
         let mut nodes = vec![Node::join([].into_iter()); 2 * leaves];
         for (leaf, boxes) in entries.chunks(LEAF).enumerate() {
@@ -127,24 +116,6 @@ impl BoxTree {
             nodes[node] = Node::join([nodes[2 * node], nodes[2 * node + 1]].into_iter());
         }
         Self { nodes, entries }
-    }
-
-    /// Whether a box overlaps one of another sheet.
-    pub(super) fn meets_another(&self, entry: &Boxed) -> bool {
-        self.meets_another_below(1, entry)
-    }
-
-    fn meets_another_below(&self, node: usize, entry: &Boxed) -> bool {
-        let Node { bounds, sheet } = &self.nodes[node];
-        if *sheet == entry.sheet || !bounds.overlaps(&entry.bounds) {
-            return false;
-        }
-        if self.is_leaf(node) {
-            let mut others = self.entries_of(node).iter();
-            return others
-                .any(|other| other.sheet != entry.sheet && other.bounds.overlaps(&entry.bounds));
-        }
-        self.meets_another_below(2 * node, entry) || self.meets_another_below(2 * node + 1, entry)
     }
 
     /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
@@ -253,24 +224,33 @@ fn try_pair(
     }
 }
 
-/// The order of boxes along a Morton curve.
-pub(super) fn along_curve(boxes: impl Iterator<Item = Bounds> + Clone) -> Vec<u32> {
+/// The order of boxes along a Morton curve through their centres: n log n.
+pub(super) fn along_curve(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Vec<u32> {
     let whole = Bounds::around_all(boxes.clone());
-    let codes: Vec<u64> = boxes.map(|bounds| morton(&bounds, &whole)).collect();
-    let mut order: Vec<u32> = (0..codes.len() as u32).collect();
-    order.sort_by_key(|&k| codes[k as usize]);
-    order
+    let scale = CELLS / (whole.high - whole.low);
+    let place = |bounds: Bounds| (bounds.low.midpoint(bounds.high) - whole.low) * scale;
+    // The first bits of the code and the number: the order is the same every time.
+    let numbers = (boxes.len() as u64).next_power_of_two() - 1;
+    let codes = boxes.map(|bounds| morton(place(bounds)) << 1 & !numbers);
+    let mut codes: Vec<u64> = (0..)
+        .zip(codes)
+        .map(|(number, code): (u64, u64)| code | number)
+        .collect();
+    codes.sort_unstable();
+    codes
+        .into_iter()
+        .map(|code| (code & numbers) as u32)
+        .collect()
 }
 
-/// The place of a box's centre along a Morton curve: the bits of its three
-/// coordinates, 21 each, interleaved.
-fn morton(bounds: &Bounds, whole: &Bounds) -> u64 {
-    let size = whole.high - whole.low;
-    let place = (bounds.low.midpoint(bounds.high) - whole.low) / size;
-    place.to_array().into_iter().fold(0, |code, coordinate| {
+/// Cells of a Morton curve along each axis.
+const CELLS: f64 = (1 << 21) as f64;
+
+/// The place along a Morton curve: the bits of the three cells, 21 each, interleaved.
+fn morton(place: DVec3) -> u64 {
+    place.to_array().into_iter().fold(0, |code, cell| {
         // (A flat direction is NaN, which becomes 0.)
-        let cell = (coordinate * f64::from(1 << 21)) as u64;
-        code << 1 | spread(cell.min((1 << 21) - 1))
+        code << 1 | spread((cell as u64).min((1 << 21) - 1))
     })
 }
 

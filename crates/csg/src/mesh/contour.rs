@@ -7,7 +7,8 @@ use glam::DVec2;
 use super::predicates::turn;
 
 /// 1 for a polygon that runs counter-clockwise, -1 for one that runs clockwise, none if it
-/// is not simple: if sides have more in common than the corner between neighbours.
+/// is not simple: if sides meet that are not neighbours. (If neighbours overlap, one of
+/// them meets the other's next one.)
 ///
 /// n log n for ordinary ones of n corners. The nodes are a buffer.
 pub(super) fn orientation(corners: &[DVec2], nodes: &mut Vec<Side>) -> Option<i8> {
@@ -15,25 +16,18 @@ pub(super) fn orientation(corners: &[DVec2], nodes: &mut Vec<Side>) -> Option<i8
     if count < 3 {
         return None;
     }
-    let around = |k: usize| {
-        [
-            corners[(k + count - 1) % count],
-            corners[k],
-            corners[(k + 1) % count],
-        ]
-    };
-    let mut lowest = 0;
-    for k in 0..count {
-        let [a, b, c] = around(k);
-        // Where it turns back in x and y it must not do so along itself.
-        if is_left(a, b) != is_left(b, c) && turn([a, b, c]) == 0 {
-            return None;
+    let lowest = (0..count).reduce(|low, k| {
+        if is_left(corners[k], corners[low]) {
+            k
+        } else {
+            low
         }
-        if is_left(b, corners[lowest]) {
-            lowest = k;
-        }
-    }
-    let orientation = turn(around(lowest));
+    })?;
+    let orientation = turn([
+        corners[(lowest + count - 1) % count],
+        corners[lowest],
+        corners[(lowest + 1) % count],
+    ]);
     let chain = Chain::new(corners, nodes);
     (orientation != 0 && !chain.meets_itself(1)).then_some(orientation)
 }

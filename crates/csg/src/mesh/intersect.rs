@@ -1,12 +1,11 @@
 //! Where a mesh runs through itself, decided exactly.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
 use super::apart::{Face, clearly_apart};
-use super::box_tree::{BoxTree, Boxed, along_curve};
+use super::box_tree::BoxTree;
 use super::predicates::{Triangle, flattened, side, turn};
-use super::sheets::{Part, Sheet, sheets};
+use super::sheets::in_sheets;
 use crate::mesh::Mesh;
 
 impl Mesh {
@@ -33,8 +32,7 @@ impl Mesh {
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
         // (As one task: else each step would wait for the pool's threads to wake up.)
         rayon::scope(|_| {
-            let triangles = near_others(&sheets(self));
-            BoxTree::new(&triangles).pairs(&|first, second| {
+            BoxTree::new(in_sheets(self)).pairs(&|first, second| {
                 let [one, other] = [first, second].map(|index| Face {
                     corners: self.corners(index as usize),
                     vertices: self.triangles[index as usize],
@@ -43,45 +41,6 @@ impl Mesh {
             })
         })
     }
-}
-
-/// The triangles whose boxes overlap that of another sheet, as far as it is quick to tell.
-fn near_others(parts: &[Part]) -> Vec<Boxed> {
-    /// Of these a look at each triangle does not pay.
-    const SMALL: usize = 100;
-    let sizes = parts.iter().map(|part| part.sheets.len());
-    let firsts: Vec<usize> = sizes
-        .scan(0, |before, size| {
-            Some(std::mem::replace(before, *before + size))
-        })
-        .collect();
-    // Numbered so that a tree over the sheets has small nodes.
-    let sheets: Vec<&Sheet> = parts.iter().flat_map(|part| &part.sheets).collect();
-    let order = along_curve(sheets.iter().map(|sheet| sheet.bounds));
-    let mut numbers = vec![0; sheets.len()];
-    let mut boxes = Vec::with_capacity(sheets.len());
-    for (number, &index) in (0..).zip(&order) {
-        numbers[index as usize] = number;
-        boxes.push(Boxed {
-            bounds: sheets[index as usize].bounds,
-            index,
-            sheet: number,
-        });
-    }
-    let tree = BoxTree::new(&boxes);
-    let near = parts.par_iter().zip(firsts).flat_map_iter(|(part, first)| {
-        let numbers = &numbers[first..];
-        let tree = &tree;
-        part.triangles.iter().filter_map(move |triangle| {
-            let sheet = triangle.sheet as usize;
-            let triangle = Boxed {
-                sheet: numbers[sheet],
-                ..*triangle
-            };
-            (part.sheets[sheet].size < SMALL || tree.meets_another(&triangle)).then_some(triangle)
-        })
-    });
-    near.collect()
 }
 
 /// Whether two triangles with area intersect in the sense of

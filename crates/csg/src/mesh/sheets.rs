@@ -17,39 +17,61 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::box_tree::{Bounds, Boxed};
+use super::box_tree::{Bounds, Boxed, along_curve};
 use super::contour::{self, Side};
 use super::predicates::{flat, flattened, turn};
 use super::star::usable;
 use super::twins::{NONE, twins};
 use crate::mesh::Mesh;
 
-/// The triangles with area of a part of a mesh, each in a sheet.
-pub(super) struct Part {
-    /// Their sheets are numbered within the part.
-    pub triangles: Vec<Boxed>,
-    pub sheets: Vec<Sheet>,
+/// The triangles with area of a part of a mesh, sheet by sheet, and along a curve in each.
+#[derive(Default)]
+struct Part {
+    triangles: Vec<Boxed>,
+    sheets: Vec<Sheet>,
 }
 
-pub(super) struct Sheet {
-    pub bounds: Bounds,
-    /// How many triangles.
-    pub size: usize,
+struct Sheet {
+    bounds: Bounds,
+    /// Its triangles in the part.
+    range: Range<usize>,
 }
 
-/// For n triangles and m corners of borders n + m log m, unless borders are intricate.
-pub(super) fn sheets(mesh: &Mesh) -> Vec<Part> {
+/// The triangles with area, each with its sheet, in an order in which those that follow
+/// each other are near each other.
+///
+/// For n triangles and m corners of borders n log n + m log m, unless borders are intricate.
+pub(super) fn in_sheets(mesh: &Mesh) -> Vec<Boxed> {
     /// Triangles of a part: so many, whatever the number of threads, that borders between
     /// parts are short.
     const SIZE: usize = 1 << 16;
     let count = mesh.triangles.len().min(NONE as usize);
-    (0..count.div_ceil(SIZE))
+    let parts: Vec<Part> = (0..count.div_ceil(SIZE))
         .into_par_iter()
         .map(|part| {
             let start = part * SIZE;
             Grower::new(mesh, start..count.min(start + SIZE)).grow_all()
         })
-        .collect()
+        .collect();
+    let sheets: Vec<(&Sheet, &[Boxed])> = parts
+        .iter()
+        .flat_map(|part| {
+            let triangles = |sheet: &Sheet| &part.triangles[sheet.range.clone()];
+            part.sheets
+                .iter()
+                .map(move |sheet| (sheet, triangles(sheet)))
+        })
+        .collect();
+    let mut all = Vec::with_capacity(parts.iter().map(|part| part.triangles.len()).sum());
+    let order = along_curve(sheets.iter().map(|(sheet, _)| sheet.bounds));
+    for (number, &sheet) in (0..).zip(&order) {
+        let triangles = sheets[sheet as usize].1.iter();
+        all.extend(triangles.map(|triangle| Boxed {
+            sheet: number,
+            ..*triangle
+        }));
+    }
+    all
 }
 
 /// An axis, and from which end of it a triangle is counter-clockwise.
@@ -97,18 +119,21 @@ fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
 /// The sheets of some triangles, one after the other.
 struct Grower<'a> {
     mesh: &'a Mesh,
-    /// Those with area; the sheet is [`NONE`] at first.
-    triangles: Vec<Boxed>,
-    /// Their main facings.
+    /// Those with area: their indices, vertices, main facings and sheets, which are
+    /// [`NONE`] at first.
+    indices: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
     facings: Vec<Facing>,
+    sheets: Vec<u32>,
     /// Of half-edges by their places among these triangles.
     twins: Vec<u32>,
-    sheets: Vec<Sheet>,
+    part: Part,
     /// The triangles of one sheet.
     grown: Vec<u32>,
     /// The half-edges of borders seen.
     is_traced: Vec<bool>,
     /// Buffers.
+    boxes: Vec<Bounds>,
     border: Vec<u32>,
     corners: Vec<DVec2>,
     sides: Vec<Side>,
@@ -116,42 +141,33 @@ struct Grower<'a> {
 
 impl<'a> Grower<'a> {
     fn new(mesh: &'a Mesh, range: Range<usize>) -> Self {
+        let mut indices = Vec::with_capacity(range.len());
         let mut triangles = Vec::with_capacity(range.len());
         let mut facings = Vec::with_capacity(range.len());
-        let mut vertices = Vec::with_capacity(range.len());
-        let (mut lowest, mut highest) = (usize::MAX, 0);
         for index in range {
             let triangle = mesh.triangles[index];
             if !usable(&triangle, mesh.positions.len()) {
                 continue;
             }
             let corners = mesh.corners(index);
-            if !corners.iter().all(|c| c.is_finite()) {
-                continue;
-            }
-            let Some(facing) = Facing::of(corners) else {
-                continue;
-            };
-            triangles.push(Boxed {
-                bounds: Bounds::around(&corners),
-                index: index as u32,
-                sheet: NONE,
-            });
-            facings.push(facing);
-            vertices.push(triangle);
-            for vertex in triangle {
-                lowest = lowest.min(vertex as usize);
-                highest = highest.max(vertex as usize + 1);
+            let is_finite = corners.iter().all(|corner| corner.is_finite());
+            if let Some(facing) = Facing::of(corners).filter(|_| is_finite) {
+                indices.push(index as u32);
+                triangles.push(triangle);
+                facings.push(facing);
             }
         }
-        let twins = twins(lowest..highest.max(lowest), &vertices);
+        let twins = twins(&triangles);
         Self {
             mesh,
-            facings,
+            sheets: vec![NONE; triangles.len()],
             is_traced: vec![false; twins.len()],
-            twins,
+            indices,
             triangles,
-            sheets: Vec::new(),
+            facings,
+            twins,
+            part: Part::default(),
+            boxes: Vec::new(),
             grown: Vec::new(),
             border: Vec::new(),
             corners: Vec::new(),
@@ -161,23 +177,24 @@ impl<'a> Grower<'a> {
 
     fn grow_all(mut self) -> Part {
         for seed in 0..self.triangles.len() {
-            if self.triangles[seed].sheet == NONE {
+            if self.sheets[seed] == NONE {
                 self.grow(seed as u32);
             }
         }
-        Part {
-            triangles: self.triangles,
-            sheets: self.sheets,
-        }
+        self.part
+    }
+
+    fn corners_of(&self, triangle: u32) -> [DVec3; 3] {
+        let [a, b, c] = self.triangles[triangle as usize];
+        [a, b, c].map(|vertex| self.mesh.positions[vertex as usize])
     }
 
     /// The sheet of a triangle, or one for each of its triangles if it may run through
     /// itself.
     fn grow(&mut self, seed: u32) {
         let facing = self.facings[seed as usize];
-        let sheet = self.sheets.len() as u32;
-        let mut bounds = self.triangles[seed as usize].bounds;
-        self.triangles[seed as usize].sheet = sheet;
+        let sheet = self.part.sheets.len() as u32;
+        self.sheets[seed as usize] = sheet;
         self.grown.clear();
         self.grown.push(seed);
         let mut done = 0;
@@ -189,45 +206,53 @@ impl<'a> Grower<'a> {
                     continue;
                 }
                 let other = twin / 3;
-                if self.triangles[other as usize].sheet == NONE && self.fits(other, facing) {
-                    let other_box = &mut self.triangles[other as usize];
-                    other_box.sheet = sheet;
-                    bounds = bounds.union(other_box.bounds);
+                if self.sheets[other as usize] == NONE && self.fits(other, facing) {
+                    self.sheets[other as usize] = sheet;
                     self.grown.push(other);
                 }
             }
         }
-        if self.is_simple(sheet, facing) {
-            self.sheets.push(Sheet {
-                bounds,
-                size: self.grown.len(),
-            });
-            return;
+        let grown = std::mem::take(&mut self.grown);
+        if self.is_simple(&grown, sheet, facing) {
+            self.add_sheet(&grown);
+        } else {
+            grown
+                .chunks(1)
+                .for_each(|triangle| self.add_sheet(triangle));
         }
-        for &triangle in &self.grown {
-            let triangle = &mut self.triangles[triangle as usize];
-            triangle.sheet = self.sheets.len() as u32;
-            self.sheets.push(Sheet {
-                bounds: triangle.bounds,
-                size: 1,
+        self.grown = grown;
+    }
+
+    fn add_sheet(&mut self, triangles: &[u32]) {
+        let start = self.part.triangles.len();
+        self.boxes.clear();
+        for &triangle in triangles {
+            let bounds = Bounds::around(&self.corners_of(triangle));
+            self.boxes.push(bounds);
+        }
+        let order = along_curve(self.boxes.iter().copied());
+        for &place in &order {
+            self.part.triangles.push(Boxed {
+                bounds: self.boxes[place as usize],
+                index: self.indices[triangles[place as usize] as usize],
+                sheet: NONE,
             });
         }
+        self.part.sheets.push(Sheet {
+            bounds: Bounds::around_all(self.boxes.iter().copied()),
+            range: start..start + triangles.len(),
+        });
     }
 
     fn fits(&self, triangle: u32, facing: Facing) -> bool {
-        self.facings[triangle as usize] == facing
-            || facing.fits(
-                self.mesh
-                    .corners(self.triangles[triangle as usize].index as usize),
-            )
+        self.facings[triangle as usize] == facing || facing.fits(self.corners_of(triangle))
     }
 
     /// Whether the border of the sheet just grown consists of simple polygons, only one of
     /// which is counter-clockwise.
-    fn is_simple(&mut self, sheet: u32, facing: Facing) -> bool {
+    fn is_simple(&mut self, grown: &[u32], sheet: u32, facing: Facing) -> bool {
         let mut outer = 0;
-        for place in 0..self.grown.len() {
-            let triangle = self.grown[place];
+        for &triangle in grown {
             for half in 3 * triangle..3 * triangle + 3 {
                 if self.is_traced[half as usize] || !self.is_border(half, sheet) {
                     continue;
@@ -247,7 +272,7 @@ impl<'a> Grower<'a> {
 
     fn is_border(&self, half: u32, sheet: u32) -> bool {
         let twin = self.twins[half as usize];
-        twin == NONE || self.triangles[twin as usize / 3].sheet != sheet
+        twin == NONE || self.sheets[twin as usize / 3] != sheet
     }
 
     /// The vertices along the border of a sheet.
@@ -257,9 +282,8 @@ impl<'a> Grower<'a> {
         let mut half = start;
         while !self.is_traced[half as usize] {
             self.is_traced[half as usize] = true;
-            let triangle = self.triangles[half as usize / 3].index;
             self.border
-                .push(self.mesh.triangles[triangle as usize][half as usize % 3]);
+                .push(self.triangles[half as usize / 3][half as usize % 3]);
             half = next(half);
             while !self.is_border(half, sheet) {
                 half = next(self.twins[half as usize]);

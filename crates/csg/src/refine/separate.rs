@@ -13,7 +13,7 @@ use super::beside::sides_beside;
 use super::curves::on_curve;
 use super::grow::{Grower, project};
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
-use super::shape::faces_in;
+use super::shape::{faces_in, facing};
 use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
 use crate::program::Surface;
@@ -59,16 +59,31 @@ pub(crate) fn separate(
 
 /// The triangles that face against the rest of their face: into the solid.
 pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
+    // (Mostly there are none, which is told without the faces.)
+    if face_alike(surfaced, surfaces) {
+        return Vec::new();
+    }
     half_edges(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
         let is_folded = |&triangle: &u32| {
-            let region = mesh.region(first_of(triangle));
-            faces_in(
-                mesh.surface(first_of(triangle)),
-                region,
-                mesh.corners(triangle),
-            )
+            let half = first_of(triangle);
+            faces_in(mesh.surface(half), mesh.region(half), mesh.corners(triangle))
         };
         (0..mesh.triangle_count()).filter(is_folded).collect()
+    })
+}
+
+/// Whether of each group all triangles that have an area face the same way.
+fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
+    let mut ways = vec![0.0f64; surfaced.surface_of_group.len()];
+    let mut triangles = surfaced.triangles.iter().zip(&surfaced.groups);
+    triangles.all(|(triangle, &group)| {
+        let surface = &surfaces[surfaced.surface_of_group[group as usize] as usize];
+        let way = facing(surface, triangle.map(|v| surfaced.positions[v as usize]));
+        let known = &mut ways[group as usize];
+        if *known == 0.0 {
+            *known = way;
+        }
+        way * *known >= 0.0
     })
 }
 

@@ -57,11 +57,17 @@ pub(super) fn faces_out_in_the_middle(
     )
 }
 
-/// Whether a triangle that has an area faces into the solid, judged by the outward
-/// normal of its surface next to its middle.
+/// Whether a triangle that has an area faces into the solid.
 pub(super) fn faces_in(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> bool {
+    region.outward * facing(surface, corners) < 0.0
+}
+
+/// 1 if a triangle that has an area faces along its surface's gradient next to its middle,
+/// -1 if against it; else 0.
+pub(super) fn facing(surface: &Surface, corners: [DVec3; 3]) -> f64 {
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-    normal(corners).is_some_and(|n| region.outward * n.dot(surface.gradient(middle)) < 0.0)
+    let along = normal(corners).map_or(0.0, |n| n.dot(surface.gradient(middle)));
+    f64::from(i8::from(along > 0.0) - i8::from(along < 0.0))
 }
 
 /// Twice the area times the unit normal, if there is an area.
