@@ -72,18 +72,21 @@ impl Plane {
         }
     }
 
-    /// Whether all corners of a triangle but the shared ones are on one side.
+    /// Whether a triangle is on one side, but for a corner in the plane or the shared ones.
     #[inline(always)]
     fn keeps_off(&self, corners: &Triangle, shared: u8) -> bool {
-        let (mut above, mut below) = (shared, shared);
+        let (mut above, mut below, mut on) = (0, 0, shared);
         for (k, &corner) in corners.iter().enumerate() {
             let d = corner - self.at;
             let height = self.normal.dot(d);
             let slack = self.slack.dot(d.abs());
             above |= u8::from(height > slack) << k;
             below |= u8::from(height < -slack) << k;
+            // (All products are zero: the plane is across an axis.)
+            on |= u8::from(slack == 0.0) << k;
         }
-        shared != 7 && (above == 7 || below == 7)
+        let touches = on == shared || on.count_ones() == 1;
+        touches && on != 7 && (above | on == 7 || below | on == 7)
     }
 
     /// The axis that it faces most.
@@ -109,20 +112,22 @@ impl Plane {
 }
 
 /// Whether one of the triangle's sides has the other triangle on its outer side, but for
-/// the corners that are ends of it.
+/// at most two corners in line with it: what they share is then a part of an edge of both.
 #[inline(always)]
 fn is_split_off(triangle: &[DVec2; 3], turn: f64, other: &[DVec2; 3], shared: [u8; 3]) -> bool {
     const BOUND: f64 = 4.0 * f64::EPSILON;
     for (from, to) in [(0, 1), (1, 2), (2, 0)] {
         let along = triangle[to] - triangle[from];
-        let mut outside = shared[from] | shared[to];
+        let (mut outside, mut on) = (0, shared[from] | shared[to]);
         for (k, &corner) in other.iter().enumerate() {
             let d = corner - triangle[from];
             let (plus, minus) = (along.y * d.x, along.x * d.y);
             let slack = BOUND * (plus.abs() + minus.abs());
             outside |= u8::from((plus - minus) * turn > slack) << k;
+            // (Both products are zero: the line is along an axis.)
+            on |= u8::from(slack == 0.0) << k;
         }
-        if outside == 7 {
+        if outside | on == 7 && on != 7 {
             return true;
         }
     }
