@@ -411,25 +411,29 @@ fn curves_may_touch_planes_anywhere() {
     assert!(triangles > 60 * 60, "{triangles}");
 }
 
-/// The vertices at which triangles of different colours meet.
-fn borders(mesh: &Mesh) -> Vec<DVec3> {
+/// The edges, one way, at which triangles of different colours meet.
+fn borders(mesh: &Mesh) -> Vec<[DVec3; 2]> {
     let mut color_of = HashMap::new();
     for (triangle, &[a, b, c]) in mesh.triangles.iter().enumerate() {
         let color = mesh.surface_of(triangle).and_then(|s| s.color);
         color_of.extend([[a, b], [b, c], [c, a]].map(|edge| (edge, color)));
     }
     let color = |edge: [u32; 2]| color_of.get(&edge).copied().flatten();
-    let edges = color_of.keys().copied();
+    let edges = color_of.keys().copied().filter(|&[a, b]| a < b);
     let on_borders = edges.filter(|&[a, b]| color([a, b]) != color([b, a]));
     on_borders
-        .map(|[a, _]| mesh.positions[a as usize])
+        .map(|edge| edge.map(|vertex| mesh.positions[vertex as usize]))
         .collect()
+}
+
+fn red_and_blue() -> [Color; 2] {
+    [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Color::from_linear)
 }
 
 /// It is no face of two corners without width, and its edges are not straight.
 #[test]
 fn a_narrow_patch_of_another_colour_keeps_to_its_curves() {
-    let [red, blue] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Color::from_linear);
+    let [red, blue] = red_and_blue();
     let ball = || Solid::sphere(1.0);
     for width in [2e-2, 2e-3, 2e-4, 2e-5] {
         let rod = |x: f64| Solid::cylinder(0.3, 0.0..2.0).translate([x, 0.2, 0.0]);
@@ -444,9 +448,95 @@ fn a_narrow_patch_of_another_colour_keeps_to_its_curves() {
             let is_on = |s: &Surface, p: DVec3| s.value(p).abs() < 1e-12 * s.gradient(p).length();
             let count = |p: DVec3| program.surfaces().iter().filter(|s| is_on(s, p)).count();
             let borders = borders(&mesh);
-            assert!(borders.len() >= 6, "{width}: {}", borders.len());
+            assert!(borders.len() >= 3, "{width}: {}", borders.len());
             // On the ball and a rod.
-            assert!(borders.into_iter().all(|p| count(p) >= 2), "{width}");
+            let mut points = borders.into_iter().flatten();
+            assert!(points.all(|p| count(p) >= 2), "{width}");
+        }
+    }
+}
+
+/// Name, what is blue on a body, that body, and the border between the two by angle.
+#[allow(clippy::type_complexity)]
+fn painted() -> Vec<(&'static str, Solid, Solid, Box<dyn Fn(f64) -> DVec3>)> {
+    let around = |angle: f64, z: f64| DVec3::new(angle.cos(), angle.sin(), z);
+    let rod = || Solid::cylinder(1.0, -2.0..2.0);
+    let slanted = Solid::half_space([-0.6, 0.2, 1.0], 0.0);
+    // Off the axis.
+    let ball = Solid::sphere(1.6).translate([0.3, 0.0, 0.0]);
+    let across = Solid::cylinder(1.3, -3.0..3.0).rotate_x(0.5 * PI);
+    let inlay = Solid::cylinder(1.0, 0.0..3.0);
+    let slanted_at = move |angle: f64| around(angle, 0.6 * angle.cos() - 0.2 * angle.sin());
+    let ball_at = move |angle: f64| {
+        let [x, y] = [angle.cos() - 0.3, angle.sin()];
+        around(angle, (1.6 * 1.6 - x * x - y * y).sqrt())
+    };
+    let across_at = move |angle: f64| around(angle, (1.3 * 1.3 - angle.cos().powi(2)).sqrt());
+    let above = Solid::half_space([0.0, 0.0, -1.0], 0.0);
+    vec![
+        ("slanted plane", slanted, rod(), Box::new(slanted_at)),
+        ("ball", ball | !&above, rod(), Box::new(ball_at)),
+        ("cylinder", across | !above, rod(), Box::new(across_at)),
+        (
+            "inlay",
+            inlay.clone(),
+            Solid::cube(4.0),
+            Box::new(move |angle| around(angle, 2.0)),
+        ),
+        (
+            "pole",
+            inlay,
+            Solid::sphere(2.0),
+            Box::new(move |angle| around(angle, 3.0f64.sqrt())),
+        ),
+    ]
+}
+
+/// How far an arc between two angles is from its chord.
+fn sag(at: &dyn Fn(f64) -> DVec3, from: f64, to: f64) -> f64 {
+    const STEPS: u32 = 64;
+    let [p, q] = [from, to].map(at);
+    let along = (q - p).normalize();
+    let share = |k: u32| f64::from(k) / f64::from(STEPS);
+    let points = (1..STEPS).map(|k| at(from + share(k) * (to - from)));
+    points
+        .map(|x| (x - p).cross(along).length())
+        .fold(0.0, f64::max)
+}
+
+/// Where colours change within one surface there is a curve like any other.
+#[test]
+fn borders_between_colours_are_as_near_to_their_curves_as_any_edge() {
+    let [red, blue] = red_and_blue();
+    for (name, part, body, at) in painted() {
+        let solid = (&body - &part).colored(red) | (&body & &part).colored(blue);
+        let program = Program::lower(&solid).expect("a valid solid");
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{name}");
+            assert!(report.check.is_manifold(), "{name}: {}", report.check);
+            assert!(report.deviation.is_some_and(|d| d <= tolerance), "{name}");
+            let borders = borders(&mesh);
+            let mut turned = 0.0;
+            let mut sags = Vec::new();
+            for edge in &borders {
+                let [from, mut to] = edge.map(|p| p.y.atan2(p.x));
+                to -= TAU * ((to - from) / TAU).round();
+                for (p, angle) in edge.iter().zip([from, to]) {
+                    assert!(p.distance(at(angle)) < 1e-11, "{name}: {p}");
+                }
+                turned += (to - from).abs();
+                sags.push(sag(&at, from, to));
+            }
+            // All around, and once.
+            assert!((turned - TAU).abs() < 1e-9, "{name}: {turned}");
+            let farthest = sags.iter().copied().fold(0.0, f64::max);
+            assert!(farthest <= tolerance, "{name}: {farthest}");
+            // Evenly, and as few as will do.
+            let nearest = sags.iter().copied().fold(f64::INFINITY, f64::min);
+            assert!(nearest >= 0.5 * farthest, "{name}: {nearest} {farthest}");
+            assert!(farthest >= 0.5 * tolerance, "{name}: {farthest}");
         }
     }
 }

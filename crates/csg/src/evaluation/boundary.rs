@@ -8,12 +8,12 @@
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Scene;
 use super::contacts::Contact;
 use super::lines::Piece;
-use super::sectors::Side;
+use super::sectors::{NOTHING, Side};
 use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
+use super::{Borders, Scene};
 use crate::program::Surface;
 
 /// An index that stands for nothing.
@@ -30,6 +30,11 @@ pub(super) struct HalfEdge {
     pub face: u32,
 }
 
+/// Whether it is the look of one surface that changes between two faces.
+fn is_border([one, other]: [&Side; 2]) -> bool {
+    one.plane == other.plane && one.look != other.look
+}
+
 /// Contours of all faces.
 #[derive(Debug, Default)]
 pub(super) struct Boundary {
@@ -37,7 +42,8 @@ pub(super) struct Boundary {
     pub half_edges: Vec<HalfEdge>,
     pub faces: Vec<Side>,
     /// For half-edges within one patch of a surface, where its look changes or
-    /// other faces touch it, the surfaces on whose curve they are.
+    /// other faces touch it, and on seams where its look changes, the surfaces on
+    /// whose curve they are.
     curves: FxHashMap<u32, [u32; 2]>,
 }
 
@@ -58,7 +64,8 @@ impl Boundary {
                 continue;
             }
             let first = all.half_edges.len() as u32;
-            if piece.sides[0].shares_patch(&piece.sides[1]) {
+            let [one, other] = piece.sides;
+            if one.shares_patch(&other) || is_border([&one, &other]) {
                 all.curves
                     .extend([first, first + 1].map(|half| (half, piece.curve)));
             }
@@ -137,6 +144,28 @@ impl Boundary {
         let frame = scene.frames[first.plane as usize].as_ref()?;
         let bit = (first.patch ^ second.patch).trailing_zeros() as usize;
         frame.planes().nth(bit).map(|seam| [surface, seam])
+    }
+
+    /// The edges where the look of a surface changes, by the numbers of their
+    /// vertices in fans.
+    pub fn borders(&self) -> Borders {
+        if self.curves.is_empty() {
+            return Borders::default();
+        }
+        let (fan_of, _) = self.fans();
+        let border = |(&half_edge, curve): (&u32, &[u32; 2])| {
+            let HalfEdge { twin, face, .. } = *self.at(half_edge);
+            if twin == NONE {
+                return None;
+            }
+            let sides = [face, self.at(twin).face].map(|face| &self.faces[face as usize]);
+            let surface = sides[0].plane;
+            let other = curve.iter().find(|&&id| id != surface && id != NOTHING);
+            let mut ends = [half_edge, twin].map(|half| fan_of[half as usize]);
+            ends.sort_unstable();
+            is_border(sides).then_some((ends, *other?))
+        };
+        self.curves.iter().filter_map(border).collect()
     }
 
     /// Takes out vertices at which an edge goes straight on, faces of two

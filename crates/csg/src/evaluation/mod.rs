@@ -183,6 +183,16 @@ impl Scene<'_> {
     }
 }
 
+/// A solid's boundary.
+pub(crate) struct Evaluated {
+    pub mesh: Mesh,
+    pub borders: Borders,
+}
+
+/// For edges between faces of one surface that look different, by their ends in
+/// ascending order, the other surface on whose curve they are.
+pub(crate) type Borders = FxHashMap<[u32; 2], u32>;
+
 /// Whether a program has planes alone.
 pub(crate) fn is_polyhedral(program: &Program) -> bool {
     program.surfaces().iter().all(Surface::is_plane)
@@ -203,7 +213,7 @@ pub(crate) fn mesh(
     task: &Task<'_>,
     turns: &[f64],
     report: &mut Report,
-) -> Result<Option<Mesh>, Error> {
+) -> Result<Option<Evaluated>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
@@ -233,7 +243,7 @@ pub(crate) fn mesh(
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
     let start = report.end_stage("blocks", start);
-    let mesh = if is_polyhedral(task.program) {
+    let evaluated = if is_polyhedral(task.program) {
         let traced = trace(&scene, &blocks, Tracer::default, |tracer, block, traced| {
             tracer.trace(&scene, block, &mut traced.pieces)
         });
@@ -241,12 +251,12 @@ pub(crate) fn mesh(
     } else {
         mesh_of_curved(&scene, task, &blocks, turns, report)?
     };
-    if let Some(mesh) = mesh.as_ref().filter(|_| is_polyhedral(task.program)) {
-        let (deviation, farthest) = deviation(&scene, mesh);
+    if let Some(evaluated) = evaluated.as_ref().filter(|_| is_polyhedral(task.program)) {
+        let (deviation, farthest) = deviation(&scene, &evaluated.mesh);
         report.deviation = Some(deviation);
         report.farthest = Some(farthest + task.origin);
     }
-    Ok(mesh)
+    Ok(evaluated)
 }
 
 /// The boundary with curved faces: vertices are exact, and edges along curves
@@ -257,7 +267,7 @@ fn mesh_of_curved(
     blocks: &[Block],
     turns: &[f64],
     report: &mut Report,
-) -> Result<Option<Mesh>, Error> {
+) -> Result<Option<Evaluated>, Error> {
     for &turn in turns {
         let start = Instant::now();
         let traced = trace(
@@ -269,9 +279,9 @@ fn mesh_of_curved(
         if traced.is_none() {
             break;
         }
-        let mesh = mesh_of(scene, task, traced, report, start)?;
-        if mesh.is_some() {
-            return Ok(mesh);
+        let evaluated = mesh_of(scene, task, traced, report, start)?;
+        if evaluated.is_some() {
+            return Ok(evaluated);
         }
     }
     task.control.check()?;
@@ -285,7 +295,7 @@ fn mesh_of(
     traced: Option<Traced>,
     report: &mut Report,
     start: Instant,
-) -> Result<Option<Mesh>, Error> {
+) -> Result<Option<Evaluated>, Error> {
     task.control.check()?;
     let Some(mut traced) = traced else {
         return Ok(None);
@@ -301,7 +311,8 @@ fn mesh_of(
     let mesh = assemble(scene, task, &mut boundary, &traced.contacts);
     task.control.check()?;
     report.end_stage("triangles", start);
-    Ok(mesh)
+    let borders = boundary.borders();
+    Ok(mesh.map(|mesh| Evaluated { mesh, borders }))
 }
 
 impl Plane {

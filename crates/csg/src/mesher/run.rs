@@ -14,7 +14,7 @@ use crate::adapt;
 use crate::control::Control;
 use crate::draft;
 use crate::error::Error;
-use crate::evaluation;
+use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
         let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(mut mesh) = evaluation::mesh(&task, &[], report)? else {
+        let Some(Evaluated { mut mesh, .. }) = evaluation::mesh(&task, &[], report)? else {
             return Ok(None);
         };
         self.check_size(&mesh, &control)?;
@@ -292,7 +292,8 @@ impl<'a> Run<'a> {
             Method::Exact => net::mesh(task, report)?,
         };
         if let Some(goal) = &self.goal {
-            self.refine(&mut mesh, task, &goal.loosened(factor), report)?;
+            let goal = goal.loosened(factor);
+            self.refine(&mut mesh, Borders::default(), task, &goal, report)?;
         }
         Ok(mesh)
     }
@@ -326,11 +327,11 @@ impl<'a> Run<'a> {
         ] {
             let mut report = report.clone();
             report.method = "boundary";
-            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|mesh| {
-                let Some(mut mesh) = mesh else {
+            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|evaluated| {
+                let Some(Evaluated { mut mesh, borders }) = evaluated else {
                     return Ok(None);
                 };
-                self.refine(&mut mesh, &task, &goal, &mut report)?;
+                self.refine(&mut mesh, borders, &task, &goal, &mut report)?;
                 Ok(Some(mesh))
             });
             let mesh = match attempt {

@@ -113,7 +113,6 @@ fn piercing(mesh: &HalfEdges<'_>, half: u32, triangle: u32) -> Option<(f64, DVec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::refine::separate::half_edges;
     use crate::refine::separate::tests::spheres;
 
     /// Small triangles of one sphere above a large triangle of another one, but below
@@ -121,7 +120,7 @@ mod tests {
     #[test]
     fn a_triangle_is_cut_beside_the_corners_between_it_and_its_surface() {
         let (surfaced, surfaces) = spheres([1.0, 0.97], DVec3::ZERO, [1, 3]);
-        let mesh = half_edges(&surfaced, &surfaces).expect("closed");
+        let mesh = HalfEdges::new(&surfaced, &surfaces).expect("closed");
         let large = surfaced.triangles[0];
         let middle = DVec3::ONE.normalize();
         let is = |p: DVec3, q: DVec3| p.distance(q) < 1e-14;

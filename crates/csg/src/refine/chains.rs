@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::conics::OnConic;
 use super::curves::{Stretches, is_straight};
 use super::half_edges::{HalfEdges, Kind, next};
-use super::regions::Bend;
+
 use super::shape::faces_out_in_the_middle;
 use super::{Goal, deviation};
 use crate::program::Surface;
@@ -51,13 +51,10 @@ pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
 }
 
 fn is_curved(mesh: &HalfEdges<'_>, half: u32) -> bool {
-    if !mesh.is_feature(half) || mesh.is_contact(half) {
+    if !mesh.is_on_curve(half) || mesh.is_contact(half) {
         return false;
     }
-    let [a, b] = [half, mesh.twin(half)].map(|side| mesh.region(side));
-    let is_border = a.surface == b.surface;
-    let is_straight = a.bend == Bend::Flat && b.bend == Bend::Flat;
-    !is_border && !is_straight
+    !mesh.curve_surfaces(half).iter().all(|s| s.is_plane())
 }
 
 /// The next edge along the same curve.
@@ -102,7 +99,7 @@ pub(super) fn divide(
     precision: f64,
 ) -> Option<Division> {
     const LEAST_LEFT: f64 = 0.25;
-    let surfaces = [mesh.surface(chain[0]), mesh.surface(mesh.twin(chain[0]))];
+    let surfaces = mesh.curve_surfaces(chain[0]);
     let starts = chain.iter().map(|&half| mesh.at(mesh.origin(half)));
     let end = mesh.at(mesh.target(chain[chain.len() - 1]));
     let vertices: Vec<DVec3> = starts.chain([end]).collect();

@@ -166,6 +166,12 @@ impl Removal {
         {
             return false;
         }
+        if let [first, second] = &self.holes
+            && let (Some(&(from, _)), Some(&(to, _))) =
+                (first.corners.first(), second.corners.first())
+        {
+            mesh.carry_border([from, vertex], [from, to]);
+        }
         // Nothing was touched so far.
         let mut slots = self.slots.iter();
         for hole in &self.holes {
@@ -238,7 +244,7 @@ fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, edges: [u32; 2], goal: &Goal) ->
 /// its two edges to the end of the other: a chord that still runs along the
 /// curve at both its ends.
 fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
-    let surfaces = [mesh.surface(on), mesh.surface(mesh.twin(on))];
+    let surfaces = mesh.curve_surfaces(on);
     let (p, q, r) = (
         mesh.at(mesh.target(back)),
         mesh.at(vertex),

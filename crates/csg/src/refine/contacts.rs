@@ -132,7 +132,7 @@ impl HalfEdges<'_> {
     /// run along a face itself.
     pub fn on_border(&self, edges: &[[u32; 2]]) -> Option<u32> {
         let mut halves = edges.iter().filter_map(|&ends| self.between(ends));
-        halves.find(|&half| self.surface_index(half) != self.surface_index(self.twin(half)))
+        halves.find(|&half| self.is_on_curve(half))
     }
 }
 

@@ -128,28 +128,27 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::refine::Surfaced;
 
     /// A convex polygon as a fan of triangles, closed by another fan with an apex
     /// below, whose triangles are faces of their own.
-    fn fan(angles: &[f64], plane: &[Surface; 1]) -> HalfEdges<'_> {
+    fn fan<'a>(angles: &[f64], plane: &'a [Surface]) -> HalfEdges<'a> {
         let count = angles.len() as u32;
         let corner = |angle: &f64| DVec3::new(2.0 * angle.cos(), angle.sin(), 0.0);
         let corners = angles.iter().map(corner).chain([DVec3::NEG_Z]);
         let above = (1..count - 1).map(|k| [0, k, k + 1]);
         let below = (0..count).map(|k| [(k + 1) % count, k, count]);
         let triangles: Vec<[u32; 3]> = above.chain(below).collect();
-        let groups: Vec<u32> = (0..triangles.len() as u32)
-            .map(|triangle| (triangle + 3).saturating_sub(count))
-            .collect();
-        let surface_of_group = vec![0; groups.len()];
-        let mesh = HalfEdges::new(
-            corners.collect(),
-            &triangles,
-            &groups,
-            &surface_of_group,
-            plane,
-        );
-        mesh.expect("closed")
+        let groups = 0..triangles.len() as u32;
+        let groups = groups.map(|triangle| (triangle + 3).saturating_sub(count));
+        let surfaced = Surfaced {
+            positions: corners.collect(),
+            surface_of_group: vec![0; triangles.len()],
+            groups: groups.collect(),
+            triangles,
+            ..Surfaced::default()
+        };
+        HalfEdges::new(&surfaced, plane).expect("closed")
     }
 
     proptest! {

@@ -170,9 +170,7 @@ impl<'m, 's> Grower<'m, 's> {
                     let ends = [self.mesh.origin(half), self.mesh.target(half)];
                     let [p, q] = ends.map(|v| self.mesh.at(v));
                     let middle = 0.5 * (p + q);
-                    let sides = [half, self.mesh.twin(half)];
-                    let surfaces = sides.map(|side| self.mesh.surface(side));
-                    let bound = deviation::of_chord(surfaces, p, q);
+                    let bound = deviation::of_chord(self.mesh.curve_surfaces(half), p, q);
                     self.outcome.unkept.push((Unkept::Lost, middle));
                     // A smaller tolerance would not help.
                     self.outcome.note(bound, middle, &[], self.goal.promised);
@@ -190,8 +188,7 @@ impl<'m, 's> Grower<'m, 's> {
             return false;
         }
         let promised = self.goal.promised;
-        let sides = [chain[0], self.mesh.twin(chain[0])];
-        let pair = sides.map(|side| self.mesh.surface_index(side));
+        let pair = self.mesh.curve(chain[0]);
         self.outcome
             .note(division.deviation, division.farthest, &pair, promised);
         let mut first = self.mesh.positions.len() as u32;
@@ -201,6 +198,10 @@ impl<'m, 's> Grower<'m, 's> {
         let mut before = 0;
         for (&half, &end) in chain.iter().zip(&division.ends) {
             let count = end - before - 1;
+            let ends = [self.mesh.origin(half), self.mesh.target(half)];
+            let through = (first..first + count).chain([ends[1]]);
+            self.mesh
+                .carry_border(ends, [ends[0]].into_iter().chain(through));
             self.add_piece(half, Piece { first, count });
             first += end - before;
             before = end;
@@ -281,15 +282,12 @@ impl<'m, 's> Grower<'m, 's> {
             Bend::Flat | Bend::Single => return 0.0,
             Bend::Double | Bend::Saddle => {}
         }
-        let twin = self.mesh.twin(half);
-        if self.mesh.is_feature(half) && region.surface != self.mesh.surface_index(twin)
-            || self.mesh.is_contact(half)
-        {
+        if self.mesh.is_on_curve(half) || self.mesh.is_contact(half) {
             return 0.0;
         }
         let surface = self.mesh.surface(half);
         let p = self.mesh.at(self.mesh.origin(half));
-        let q = self.mesh.at(self.mesh.origin(twin));
+        let q = self.mesh.at(self.mesh.target(half));
         // The middle may lie on an axis, where there is no gradient.
         let ends = surface
             .gradient(p)

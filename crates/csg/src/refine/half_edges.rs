@@ -10,8 +10,10 @@ use std::ops::Range;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
+use super::Surfaced;
 use super::contacts::Contacts;
 use super::regions::{Region, regions};
+use crate::evaluation::Borders;
 use crate::program::Surface;
 
 /// No half-edge, no vertex, no curve.
@@ -74,6 +76,10 @@ pub(super) struct HalfEdges<'a> {
     pub fine_edges: FxHashSet<[u32; 2]>,
     /// Edges along which the solid touches itself.
     pub contacts: Contacts,
+    /// For edges between faces of one surface, by their ends in ascending order, the
+    /// other surface on whose curve they are, where it is known; and for some that
+    /// are no more.
+    pub borders: Borders,
 }
 
 #[inline(always)]
@@ -148,16 +154,11 @@ fn pair_up(vertices: usize, triangles: &[[u32; 3]]) -> Option<Vec<Half>> {
 
 impl<'a> HalfEdges<'a> {
     /// `None` if the triangles are no closed, oriented 2-manifold.
-    pub fn new(
-        positions: Vec<DVec3>,
-        triangles: &[[u32; 3]],
-        groups: &[u32],
-        surface_of_group: &[u32],
-        surfaces: &'a [Surface],
-    ) -> Option<Self> {
-        let halves = pair_up(positions.len(), triangles)?;
+    pub fn new(surfaced: &Surfaced, surfaces: &'a [Surface]) -> Option<Self> {
+        let positions = surfaced.positions.clone();
+        let halves = pair_up(positions.len(), &surfaced.triangles)?;
         let mut leaving = vec![NONE; positions.len()];
-        for (triangle, corners) in (0u32..).zip(triangles) {
+        for (triangle, corners) in (0u32..).zip(&surfaced.triangles) {
             for (half, &origin) in halves_of(triangle).zip(corners) {
                 leaving[origin as usize] = half;
             }
@@ -173,8 +174,9 @@ impl<'a> HalfEdges<'a> {
             free: Vec::new(),
             fine_edges: FxHashSet::default(),
             contacts: Contacts::default(),
+            borders: surfaced.borders.clone(),
         };
-        mesh.regions = regions(&mut mesh, groups, surface_of_group);
+        mesh.regions = regions(&mut mesh, &surfaced.groups, &surfaced.surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {
             if mesh.leaving[vertex as usize] != NONE {
                 mesh.kinds[vertex as usize] = mesh.kind_of(vertex);
@@ -207,11 +209,10 @@ impl<'a> HalfEdges<'a> {
             0 => Kind::Face,
             2 => {
                 let [first, second] = features.map(|half| {
-                    let twin = self.twin(half);
-                    let (a, b) = (self.surface_index(half), self.surface_index(twin));
+                    let [a, b] = self.curve(half);
                     (a.min(b), a.max(b))
                 });
-                // A border within one surface, between primitives, is nobody's
+                // A border within one surface of which no more is known is nobody's
                 // to move.
                 let is_curve = first == second && first.0 != first.1;
                 let sides = [features[0], self.twin(features[0])];
@@ -316,6 +317,51 @@ impl<'a> HalfEdges<'a> {
     #[inline(always)]
     pub fn surface(&self, half: u32) -> &'a Surface {
         &self.surfaces[self.surface_index(half) as usize]
+    }
+
+    /// The surfaces on whose curve an edge is: those on both sides of it, and on a
+    /// border within one surface another one. Twice the same one if it is on none,
+    /// or on none that is known.
+    #[inline(always)]
+    pub fn curve(&self, half: u32) -> [u32; 2] {
+        let one = self.surface_index(half);
+        if !self.is_feature(half) {
+            return [one; 2];
+        }
+        let other = self.surface_index(self.twin(half));
+        if one != other || self.borders.is_empty() {
+            return [one, other];
+        }
+        let other = self.borders.get(&self.ends(half));
+        [one, other.copied().unwrap_or(one)]
+    }
+
+    #[inline(always)]
+    pub fn curve_surfaces(&self, half: u32) -> [&'a Surface; 2] {
+        self.curve(half).map(|index| &self.surfaces[index as usize])
+    }
+
+    #[inline(always)]
+    pub fn is_on_curve(&self, half: u32) -> bool {
+        let [one, other] = self.curve(half);
+        one != other
+    }
+
+    /// Lets the border along an edge, if it is one, go through these vertices.
+    pub fn carry_border(&mut self, [a, b]: [u32; 2], through: impl IntoIterator<Item = u32>) {
+        if self.borders.is_empty() {
+            return;
+        }
+        let Some(&other) = self.borders.get(&[a.min(b), a.max(b)]) else {
+            return;
+        };
+        let mut through = through.into_iter();
+        let mut before = through.next();
+        for vertex in through {
+            let from = before.replace(vertex).unwrap_or(vertex);
+            self.borders
+                .insert([from.min(vertex), from.max(vertex)], other);
+        }
     }
 
     /// Whether an edge separates two regions.
@@ -444,6 +490,8 @@ impl<'a> HalfEdges<'a> {
     /// half-edge x → w.
     pub fn split(&mut self, half: u32, x: u32) -> u32 {
         let twin = self.twin(half);
+        let ends = [self.origin(half), self.origin(twin)];
+        self.carry_border(ends, [ends[0], x, ends[1]]);
         let (n, p) = (next(half), previous(half));
         let (tn, tp) = (next(twin), previous(twin));
         let (c, w, d) = (self.origin(p), self.origin(n), self.origin(tp));

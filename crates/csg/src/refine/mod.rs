@@ -43,6 +43,7 @@ pub(crate) use self::separate::{Parting, folded, separate};
 use self::tessellate::{Fine, INNER, ON_SIDE};
 use crate::control::Control;
 use crate::error::Error;
+use crate::evaluation::Borders;
 use crate::program::Surface;
 
 /// What is asked of a mesh.
@@ -96,6 +97,8 @@ pub(crate) struct Surfaced {
     pub groups: Vec<u32>,
     /// For each group its surface.
     pub surface_of_group: Vec<u32>,
+    /// Edges between groups of one surface whose curves are known.
+    pub borders: Borders,
 }
 
 /// Why a promise could not be kept at some place.
@@ -172,16 +175,7 @@ pub(crate) fn to_tolerance(
     control: &Control,
 ) -> Result<Outcome, Error> {
     let precision = precision(&surfaced.positions);
-    let positions = std::mem::take(&mut surfaced.positions);
-    let mesh = HalfEdges::new(
-        positions.clone(),
-        &surfaced.triangles,
-        &surfaced.groups,
-        &surfaced.surface_of_group,
-        surfaces,
-    );
-    let Some(mut mesh) = mesh else {
-        surfaced.positions = positions;
+    let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         let place = surfaced.positions.first().copied().unwrap_or_default();
         return Ok(Outcome {
             deviation: f64::INFINITY,
@@ -262,4 +256,10 @@ fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
         surfaced.groups.push(mesh.region(first_of(triangle)).group);
     }
     surfaced.positions = positions;
+    let renumbered = |(ends, &other): (&[u32; 2], &u32)| {
+        let mut ends = ends.map(|end| places[end as usize]);
+        ends.sort_unstable();
+        (!ends.contains(&NONE)).then_some((ends, other))
+    };
+    surfaced.borders = mesh.borders.iter().filter_map(renumbered).collect();
 }

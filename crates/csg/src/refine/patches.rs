@@ -160,7 +160,7 @@ impl Grower<'_, '_> {
         let sides = halves_of(triangle);
         let longest = sides.max_by(|&a, &b| length(a).total_cmp(&length(b)));
         if let Some(half) = longest
-            && self.mesh.surface_index(half) == self.mesh.surface_index(self.mesh.twin(half))
+            && !self.mesh.is_on_curve(half)
         {
             self.cut(half, 2.0);
         }
@@ -232,7 +232,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::refine::separate::half_edges;
+    use crate::refine::half_edges::HalfEdges;
     use crate::refine::separate::tests::{goal, half_ball};
 
     /// The new vertices after the first triangle of half a ball, with its top moved,
@@ -241,7 +241,7 @@ mod tests {
     fn cut_up(top: DVec3, has_pieces: bool) -> (Vec<DVec3>, [u32; 2]) {
         let (mut surfaced, surfaces) = half_ball();
         surfaced.positions[4] = top.normalize();
-        let mut mesh = half_edges(&surfaced, &surfaces).expect("closed");
+        let mut mesh = HalfEdges::new(&surfaced, &surfaces).expect("closed");
         let goal = goal(0.01);
         let mut grower = Grower::new(&mut mesh, &goal, 1e-12);
         if has_pieces {

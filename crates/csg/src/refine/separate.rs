@@ -40,7 +40,7 @@ pub(crate) fn separate(
     outcome: &mut Outcome,
 ) -> bool {
     let precision = super::precision(&surfaced.positions);
-    let Some(mut mesh) = half_edges(surfaced, surfaces) else {
+    let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         return false;
     };
     mesh.fix_contacts();
@@ -63,10 +63,14 @@ pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
     if face_alike(surfaced, surfaces) {
         return Vec::new();
     }
-    half_edges(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
+    HalfEdges::new(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
         let is_folded = |&triangle: &u32| {
             let half = first_of(triangle);
-            faces_in(mesh.surface(half), mesh.region(half), mesh.corners(triangle))
+            faces_in(
+                mesh.surface(half),
+                mesh.region(half),
+                mesh.corners(triangle),
+            )
         };
         (0..mesh.triangle_count()).filter(is_folded).collect()
     })
@@ -85,19 +89,6 @@ fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
         }
         way * *known >= 0.0
     })
-}
-
-pub(super) fn half_edges<'a>(
-    surfaced: &Surfaced,
-    surfaces: &'a [Surface],
-) -> Option<HalfEdges<'a>> {
-    HalfEdges::new(
-        surfaced.positions.clone(),
-        &surfaced.triangles,
-        &surfaced.groups,
-        &surfaced.surface_of_group,
-        surfaces,
-    )
 }
 
 /// A side of a triangle, and where it is to be cut.
@@ -157,7 +148,7 @@ pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f6
         half
     };
     let ends = mesh.ends(half);
-    let surfaces = [half, mesh.twin(half)].map(|side| mesh.surface(side));
+    let surfaces = mesh.curve_surfaces(half);
     let (target, kind) = if std::ptr::eq(surfaces[0], surfaces[1]) {
         let kind = if mesh.is_feature(half) {
             Kind::Corner
@@ -361,6 +352,7 @@ pub(super) mod tests {
             triangles: upper.chain(lower).collect(),
             groups: vec![0, 0, 0, 0, 1, 1, 1, 1],
             surface_of_group: vec![1 - plane, plane],
+            ..Surfaced::default()
         };
         (all, surfaces)
     }

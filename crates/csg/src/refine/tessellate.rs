@@ -179,7 +179,7 @@ impl<'m, 's> Tessellator<'m, 's> {
                         count,
                         is_backward: mesh.piece_halves[piece as usize] != half,
                     }
-                } else if mesh.surface_index(half) != mesh.surface_index(twin) {
+                } else if mesh.is_on_curve(half) {
                     Side::default()
                 } else {
                     let at_least = |large: Large| if large.strays { large.rows } else { 0.0 };

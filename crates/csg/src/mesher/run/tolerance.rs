@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::Run;
 use crate::error::Error;
+use crate::evaluation::Borders;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::Task;
@@ -23,10 +24,12 @@ struct Refined {
 
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
-    /// only that fits the limits.
+    /// only that fits the limits. On other borders of looks than these, within one
+    /// surface, no curve is known.
     pub(super) fn refine(
         &self,
         mesh: &mut Mesh,
+        borders: Borders,
         task: &Task<'_>,
         goal: &Goal,
         report: &mut Report,
@@ -38,6 +41,7 @@ impl Run<'_> {
             triangles: std::mem::take(&mut mesh.triangles),
             groups: std::mem::take(&mut mesh.triangle_surfaces),
             surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
+            borders,
         };
         let asked = goal.tolerance;
         let most = if self.mesher.limits.partial {

@@ -150,7 +150,7 @@ impl Grower<'_, '_> {
         let sides = [rim, mesh.twin(rim)];
         let is_fixed = mesh.is_feature(rim) || mesh.is_contact(rim);
         let is_done = sides.iter().any(|&side| mesh.region(side).way == Way::Done);
-        let is_straight = sides.iter().all(|&side| mesh.surface(side).is_plane());
+        let is_straight = mesh.curve_surfaces(rim).iter().all(|s| s.is_plane());
         let may_be_cut = is_fixed && !is_done && !is_straight;
         may_be_cut.then(|| cut_of(mesh, rim, target, self.precision))?
     }

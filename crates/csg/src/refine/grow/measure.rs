@@ -13,13 +13,11 @@ impl Grower<'_, '_> {
     pub(super) fn measure_straight_edges(&mut self) {
         let mesh = &*self.mesh;
         for half in mesh.edges().filter(|&half| mesh.is_feature(half)) {
-            let sides = [half, mesh.twin(half)];
-            let bends = sides.map(|side| mesh.region(side).bend);
-            if bends == [Bend::Flat; 2] || mesh.is_contact(half) {
-                let surfaces = sides.map(|side| mesh.surface(side));
-                let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
+            let surfaces = mesh.curve_surfaces(half);
+            if surfaces.iter().all(|s| s.is_plane()) || mesh.is_contact(half) {
+                let [p, q] = [half, mesh.twin(half)].map(|side| mesh.at(mesh.origin(side)));
                 let bound = deviation::of_chord(surfaces, p, q);
-                let pair = sides.map(|side| mesh.surface_index(side));
+                let pair = mesh.curve(half);
                 let promised = self.goal.promised;
                 self.outcome.note(bound, p.midpoint(q), &pair, promised);
             }
@@ -30,10 +28,9 @@ impl Grower<'_, '_> {
     pub(super) fn measure_chords_at(&mut self, vertex: u32) {
         let mesh = &*self.mesh;
         for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
-            let sides = [half, mesh.twin(half)];
-            let [p, q] = sides.map(|side| mesh.at(mesh.origin(side)));
-            let bound = deviation::of_chord(sides.map(|side| mesh.surface(side)), p, q);
-            let pair = sides.map(|side| mesh.surface_index(side));
+            let [p, q] = [half, mesh.twin(half)].map(|side| mesh.at(mesh.origin(side)));
+            let bound = deviation::of_chord(mesh.curve_surfaces(half), p, q);
+            let pair = mesh.curve(half);
             let promised = self.goal.promised;
             self.outcome.note(bound, p.midpoint(q), &pair, promised);
         }
