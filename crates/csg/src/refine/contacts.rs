@@ -9,6 +9,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use super::curves::on_curve;
 use super::grow::Grower;
 use super::half_edges::{HalfEdges, Kind};
 use super::separate::{Side, halved};
@@ -98,17 +99,21 @@ impl HalfEdges<'_> {
     }
 
     /// Of edges that join the same two places those whose surfaces go through the
-    /// point at which the first between two surfaces would be cut: a chord of one face
-    /// may join the ends of an edge that it has nothing to do with.
+    /// point at which their curve would be cut: a chord of one face may join the ends of
+    /// an edge that it has nothing to do with. None if all of them are such chords.
     fn along_one_curve(&self, mut edges: Vec<[u32; 2]>, precision: f64) -> Vec<[u32; 2]> {
         /// Of the distance to which points are on their surfaces.
         const NEAR: f64 = 1e3;
-        let border = self.on_border(&edges);
-        if let Some((_, side)) = border.and_then(|half| halved(self, half, precision)) {
+        let Some(curve) = self.contact_curve(&edges) else {
+            return Vec::new();
+        };
+        let curve = curve.map(|index| &self.surfaces[index as usize]);
+        let [p, q] = edges[0].map(|v| self.at(v));
+        if let Some(middle) = on_curve(curve, p.midpoint(q), 0.5 * p.distance(q), precision) {
             let is_on = |half: u32| {
                 let surface = self.surface(half);
-                let off = surface.value(side.target).abs();
-                off <= NEAR * precision * surface.gradient(side.target).length()
+                let off = surface.value(middle).abs();
+                off <= NEAR * precision * surface.gradient(middle).length()
             };
             edges.retain(|&ends| {
                 let half = self.between(ends);
@@ -128,11 +133,28 @@ impl HalfEdges<'_> {
         !self.contacts.is_empty() && self.contacts.place_of.contains_key(&self.ends(half))
     }
 
-    /// Of the edges at the same place as one the first between two surfaces: it may
-    /// run along a face itself.
-    pub fn on_border(&self, edges: &[[u32; 2]]) -> Option<u32> {
-        let mut halves = edges.iter().filter_map(|&ends| self.between(ends));
-        halves.find(|&half| self.is_on_curve(half))
+    /// The surfaces on whose curve edges at the same place are: those on both sides of
+    /// the first that runs between two, or, if all run along faces, two that touch each
+    /// other at both ends.
+    pub fn contact_curve(&self, edges: &[[u32; 2]]) -> Option<[u32; 2]> {
+        /// Sine of an angle between surfaces that is none.
+        const PARALLEL: f64 = 1e-4;
+        let halves = edges.iter().filter_map(|&ends| self.between(ends));
+        if let Some(border) = halves.clone().find(|&half| self.is_on_curve(half)) {
+            return Some(self.curve(border));
+        }
+        let ends = edges.first()?.map(|end| self.at(end));
+        let mut surfaces = halves.map(|half| self.surface_index(half));
+        let one = surfaces.next()?;
+        let touches = |&other: &u32| {
+            let pair = [one, other].map(|index| &self.surfaces[index as usize]);
+            let is_parallel = |&at: &DVec3| {
+                let [n, m] = pair.map(|s| s.gradient(at).normalize_or_zero());
+                n.cross(m).length() <= PARALLEL
+            };
+            one != other && ends.iter().all(is_parallel)
+        };
+        Some([one, surfaces.find(touches)?])
     }
 }
 
@@ -148,14 +170,13 @@ impl Grower<'_, '_> {
         for _ in 0..MOST_ROUNDS {
             let mut sides = Vec::new();
             for edges in &self.mesh.contacts.edges {
-                let Some(border) = self.mesh.on_border(edges) else {
+                let half = edges.first().and_then(|&ends| self.mesh.between(ends));
+                let halved = half.and_then(|half| halved(self.mesh, half, self.precision));
+                let (Some((off, side)), Some(curve)) = (halved, self.mesh.contact_curve(edges))
+                else {
                     continue;
                 };
-                let Some((off, side)) = halved(self.mesh, border, self.precision) else {
-                    continue;
-                };
-                let surfaces = [border, self.mesh.twin(border)].map(|h| self.mesh.surface_index(h));
-                let [a, b] = surfaces.map(|surface| self.goal.tolerance_on(surface));
+                let [a, b] = curve.map(|surface| self.goal.tolerance_on(surface));
                 if off > NEAR * a.min(b) {
                     let kind = Kind::Corner;
                     sides.extend(edges.iter().map(|&ends| Side { ends, kind, ..side }));

@@ -142,13 +142,13 @@ fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<S
 
 /// Where an edge would be cut next to a point of it.
 pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f64) -> Option<Side> {
-    let half = if mesh.is_contact(half) {
-        mesh.on_border(mesh.contacts.alike(mesh.ends(half)))?
-    } else {
-        half
-    };
     let ends = mesh.ends(half);
-    let surfaces = mesh.curve_surfaces(half);
+    let curve = if mesh.is_contact(half) {
+        mesh.contact_curve(mesh.contacts.alike(ends))?
+    } else {
+        mesh.curve(half)
+    };
+    let surfaces = curve.map(|index| &mesh.surfaces[index as usize]);
     let (target, kind) = if std::ptr::eq(surfaces[0], surfaces[1]) {
         let kind = if mesh.is_feature(half) {
             Kind::Corner
