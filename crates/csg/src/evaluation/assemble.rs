@@ -10,7 +10,7 @@ use super::boundary::Boundary;
 use super::contacts::{Contact, add_contacts};
 use super::picture::{NONE, Picture};
 use super::sectors::Side;
-use super::triangulate::{Named, triangulate};
+use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
 use crate::mesh::Mesh;
 use crate::mesher::Task;
@@ -149,7 +149,7 @@ impl Cut {
         self.contours = boundary.contours();
         self.triangles.resize(boundary.faces.len(), None);
         let stage = scene.control.stage(faces.len() as u64, 0.9, 1.0);
-        let cut_face = |&face: &u32| {
+        let cut_face = |scratch: &mut Scratch, face: u32| {
             scene.control.check().ok()?;
             stage.add(1);
             let side = &boundary.faces[face as usize];
@@ -161,12 +161,16 @@ impl Cut {
                 .iter()
                 .map(|contour| contour.iter().map(name).collect())
                 .collect();
-            triangulate(&flat, scene.weld, scene.control)
+            triangulate(&flat, scene.weld, scene.control, scratch)
         };
         let cut: Vec<Option<Vec<[u32; 3]>>> = if faces.len() < MANY_FACES {
-            faces.iter().map(cut_face).collect()
+            let mut scratch = Scratch::default();
+            faces.iter().map(|&f| cut_face(&mut scratch, f)).collect()
         } else {
-            faces.par_iter().map(cut_face).collect()
+            let faces = faces.par_iter();
+            faces
+                .map_init(Scratch::default, |scratch, &f| cut_face(scratch, f))
+                .collect()
         };
         for (&face, triangles) in faces.iter().zip(cut) {
             self.triangles[face as usize] = triangles;

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::frame::Frame;
 use super::picture::{NONE, Picture};
 use super::sectors::Side;
-use super::triangulate::{Named, orient, triangulate};
+use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
 use super::{Plane, Scene};
 use crate::control::Control;
@@ -136,7 +136,12 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         let seen = |p: &DVec3| scene.flatten(&side, *p);
         let contour: Vec<Named> = positions.iter().map(seen).zip(0..).collect();
         // Where chords run across each other there is nothing to cut up.
-        let Some(mut triangles) = triangulate(&[contour], scene.weld, scene.control) else {
+        let Some(mut triangles) = triangulate(
+            &[contour],
+            scene.weld,
+            scene.control,
+            &mut Scratch::default(),
+        ) else {
             continue;
         };
         strips += 1;
@@ -198,7 +203,7 @@ fn chords_that_turn_a_narrow_face_over_are_told() {
         let side = stage.side(positions[0]);
         let seen = positions.iter().map(|p| scene.flatten(&side, *p));
         let named: Vec<Named> = seen.zip(0..).collect();
-        let triangles = triangulate(&[named], scene.weld, scene.control);
+        let triangles = triangulate(&[named], scene.weld, scene.control, &mut Scratch::default());
         let mut triangles = triangles.expect("it is convex");
         let mut coarse = Vec::new();
         unfold(&scene, &side, &mut triangles, &mut positions, &mut coarse);

@@ -30,6 +30,13 @@ struct Region<'a> {
     holes: Vec<&'a [Named]>,
 }
 
+/// Memory that is used again for every face.
+#[derive(Default)]
+pub(super) struct Scratch {
+    corners: Vec<Corner>,
+    obstacles: Obstacles,
+}
+
 /// Cuts the regions bounded by `contours`, counter-clockwise around regions and
 /// clockwise around holes, into counter-clockwise triangles of names. None if
 /// no triangulation without flat triangles was found, or the caller does not
@@ -39,6 +46,7 @@ pub(super) fn triangulate(
     contours: &[Vec<Named>],
     tolerance: f64,
     control: &Control,
+    scratch: &mut Scratch,
 ) -> Option<Vec<[u32; 3]>> {
     let mut regions: Vec<Region<'_>> = Vec::new();
     let mut holes: Vec<&[Named]> = Vec::new();
@@ -64,7 +72,7 @@ pub(super) fn triangulate(
     let corners = contours.iter().map(Vec::len).sum::<usize>() + 2 * contours.len();
     let mut triangles = Vec::with_capacity(corners);
     for mut region in regions {
-        let mut work = Clipper::new(&region, tolerance);
+        let mut work = Clipper::new(&region, tolerance, &mut scratch.corners);
         let left_end = |hole: &[Named]| leftmost(hole).0.x;
         region
             .holes
@@ -76,7 +84,7 @@ pub(super) fn triangulate(
             work.bridge(hole)?;
         }
         let first = triangles.len();
-        let clipped = work.clip(&mut triangles, control)?;
+        let clipped = work.clip(&mut scratch.obstacles, &mut triangles, control)?;
         // Whatever went wrong, triangles that overlap have too much area.
         let count = (triangles.len() - first) as f64;
         let rounding = 8.0 * f64::EPSILON * count * work.extent().length_squared();
@@ -152,20 +160,19 @@ enum Care {
     Some,
 }
 
-struct Clipper {
-    corners: Vec<Corner>,
+struct Clipper<'a> {
+    corners: &'a mut Vec<Corner>,
     tolerance: f64,
 }
 
-impl Clipper {
+impl<'a> Clipper<'a> {
     /// With the outer contour alone, but memory for the holes.
-    fn new(region: &Region<'_>, tolerance: f64) -> Self {
+    fn new(region: &Region<'_>, tolerance: f64, corners: &'a mut Vec<Corner>) -> Self {
         let in_holes = region.holes.iter().map(|hole| hole.len() + 2);
         let count = region.outer.len() + in_holes.sum::<usize>();
-        let mut work = Self {
-            corners: Vec::with_capacity(count),
-            tolerance,
-        };
+        corners.clear();
+        corners.reserve(count);
+        let mut work = Self { corners, tolerance };
         work.add_ring(region.outer);
         work
     }
@@ -288,9 +295,14 @@ impl Clipper {
     }
 
     /// Clips ears until nothing is left; the area of all triangles.
-    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>, control: &Control) -> Option<f64> {
+    fn clip(
+        &mut self,
+        obstacles: &mut Obstacles,
+        triangles: &mut Vec<[u32; 3]>,
+        control: &Control,
+    ) -> Option<f64> {
         let mut left = self.corners.len();
-        let mut obstacles = Obstacles::new(self);
+        obstacles.find(self);
         let mut at = 0;
         let mut vain = 0;
         let mut care = Care::Full;
@@ -298,7 +310,7 @@ impl Clipper {
         loop {
             let Corner { previous, next, .. } = *self.at(at);
             let [a, b, c] = [previous, at, next].map(|k| self.point(k));
-            if left == 3 || self.is_ear(at, care, &obstacles) {
+            if left == 3 || self.is_ear(at, care, obstacles) {
                 let doubled = (b - a).perp_dot(c - a);
                 area += 0.5 * doubled;
                 if doubled <= 0.0 {
@@ -361,11 +373,14 @@ impl Clipper {
 }
 
 /// Corners that are not convex, in a grid: only they can lie in an ear.
+#[derive(Default)]
 struct Obstacles {
     low: DVec2,
     /// Squares per unit of length, and per side.
     scale: DVec2,
     side: usize,
+    /// All of them, in order.
+    all: Vec<u32>,
     /// Those of each square after each other, row by row.
     corners: Vec<u32>,
     /// Where those of each square begin, and the last ones end.
@@ -374,43 +389,46 @@ struct Obstacles {
 }
 
 impl Obstacles {
-    fn new(work: &Clipper) -> Self {
+    /// Those of a polygon, all left.
+    fn find(&mut self, work: &Clipper<'_>) {
         let [low, high] = bounds(work.corners.iter().map(|c| c.point));
-        let obstacles: Vec<u32> = (0..work.corners.len() as u32)
-            .filter(|&k| {
-                let corner = work.at(k);
-                let [a, c] = [corner.previous, corner.next].map(|k| work.point(k));
-                orient(a, corner.point, c) <= 2.0 * work.tolerance * (c - a).length()
-            })
-            .collect();
-        let side = ((obstacles.len() as f64 / 4.0).sqrt() as usize).max(1);
-        let mut grid = Self {
-            low,
-            scale: side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE)),
-            side,
-            corners: vec![0; obstacles.len()],
-            starts: vec![0; side * side + 2],
-            is_left: vec![true; work.corners.len()],
+        let is_one = |&k: &u32| {
+            let corner = work.at(k);
+            let [a, c] = [corner.previous, corner.next].map(|k| work.point(k));
+            orient(a, corner.point, c) <= 2.0 * work.tolerance * (c - a).length()
         };
+        self.all.clear();
+        self.all
+            .extend((0..work.corners.len() as u32).filter(is_one));
+        let side = ((self.all.len() as f64 / 4.0).sqrt() as usize).max(1);
+        self.low = low;
+        self.scale = side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
+        self.side = side;
+        self.corners.clear();
+        self.corners.resize(self.all.len(), 0);
+        self.starts.clear();
+        self.starts.resize(side * side + 2, 0);
+        self.is_left.clear();
+        self.is_left.resize(work.corners.len(), true);
         let square_of = |grid: &Self, k: u32| {
             let [x, y] = grid.square(work.point(k));
             y * side + x
         };
         // By counting: what a square holds ends where the next one begins.
-        for &k in &obstacles {
-            let square = square_of(&grid, k);
-            grid.starts[square + 2] += 1;
+        for index in 0..self.all.len() {
+            let square = square_of(self, self.all[index]);
+            self.starts[square + 2] += 1;
         }
-        for square in 2..grid.starts.len() {
-            grid.starts[square] += grid.starts[square - 1];
+        for square in 2..self.starts.len() {
+            self.starts[square] += self.starts[square - 1];
         }
-        for &k in &obstacles {
-            let square = square_of(&grid, k);
-            let slot = &mut grid.starts[square + 1];
-            grid.corners[*slot as usize] = k;
+        for index in 0..self.all.len() {
+            let k = self.all[index];
+            let square = square_of(self, k);
+            let slot = &mut self.starts[square + 1];
+            self.corners[*slot as usize] = k;
             *slot += 1;
         }
-        grid
     }
 
     fn square(&self, point: DVec2) -> [usize; 2] {
@@ -454,7 +472,13 @@ mod tests {
     /// The triangles' area, after each side of a contour was found to be one of a
     /// triangle.
     fn area(contours: &[Vec<Named>]) -> f64 {
-        let triangles = triangulate(contours, 1e-12, &Control::default()).expect("triangles");
+        let triangles = triangulate(
+            contours,
+            1e-12,
+            &Control::default(),
+            &mut Scratch::default(),
+        )
+        .expect("triangles");
         let points: Vec<Named> = contours.concat();
         let at = |name: u32| points.iter().find(|p| p.1 == name).expect("known").0;
         for contour in contours {

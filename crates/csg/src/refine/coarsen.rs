@@ -75,7 +75,10 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
             if !is_movable[vertex as usize] || !std::mem::take(&mut waiting[vertex as usize]) {
                 continue;
             }
-            if removal.remove(mesh, vertex, goal) {
+            if goal.even_curves && is_needed(mesh, vertex, goal) {
+                continue;
+            }
+            if removal.remove(mesh, vertex) {
                 removed = true;
                 for hole in &removal.holes {
                     for &(corner, _) in &hole.corners {
@@ -92,7 +95,7 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
 
 impl Removal {
     /// Removes a vertex, if that may be.
-    fn remove(&mut self, mesh: &mut HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
+    fn remove(&mut self, mesh: &mut HalfEdges<'_>, vertex: u32) -> bool {
         self.spokes.clear();
         self.spokes
             .extend(mesh.around(vertex).take(MOST_NEIGHBOURS + 1));
@@ -122,9 +125,7 @@ impl Removal {
                     return false;
                 };
                 let [back, on] = [i, j].map(|k| self.spokes[k]);
-                if is_needed(mesh, vertex, [back, on], goal)
-                    || !chord_may_be(mesh, vertex, back, on)
-                {
+                if !chord_may_be(mesh, vertex, back, on) {
                     return false;
                 }
                 self.dig(mesh, 0, i, j - i);
@@ -222,11 +223,13 @@ impl Removal {
 /// tolerance, as twice the longest one there would: on a curve between a plane
 /// and a developable face. Faces that bend both ways want large triangles first,
 /// and other curves to be measured in long stretches.
-fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, edges: [u32; 2], goal: &Goal) -> bool {
-    if !goal.even_curves {
+fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
+    let mut features = mesh.around(vertex).filter(|&half| mesh.is_feature(half));
+    let (Some(back), Some(on)) = (features.next(), features.next()) else {
         return false;
-    }
-    let sides = [edges[1], mesh.twin(edges[1])];
+    };
+    let edges = [back, on];
+    let sides = [on, mesh.twin(on)];
     let bends = sides.map(|side| mesh.region(side).bend);
     if !bends.contains(&Bend::Flat) || bends.iter().any(|bend| bend.is_twice()) {
         return false;
