@@ -8,7 +8,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Scene;
 use super::boundary::Boundary;
 use super::contacts::{Contact, add_contacts};
-use super::picture::{NONE, Picture};
+use super::picture::{NONE, Picture, Slits};
 use super::sectors::Side;
 use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
@@ -30,15 +30,23 @@ pub(super) fn assemble(
         let Cut {
             mut positions,
             contours,
+            slits,
             triangles,
         } = Cut::new(scene, boundary)?;
         let triangles: Option<Vec<_>> = triangles.into_iter().collect();
         let mut triangles = triangles?;
         let faces = &boundary.faces;
-        add_contacts(scene, contacts, faces, &mut triangles, &mut positions);
+        add_contacts(
+            scene,
+            contacts,
+            faces,
+            &slits,
+            &mut triangles,
+            &mut positions,
+        );
         let mut coarse = Vec::new();
         for (side, triangles) in faces.iter().zip(&mut triangles) {
-            unfold(scene, side, triangles, &mut positions, &mut coarse);
+            unfold(scene, side, triangles, &mut positions, &slits, &mut coarse);
         }
         let coarse = boundary.curves_between(scene, &coarse);
         if tries < MOST_TRIES
@@ -54,7 +62,14 @@ pub(super) fn assemble(
             if doubled.is_empty() {
                 break;
             }
-            split_diagonals(scene, faces, &doubled, &mut triangles, &mut positions);
+            split_diagonals(
+                scene,
+                faces,
+                &doubled,
+                &slits,
+                &mut triangles,
+                &mut positions,
+            );
             doubled = doubled_edges(&triangles, positions.len());
         }
         if doubled.is_empty() {
@@ -102,6 +117,7 @@ struct Cut {
     positions: Vec<DVec3>,
     /// Of each face its half-edges.
     contours: Vec<Vec<Vec<u32>>>,
+    slits: Slits,
     /// Of each face; none where it could not be cut.
     triangles: Vec<Option<Vec<[u32; 3]>>>,
 }
@@ -147,6 +163,7 @@ impl Cut {
         let points = point_of.iter().map(|&p| boundary.points[p as usize]);
         self.positions = points.collect();
         self.contours = boundary.contours();
+        self.slits = boundary.slits(&fan_of);
         self.triangles.resize(boundary.faces.len(), None);
         let stage = scene.control.stage(faces.len() as u64, 0.9, 1.0);
         let cut_face = |scratch: &mut Scratch, face: u32| {
@@ -232,6 +249,7 @@ fn split_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
     doubled: &[([u32; 2], u32)],
+    slits: &Slits,
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
@@ -247,7 +265,7 @@ fn split_diagonals(
         let surface = &scene.surfaces[side.plane as usize];
         let lift = |sum: DVec3, count: f64| frame.lift(surface, side.patch, sum / count);
         let triangles = &mut triangles[face as usize];
-        let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+        let mut picture = Picture::new(scene, side, std::mem::take(triangles), slits);
         if let &[corners] = picture.triangles.as_slice() {
             let sum = corners.iter().map(|&c| positions[c as usize]).sum();
             positions.push(lift(sum, 3.0));

@@ -10,6 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
 use super::lines::Piece;
+use super::picture::Slits;
 use super::sectors::{NOTHING, Side};
 use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
@@ -373,6 +374,15 @@ impl Boundary {
         }
         self.make_twins(half_edge, first + 1);
         self.make_twins(twin, first);
+    }
+
+    /// Edges with one face on both sides, by the numbers of their vertices in fans.
+    pub fn slits(&self, fan_of: &[u32]) -> Slits {
+        let halves = (0..self.half_edges.len() as u32).filter(|&h| !self.is_removed(h));
+        let slits = halves.filter(|&h| self.at(h).face == self.at(self.at(h).twin).face);
+        slits
+            .map(|h| [h, self.at(h).twin].map(|h| fan_of[h as usize]))
+            .collect()
     }
 
     /// The contours, by face: for each face its half-edges in runs.

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::Scene;
-use super::picture::Picture;
+use super::picture::{Picture, Slits};
 use super::sectors::Side;
 use crate::net::solve;
 use crate::program::Surface;
@@ -48,6 +48,7 @@ pub(super) fn add_contacts(
     scene: &Scene<'_>,
     contacts: &[Contact],
     faces: &[Side],
+    slits: &Slits,
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
@@ -81,7 +82,7 @@ pub(super) fn add_contacts(
             .map(|contact| contact.at)
             .collect();
         if !inside.is_empty() {
-            let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+            let mut picture = Picture::new(scene, side, std::mem::take(triangles), slits);
             for at in inside {
                 picture.insert(at, positions);
             }

@@ -1,7 +1,7 @@
 //! The triangles of a face as seen from one side, to be flipped and split.
 
 use glam::{DVec2, DVec3};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Scene;
 use super::sectors::Side;
@@ -41,12 +41,25 @@ fn is_in_circle(circle: [DVec2; 3], point: DVec2) -> bool {
     determinant > BOUND * permanent
 }
 
+/// Edges with one face on both sides, along which others touch it: both ways, by
+/// their vertices.
+pub(super) type Slits = FxHashSet<[u32; 2]>;
+
 impl<'a> Picture<'a> {
-    pub fn new(scene: &'a Scene<'a>, side: &'a Side, triangles: Vec<[u32; 3]>) -> Self {
+    /// Slits are not flipped, nor split.
+    pub fn new(
+        scene: &'a Scene<'a>,
+        side: &'a Side,
+        triangles: Vec<[u32; 3]>,
+        slits: &Slits,
+    ) -> Self {
         let mut of_edge: FxHashMap<[u32; 2], u32> = FxHashMap::default();
         let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
         of_edge.extend(triangles.iter().flat_map(sides).zip(0u32..));
-        let twin = |[a, b]: [u32; 2]| of_edge.get(&[b, a]).copied().unwrap_or(NONE);
+        let twin = |[a, b]: [u32; 2]| {
+            let twin = of_edge.get(&[b, a]).filter(|_| !slits.contains(&[a, b]));
+            twin.copied().unwrap_or(NONE)
+        };
         Self {
             scene,
             side,

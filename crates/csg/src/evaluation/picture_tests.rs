@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 
 use super::frame::Frame;
-use super::picture::{NONE, Picture};
+use super::picture::{NONE, Picture, Slits};
 use super::sectors::Side;
 use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
@@ -161,7 +161,15 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         let before = total(&triangles, &positions);
         let rim = rim_of(&triangles);
         let mut coarse = Vec::new();
-        unfold(&scene, &side, &mut triangles, &mut positions, &mut coarse);
+        let slits = Slits::default();
+        unfold(
+            &scene,
+            &side,
+            &mut triangles,
+            &mut positions,
+            &slits,
+            &mut coarse,
+        );
         assert!(coarse.is_empty(), "case {case}");
         for corners in &triangles {
             assert!(is_out(corners, &positions), "case {case}");
@@ -206,7 +214,15 @@ fn chords_that_turn_a_narrow_face_over_are_told() {
         let triangles = triangulate(&[named], scene.weld, scene.control, &mut Scratch::default());
         let mut triangles = triangles.expect("it is convex");
         let mut coarse = Vec::new();
-        unfold(&scene, &side, &mut triangles, &mut positions, &mut coarse);
+        let slits = Slits::default();
+        unfold(
+            &scene,
+            &side,
+            &mut triangles,
+            &mut positions,
+            &slits,
+            &mut coarse,
+        );
         let is_out = |corners: &[u32; 3]| {
             let corners = corners.map(|c| positions[c as usize]);
             faces_out(&stage.surfaces[0], true, corners)
@@ -256,7 +272,8 @@ fn inserted_points_make_a_delaunay_triangulation() {
         let at = |angle: f64, z: f64| on_rim(false, z, 0.0, angle);
         let mut positions = vec![at(-0.5, 0.0), at(0.5, 0.0), at(0.5, 1.0), at(-0.5, 1.0)];
         let side = stage.side(positions[0]);
-        let mut picture = Picture::new(&scene, &side, vec![[0, 1, 2], [0, 2, 3]]);
+        let mut picture =
+            Picture::new(&scene, &side, vec![[0, 1, 2], [0, 2, 3]], &Slits::default());
         let mut inside = 0;
         for _ in 0..60 {
             let point = match random.below(8) {

@@ -11,7 +11,7 @@
 use glam::DVec3;
 
 use super::Scene;
-use super::picture::{NONE, Picture};
+use super::picture::{NONE, Picture, Slits};
 use super::sectors::Side;
 use crate::program::Surface;
 
@@ -35,6 +35,7 @@ pub(super) fn unfold(
     side: &Side,
     triangles: &mut Vec<[u32; 3]>,
     positions: &mut Vec<DVec3>,
+    slits: &Slits,
     coarse: &mut Vec<[u32; 2]>,
 ) {
     const MOST_ROUNDS: usize = 8;
@@ -49,7 +50,7 @@ pub(super) fn unfold(
     if triangles.iter().all(|corners| is_good(corners, positions)) {
         return;
     }
-    let mut picture = Picture::new(scene, side, std::mem::take(triangles));
+    let mut picture = Picture::new(scene, side, std::mem::take(triangles), slits);
     picture.make_delaunay(positions);
     for _ in 0..MOST_ROUNDS {
         let before = positions.len();
