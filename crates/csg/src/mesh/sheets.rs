@@ -27,7 +27,7 @@ use crate::mesh::Mesh;
 /// The triangles with area of a part of a mesh, sheet by sheet, and along a curve in each.
 #[derive(Default)]
 struct Part {
-    triangles: Vec<Boxed>,
+    triangles: Vec<u32>,
     sheets: Vec<Sheet>,
 }
 
@@ -53,7 +53,7 @@ pub(super) fn in_sheets(mesh: &Mesh) -> Vec<Boxed> {
             Grower::new(mesh, start..count.min(start + SIZE)).grow_all()
         })
         .collect();
-    let sheets: Vec<(&Sheet, &[Boxed])> = parts
+    let sheets: Vec<(&Sheet, &[u32])> = parts
         .iter()
         .flat_map(|part| {
             let triangles = |sheet: &Sheet| &part.triangles[sheet.range.clone()];
@@ -62,16 +62,18 @@ pub(super) fn in_sheets(mesh: &Mesh) -> Vec<Boxed> {
                 .map(move |sheet| (sheet, triangles(sheet)))
         })
         .collect();
-    let mut all = Vec::with_capacity(parts.iter().map(|part| part.triangles.len()).sum());
     let order = along_curve(sheets.iter().map(|(sheet, _)| sheet.bounds));
+    let mut triangles = Vec::with_capacity(count);
     for (number, &sheet) in (0..).zip(&order) {
-        let triangles = sheets[sheet as usize].1.iter();
-        all.extend(triangles.map(|triangle| Boxed {
-            sheet: number,
-            ..*triangle
-        }));
+        let (_, indices) = sheets[sheet as usize];
+        triangles.extend(indices.iter().map(|&index| (index, number)));
     }
-    all
+    let boxed = triangles.into_par_iter().map(|(index, sheet)| Boxed {
+        bounds: Bounds::around(&mesh.corners(index as usize)),
+        index,
+        sheet,
+    });
+    boxed.collect()
 }
 
 /// An axis, and from which end of it a triangle is counter-clockwise.
@@ -119,11 +121,12 @@ fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
 /// The sheets of some triangles, one after the other.
 struct Grower<'a> {
     mesh: &'a Mesh,
-    /// Those with area: their indices, vertices, main facings and sheets, which are
-    /// [`NONE`] at first.
-    indices: Vec<u32>,
-    triangles: Vec<[u32; 3]>,
-    facings: Vec<Facing>,
+    /// The index of the first one.
+    start: usize,
+    triangles: &'a [[u32; 3]],
+    /// The main facings, if they have an area.
+    facings: Vec<Option<Facing>>,
+    /// The sheets, or [`NONE`].
     sheets: Vec<u32>,
     /// Of half-edges by their places among these triangles.
     twins: Vec<u32>,
@@ -141,29 +144,23 @@ struct Grower<'a> {
 
 impl<'a> Grower<'a> {
     fn new(mesh: &'a Mesh, range: Range<usize>) -> Self {
-        let mut indices = Vec::with_capacity(range.len());
-        let mut triangles = Vec::with_capacity(range.len());
-        let mut facings = Vec::with_capacity(range.len());
-        for index in range {
-            let triangle = mesh.triangles[index];
-            if !usable(&triangle, mesh.positions.len()) {
-                continue;
+        let triangles = &mesh.triangles[range.clone()];
+        let facing = |triangle: &[u32; 3]| {
+            if !usable(triangle, mesh.positions.len()) {
+                return None;
             }
-            let corners = mesh.corners(index);
+            let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
             let is_finite = corners.iter().all(|corner| corner.is_finite());
-            if let Some(facing) = Facing::of(corners).filter(|_| is_finite) {
-                indices.push(index as u32);
-                triangles.push(triangle);
-                facings.push(facing);
-            }
-        }
-        let twins = twins(&triangles);
+            Facing::of(corners).filter(|_| is_finite)
+        };
+        let facings: Vec<Option<Facing>> = triangles.iter().map(facing).collect();
+        let twins = twins(triangles, |triangle| facings[triangle].is_some());
         Self {
             mesh,
+            start: range.start,
+            triangles,
             sheets: vec![NONE; triangles.len()],
             is_traced: vec![false; twins.len()],
-            indices,
-            triangles,
             facings,
             twins,
             part: Part::default(),
@@ -177,8 +174,10 @@ impl<'a> Grower<'a> {
 
     fn grow_all(mut self) -> Part {
         for seed in 0..self.triangles.len() {
-            if self.sheets[seed] == NONE {
-                self.grow(seed as u32);
+            if let Some(facing) = self.facings[seed]
+                && self.sheets[seed] == NONE
+            {
+                self.grow(seed as u32, facing);
             }
         }
         self.part
@@ -191,8 +190,7 @@ impl<'a> Grower<'a> {
 
     /// The sheet of a triangle, or one for each of its triangles if it may run through
     /// itself.
-    fn grow(&mut self, seed: u32) {
-        let facing = self.facings[seed as usize];
+    fn grow(&mut self, seed: u32, facing: Facing) {
         let sheet = self.part.sheets.len() as u32;
         self.sheets[seed as usize] = sheet;
         self.grown.clear();
@@ -232,11 +230,8 @@ impl<'a> Grower<'a> {
         }
         let order = along_curve(self.boxes.iter().copied());
         for &place in &order {
-            self.part.triangles.push(Boxed {
-                bounds: self.boxes[place as usize],
-                index: self.indices[triangles[place as usize] as usize],
-                sheet: NONE,
-            });
+            let triangle = self.start + triangles[place as usize] as usize;
+            self.part.triangles.push(triangle as u32);
         }
         self.part.sheets.push(Sheet {
             bounds: Bounds::around_all(self.boxes.iter().copied()),
@@ -245,7 +240,7 @@ impl<'a> Grower<'a> {
     }
 
     fn fits(&self, triangle: u32, facing: Facing) -> bool {
-        self.facings[triangle as usize] == facing || facing.fits(self.corners_of(triangle))
+        self.facings[triangle as usize] == Some(facing) || facing.fits(self.corners_of(triangle))
     }
 
     /// Whether the border of the sheet just grown consists of simple polygons, only one of
