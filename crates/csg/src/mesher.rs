@@ -109,8 +109,8 @@ impl Mesher {
     /// As many cells along the longest side of the bounds, 1 to
     /// [`MAX_CELLS`]. Time and memory grow with the square of it.
     ///
-    /// Meshes by cells are not tested for running through themselves, which takes ten
-    /// times as long as they do: those of solids that touch themselves, as where the
+    /// Meshes by cells are not tested for running through themselves, which takes some
+    /// five times as long as they do: those of solids that touch themselves, as where the
     /// edge of one part runs along a face of another one, may, and
     /// [`Mesh::self_intersections`](crate::Mesh::self_intersections) tells. To a
     /// tolerance they are.

@@ -61,7 +61,7 @@ struct Plane {
 impl Plane {
     #[inline(always)]
     fn of(&[a, b, c]: &Triangle) -> Self {
-        // Two differences, two products and three sums: (1 + u)^8, with u half the epsilon.
+        // For three differences, two products and three sums half of it is enough.
         const BOUND: f64 = 8.0 * f64::EPSILON;
         let (u, v) = (b - a, c - a);
         let (plus, minus) = (u.yzx() * v.zxy(), u.zxy() * v.yzx());
