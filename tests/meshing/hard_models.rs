@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 55] = [
+const MODELS: [&str; 56] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -145,6 +145,7 @@ const MODELS: [&str; 55] = [
     "octahedron",
     "plate",
     "prism-in-a-round-hole",
+    "prism-out-of-a-cylinder",
     "pyramid-12",
     "pyramid-4",
     "pyramid-5",

@@ -306,7 +306,8 @@ impl Boundary {
     }
 
     /// Splits edges that have both vertices in common by vertices in the middles of
-    /// their curves; none where one cannot be found.
+    /// their curves, those along the same curve at the same point; none where one cannot
+    /// be found.
     fn split_double_edges(&mut self, scene: &Scene<'_>) -> Option<()> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
@@ -320,11 +321,10 @@ impl Boundary {
             }
         }
         edges.sort_unstable();
-        for alike in edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1) {
-            for &(_, half_edge) in alike {
-                let middle = self.middle(scene, half_edge)?;
-                self.split_at(half_edge, middle);
-            }
+        let doubled = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
+        let doubled: Vec<u32> = doubled.flatten().map(|edge| edge.1).collect();
+        if !doubled.is_empty() {
+            self.split(scene, &doubled)?;
         }
         Some(())
     }

@@ -52,7 +52,8 @@ pub(super) fn triangulate(
     let mut holes: Vec<&[Named]> = Vec::new();
     for outer in contours {
         let area = signed_area(outer);
-        if area > 0.0 {
+        // A slit may have either sign.
+        if area > rounding_of_area(outer) {
             let holes = Vec::new();
             regions.push(Region { outer, area, holes });
         } else {
@@ -101,6 +102,13 @@ fn signed_area(contour: &[Named]) -> f64 {
     0.5 * pairs
         .map(|(a, b)| (a.0 - origin).perp_dot(b.0 - origin))
         .sum::<f64>()
+}
+
+/// What rounding may make of the area of a contour that goes back the way it came.
+fn rounding_of_area(contour: &[Named]) -> f64 {
+    let origin = contour[0].0;
+    let squares = contour.iter().map(|p| p.0.distance_squared(origin));
+    4.0 * f64::EPSILON * contour.len() as f64 * squares.fold(0.0, f64::max)
 }
 
 fn leftmost(contour: &[Named]) -> Named {
@@ -496,6 +504,24 @@ mod tests {
             0.5 * (b - a).perp_dot(c - a)
         });
         areas.sum()
+    }
+
+    /// There and back again along a bend, by the same corners.
+    #[test]
+    fn slits_are_holes_whatever_the_sign_of_their_area() {
+        let mut signs = [0; 2];
+        for k in 0..60 {
+            let along = DVec2::from_angle(0.1 * f64::from(k));
+            let at = |t: f64| (t * along + 0.3 * t * t * along.perp()).to_array();
+            let slit = [0.0, 0.1, 0.23, 0.5, 0.7, 0.5, 0.23, 0.1].map(at);
+            let contours = [square(2.0), named(4, slit)];
+            let own = signed_area(&contours[1]);
+            signs[0] += usize::from(own > 0.0);
+            signs[1] += usize::from(own < 0.0);
+            let found = area(&contours);
+            assert!((found - 16.0).abs() < 1e-12, "{k}: {found}");
+        }
+        assert!(signs.iter().all(|&count| count > 2), "{signs:?}");
     }
 
     /// Down one side and up the other, with a corner in the middle of each.
