@@ -131,7 +131,13 @@ impl Mesher {
     /// to see every feature. [`Report::deviation`] says what was reached. With
     /// [`Self::check`] triangles that run through each other, where faces are
     /// nearer to each other than the tolerance, or that face into the solid, are
-    /// cut up until none do, and else reported. Not for drafts.
+    /// cut up until none do, and else reported.
+    ///
+    /// Borders between colours or names on one surface are curves like any other: as
+    /// near to where a second surface cuts it. Where cells have to do (`"adaptive"` or
+    /// `"exact"` in [`Report::method`]) they are only as near as the cells are small.
+    ///
+    /// Not for drafts.
     pub fn tolerance(mut self, distance: f64) -> Self {
         self.tolerance = Some(distance);
         self
