@@ -154,14 +154,17 @@ impl<'m, 's> Grower<'m, 's> {
         if left.is_empty() {
             return;
         }
-        // Well-shaped triangles are in no vertex's way along its curve.
+        // Well-shaped triangles are in no vertex's way along its curve. Flips leave the
+        // edges of chains alone, but give them other half-edges.
         let ends_of = |&half: &u32| [self.mesh.origin(half), self.mesh.target(half)];
         let ends = left.iter().map(|chain| chain.iter().map(ends_of).collect());
         let left: Vec<Vec<[u32; 2]>> = ends.collect();
         self.flip_everything();
         for ends in left {
-            let chain = ends.iter().filter_map(|&ends| self.mesh.between(ends));
-            let chain: Vec<u32> = chain.collect();
+            let chain = ends.iter().map(|&ends| self.mesh.between(ends)).collect();
+            let Some(chain): Option<Vec<u32>> = chain else {
+                continue;
+            };
             if self.cut_up(&chain) {
                 continue;
             }
