@@ -261,6 +261,27 @@ fn is_in_circle([a, b, c]: [DVec2; 3], p: DVec2) -> bool {
     determinant > 1e-9
 }
 
+/// The long diagonal of a kite is flipped, unless other faces touch this one along it.
+#[test]
+fn slits_are_not_flipped() {
+    let stage = stage(0.0, -1.0);
+    let scene = stage.scene();
+    let at = |angle: f64, z: f64| on_rim(false, z, 0.0, angle);
+    let positions = [at(-0.5, 0.0), at(0.0, -0.1), at(0.5, 0.0), at(0.0, 0.1)];
+    let side = stage.side(positions[0]);
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let joins = |picture: &Picture<'_>, [a, b]: [u32; 2]| {
+        let has_both = |corners: &&[u32; 3]| corners.contains(&a) && corners.contains(&b);
+        picture.triangles.iter().filter(has_both).count() == 2
+    };
+    for (slits, diagonal) in [(vec![], [1, 3]), (vec![[0, 2], [2, 0]], [0, 2])] {
+        let slits = slits.into_iter().collect();
+        let mut picture = Picture::new(&scene, &side, triangles.clone(), &slits);
+        picture.make_delaunay(&positions);
+        assert!(joins(&picture, diagonal), "{slits:?}");
+    }
+}
+
 /// Points put into a square on a cylinder, at random, on edges and on corners:
 /// no other point is inside any triangle's circle, as they are seen.
 #[test]
