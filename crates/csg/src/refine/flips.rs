@@ -172,17 +172,13 @@ mod tests {
             for half in mesh.edges() {
                 waiting.push(half);
             }
-            let mut changed = Vec::new();
-            waiting.flip_all(&mut mesh, |halves| changed.push(halves));
+            waiting.flip_all(&mut mesh, |_| {});
             for half in mesh.edges().filter(|&half| !mesh.is_feature(half)) {
                 let [a, d, b, c] = mesh.quad(half).map(|vertex| {
                     let at = mesh.at(vertex);
                     robust::Coord { x: at.x, y: at.y }
                 });
                 prop_assert!(robust::incircle(a, b, c, d) < 1e-9);
-            }
-            for [half, twin] in changed {
-                prop_assert_eq!(mesh.is_feature(half), mesh.is_feature(twin));
             }
         }
     }
