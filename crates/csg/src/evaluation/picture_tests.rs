@@ -160,16 +160,7 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         };
         let before = total(&triangles, &positions);
         let rim = rim_of(&triangles);
-        let mut coarse = Vec::new();
-        let slits = Slits::default();
-        unfold(
-            &scene,
-            &side,
-            &mut triangles,
-            &mut positions,
-            &slits,
-            &mut coarse,
-        );
+        let coarse = unfolded(&scene, &side, &mut triangles, &mut positions);
         assert!(coarse.is_empty(), "case {case}");
         for corners in &triangles {
             assert!(is_out(corners, &positions), "case {case}");
@@ -183,6 +174,19 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         }
     }
     assert!(strips > 400 && folded > 100, "{folded} of {strips}");
+}
+
+/// Unfolds a face without slits; the chords that are too coarse for it.
+fn unfolded(
+    scene: &Scene<'_>,
+    side: &Side,
+    triangles: &mut Vec<[u32; 3]>,
+    positions: &mut Vec<DVec3>,
+) -> Vec<[u32; 2]> {
+    let mut coarse = Vec::new();
+    let slits = Slits::default();
+    unfold(scene, side, triangles, positions, &slits, &mut coarse);
+    coarse
 }
 
 /// A narrow lens on a cylinder, between an arc and a flat curve above it, by how
@@ -213,16 +217,7 @@ fn chords_that_turn_a_narrow_face_over_are_told() {
         let named: Vec<Named> = seen.zip(0..).collect();
         let triangles = triangulate(&[named], scene.weld, scene.control, &mut Scratch::default());
         let mut triangles = triangles.expect("it is convex");
-        let mut coarse = Vec::new();
-        let slits = Slits::default();
-        unfold(
-            &scene,
-            &side,
-            &mut triangles,
-            &mut positions,
-            &slits,
-            &mut coarse,
-        );
+        let coarse = unfolded(&scene, &side, &mut triangles, &mut positions);
         let is_out = |corners: &[u32; 3]| {
             let corners = corners.map(|c| positions[c as usize]);
             faces_out(&stage.surfaces[0], true, corners)

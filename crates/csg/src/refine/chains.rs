@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::conics::OnConic;
 use super::curves::{Stretches, is_straight};
 use super::half_edges::{HalfEdges, Kind, next};
-
 use super::shape::faces_out_in_the_middle;
 use super::{Goal, deviation};
 use crate::program::Surface;
@@ -23,8 +22,8 @@ pub(super) struct Division {
     pub farthest: DVec3,
 }
 
-/// Every curve between two different surfaces of which one is curved, from
-/// corner to corner or all around, as half-edges in a row.
+/// Every curve in which two surfaces meet of which one is curved, from corner to
+/// corner or all around, as half-edges in a row.
 pub(super) fn chains(mesh: &HalfEdges<'_>) -> Vec<Vec<u32>> {
     let mut is_done = vec![false; mesh.end_of_halves() as usize];
     let mut chains = Vec::new();

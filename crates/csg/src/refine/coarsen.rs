@@ -64,8 +64,9 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
     let mut waiting = vec![true; mesh.positions.len()];
     let is_movable = |kind: &Kind| matches!(kind, Kind::Face | Kind::Curve);
     let mut is_movable: Vec<bool> = mesh.kinds.iter().map(is_movable).collect();
-    for half in mesh.halves().filter(|_| !goal.tight.is_empty()) {
-        if goal.tight.contains_key(&mesh.surface_index(half)) {
+    if !goal.tight.is_empty() {
+        let is_tight = |&half: &u32| goal.tight.contains_key(&mesh.surface_index(half));
+        for half in mesh.halves().filter(is_tight) {
             is_movable[mesh.origin(half) as usize] = false;
         }
     }
