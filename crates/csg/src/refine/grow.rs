@@ -81,9 +81,8 @@ impl<'m, 's> Grower<'m, 's> {
         self.flip_everything();
         self.finish_curved_faces(control)?;
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
-        self.halve_edges(1.0, Self::chords_of_developable);
-        self.free_stuck();
-        let far = self.cut_far_triangles(control)?;
+        let far = self.halve_developable();
+        let far = self.cut_far_triangles(far, control)?;
         self.free_stuck();
         self.settle(far);
         for subdivision in &self.fine.subdivisions {
@@ -246,7 +245,7 @@ impl<'m, 's> Grower<'m, 's> {
             let most = f64::from(level).exp2();
             self.halve_pieces(most, &of_piece);
             if has_curved {
-                self.halve_edges(most, &of_edge);
+                self.halve_edges(self.mesh.edges().collect(), most, &of_edge);
             }
             self.free_stuck();
         }
@@ -361,19 +360,18 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    /// Halves the edges inside faces that should become more than `most` parts,
-    /// and what comes of that.
-    fn halve_edges(&mut self, most: f64, parts: impl Fn(&Self, u32) -> f64) {
-        self.changed.clear();
-        self.changed.extend(self.mesh.edges());
-        let mut halves = Vec::new();
+    /// Halves those edges inside faces that should become more than `most` parts, and
+    /// what comes of that.
+    fn halve_edges(&mut self, edges: Vec<u32>, most: f64, parts: impl Fn(&Self, u32) -> f64) {
+        self.changed = edges;
+        let mut round = 0..0;
         for _ in 0..MOST_ROUNDS {
-            if self.changed.is_empty() {
+            round = round.end..self.changed.len();
+            if round.is_empty() {
                 break;
             }
-            std::mem::swap(&mut self.changed, &mut halves);
-            self.changed.clear();
-            for &half in &halves {
+            for index in round.clone() {
+                let half = self.changed[index];
                 if half > self.mesh.twin(half) || self.mesh.is_gone(triangle_of(half)) {
                     continue;
                 }
@@ -385,6 +383,27 @@ impl<'m, 's> Grower<'m, 's> {
             }
             self.flip();
         }
+    }
+
+    /// Halves edges inside developable faces: if no angle is asked for, only those of
+    /// triangles that are too far off. Returns the triangles that may still be; the
+    /// others are measured.
+    fn halve_developable(&mut self) -> Vec<u32> {
+        let all = 0..self.mesh.triangle_count();
+        let is_far = |&triangle: &u32| !self.note_if_near(triangle);
+        let mut triangles: Vec<u32> = all.filter(is_far).collect();
+        let edges = if self.goal.angle.is_some() {
+            self.mesh.edges().collect()
+        } else {
+            let sides = triangles.iter().flat_map(|&triangle| halves_of(triangle));
+            sides.map(|side| side.min(self.mesh.twin(side))).collect()
+        };
+        self.halve_edges(edges, 1.0, Self::chords_of_developable);
+        self.free_stuck();
+        triangles.extend(self.flip_and_take_changed());
+        triangles.sort_unstable();
+        triangles.dedup();
+        triangles
     }
 
     pub(super) fn flip(&mut self) {
@@ -457,11 +476,15 @@ impl<'m, 's> Grower<'m, 's> {
         triangles
     }
 
-    /// Cuts triangles that are farther from their surface than the tolerance;
-    /// returns those that could not be cut. All others are measured.
-    fn cut_far_triangles(&mut self, control: &Control) -> Result<Vec<u32>, Error> {
+    /// Cuts those triangles that are farther from their surface than the tolerance,
+    /// and what comes of it; returns those that could not be cut. All others are
+    /// measured.
+    fn cut_far_triangles(
+        &mut self,
+        mut far: Vec<u32>,
+        control: &Control,
+    ) -> Result<Vec<u32>, Error> {
         let is_far = |grower: &mut Self, triangle: &u32| !grower.note_if_near(*triangle);
-        let mut far: Vec<u32> = (0..self.mesh.triangle_count()).collect();
         far.retain(|triangle| is_far(self, triangle));
         let mut stay_far = Vec::new();
         for _ in 0..MOST_ROUNDS {

@@ -447,10 +447,11 @@ impl<'a> HalfEdges<'a> {
         }
         let [mut there, mut back] = firsts;
         loop {
-            if self.target(there) == to || self.target(back) == from {
+            let twins = [there, back].map(|half| self.twin(half));
+            if self.origin(twins[0]) == to || self.origin(twins[1]) == from {
                 return true;
             }
-            [there, back] = [there, back].map(|half| self.twin(previous(half)));
+            [there, back] = twins.map(next);
             if there == firsts[0] || back == firsts[1] {
                 break;
             }
