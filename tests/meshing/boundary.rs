@@ -38,7 +38,47 @@ fn integral(range: Range<f64>, value: impl Fn(f64) -> f64) -> f64 {
 fn solids() -> Vec<(&'static str, Solid, f64, f64, i64)> {
     let ball = || Solid::sphere(1.0);
     let cap = |height: f64| PI * height * height * (1.0 - height / 3.0);
+    // Its edge is in the plane z = 0.
+    let pencil = || Solid::cylinder(1.0, -1.0..3.0) & Solid::cone(1.5, -1.0..2.0);
+    let of_pencil = PI + PI * 2.0 / 3.0;
+    // All that matters of a plane z = 0 is around the pencil, or nothing.
+    let frame = || {
+        Solid::cuboid_between([-4.0, -4.0, -4.0], [4.0, 4.0, 0.0]) - Solid::cuboid([4.0, 4.0, 20.0])
+    };
+    let bead = || {
+        Solid::cuboid_between([-4.0, -4.0, 0.0], [4.0, 4.0, 2.0])
+            & Solid::sphere(0.2).translate([0.7, 0.7, 1.7])
+    };
+    let of_bead = 4.0 / 3.0 * PI * 0.008;
     vec![
+        (
+            "pencil, frame",
+            pencil() | frame(),
+            192.0 + of_pencil,
+            310.0,
+            1,
+        ),
+        (
+            "frame, pencil",
+            frame() | pencil(),
+            192.0 + of_pencil,
+            310.0,
+            1,
+        ),
+        (
+            "pencil, bead",
+            pencil() | bead(),
+            of_pencil + of_bead,
+            18.0,
+            0,
+        ),
+        (
+            "bead, pencil",
+            bead() | pencil(),
+            of_pencil + of_bead,
+            18.0,
+            0,
+        ),
         ("sphere", ball(), scenes::SPHERE_VOLUME, 13.0, 0),
         (
             "drilled",

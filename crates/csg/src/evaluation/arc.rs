@@ -19,8 +19,8 @@ pub(super) enum Ends {
     /// A surface of the cell, by position.
     Surface(u32),
     /// A side of the block, or a seam or divider, where faces end but the solid
-    /// does not.
-    Plane(Surface),
+    /// does not: one of the tracer's planes.
+    Plane(u32),
     /// The curve comes near a surface of the cell, and may touch it; or it ends
     /// itself.
     Touch,
@@ -31,7 +31,10 @@ pub(super) enum Ends {
 /// A curve on its way through a block.
 pub(super) struct Arc<'a> {
     pub scene: &'a Scene<'a>,
+    /// With only what matters on the first of the pair.
     pub block: &'a Block,
+    /// The surfaces of the whole block that may carry faces, ascending.
+    pub carriers: &'a [u32],
     /// Positions of the two surfaces in the cell; the second [`NOTHING`] for a
     /// seam of the first.
     pub pair: [u32; 2],
@@ -73,26 +76,18 @@ impl Arc<'_> {
         if half_plane & 1 == 0 { outer } else { -outer }
     }
 
-    /// A point of the curve, from next to it, on all surfaces that meet there.
-    pub fn point(&self, start: DVec3, ends: Ends) -> DVec3 {
+    /// A point of the curve from next to it, and of a third surface that it meets
+    /// there.
+    pub fn point(&self, start: DVec3, third: Option<&Surface>) -> DVec3 {
         let scene = self.scene;
-        // Apexes are exact, where there is no gradient to improve them by.
-        let is_apex = |apex: &DVec3| apex.distance(start) <= scene.near;
-        let mut apexes = self.surfaces.iter().filter_map(|s| s.apex());
-        if let Some(apex) = apexes.find(is_apex) {
+        if let Some(apex) = self.apex_at(start) {
             return apex;
         }
         let reach = 1e6 * scene.weld;
         let [a, b] = self.surfaces;
-        let found = match ends {
-            Ends::Surface(position) => {
-                let id = self.block.cell.surfaces[position as usize];
-                let third = &scene.surfaces[id as usize];
-                solve::common_point(&[a, b, third], start, reach)
-            }
-            Ends::Plane(third) => solve::common_point(&[a, b, &third], start, reach),
-            Ends::Touch => solve::common_point(&[a, b], start, reach),
-            Ends::Node => return start,
+        let found = match third {
+            Some(third) => solve::common_point(&[a, b, third], start, reach),
+            None => solve::common_point(&[a, b], start, reach),
         };
         let is_near = found.point.distance(start) <= reach;
         if is_near && found.residual <= scene.weld {
@@ -100,6 +95,18 @@ impl Arc<'_> {
         } else {
             start
         }
+    }
+
+    /// The point where another branch passes through the curve, from next to it.
+    pub fn node(&self, start: DVec3) -> DVec3 {
+        self.apex_at(start).unwrap_or(start)
+    }
+
+    /// Apexes are exact, where there is no gradient to improve them by.
+    fn apex_at(&self, start: DVec3) -> Option<DVec3> {
+        let is_apex = |apex: &DVec3| apex.distance(start) <= self.scene.near;
+        let mut apexes = self.surfaces.iter().filter_map(|s| s.apex());
+        apexes.find(is_apex)
     }
 
     /// Where the curve runs along a surface's tangent plane, from near it. The
@@ -164,7 +171,7 @@ impl Arc<'_> {
             } else {
                 let share = f64::from(k) / f64::from(chords);
                 let place = self.curve.at(from.0 + share * (to.0 - from.0));
-                self.point(place, Ends::Touch)
+                self.point(place, None)
             };
             emit(wedges, [before, here], curve, pieces);
             before = here;

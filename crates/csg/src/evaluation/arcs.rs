@@ -3,6 +3,7 @@
 //! patches.
 
 use std::f64::consts::TAU;
+use std::mem::take;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -12,6 +13,7 @@ use super::arc::{Arc, Ends};
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::{Branch, Meets, Samples};
+use super::faces::Faces;
 use super::frame::Frame;
 use super::pairs::{Unknown, curves};
 use super::roots::Roots;
@@ -39,9 +41,12 @@ impl Event {
 /// Finds the edges in blocks. Holds scratch memory.
 #[derive(Default)]
 pub(super) struct ArcTracer {
+    faces: Faces,
     sectors: Sectors,
     events: Vec<Event>,
-    /// The points of the curve at these.
+    /// The planes of these that are no surfaces of the solid.
+    planes: Vec<Surface>,
+    /// The points of the curve at all events.
     places: Vec<DVec3>,
     roots: Roots,
     samples: Samples,
@@ -66,39 +71,40 @@ impl ArcTracer {
         turn: f64,
         traced: &mut Traced,
     ) -> Option<()> {
-        self.sectors.enter(scene, block);
-        let ids = &block.cell.surfaces;
-        let surface = |position: u32| &scene.surfaces[ids[position as usize] as usize];
-        for first in 0..ids.len() as u32 {
+        let surface = |id: u32| &scene.surfaces[id as usize];
+        // Given back below.
+        let mut faces = take(&mut self.faces);
+        faces.enter(scene, block);
+        for (own, face) in faces.iter() {
+            let ids = &face.cell.surfaces;
+            let first = ids[own as usize];
             let one = surface(first);
-            let frame = scene.frames[ids[first as usize] as usize].as_ref();
+            let frame = scene.frames[first as usize].as_ref();
             if !one.is_plane() && frame.is_none() {
                 return None;
             }
             if let Some(at) = one.apex().filter(|&apex| block.contains(apex)) {
                 let touches = |id: &&u32| {
-                    let other = &scene.surfaces[**id as usize];
+                    let other = surface(**id);
                     other.value(at).abs() <= scene.near * other.gradient(at).length()
                 };
                 let surfaces = ids.iter().filter(touches).copied().collect();
                 traced.contacts.push(Contact { at, surfaces });
             }
-            let others = (first + 1..ids.len() as u32).map(|second| (second, surface(second)));
+            self.sectors.enter(scene, face);
+            let others = own + 1..ids.len() as u32;
+            let others = others.map(|second| (second, surface(ids[second as usize])));
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
             for (second, other) in others.chain(seams.map(|seam| (NOTHING, seam))) {
                 let common = match curves(one, other, scene.near) {
                     Ok(common) => common,
                     // In a single point there is no edge.
                     Err(Unknown::Touch(contacts)) => {
-                        let own = contacts.into_iter().filter(|&at| block.contains(at));
-                        traced.contacts.extend(own.map(|at| {
-                            Contact {
-                                at,
-                                surfaces: [first, second]
-                                    .map(|k| ids[k as usize])
-                                    .into_iter()
-                                    .collect(),
-                            }
+                        let inside = contacts.into_iter().filter(|&at| block.contains(at));
+                        let pair = [Some(&first), ids.get(second as usize)];
+                        traced.contacts.extend(inside.map(|at| Contact {
+                            at,
+                            surfaces: pair.into_iter().flatten().copied().collect(),
                         }));
                         continue;
                     }
@@ -107,8 +113,9 @@ impl ArcTracer {
                 for Branch { curve, nodes } in &common {
                     let arc = Arc {
                         scene,
-                        block,
-                        pair: [first, second],
+                        block: face,
+                        carriers: faces.carriers(),
+                        pair: [own, second],
                         surfaces: [one, other],
                         curve,
                         nodes,
@@ -117,6 +124,7 @@ impl ArcTracer {
                 }
             }
         }
+        self.faces = faces;
         Some(())
     }
 
@@ -132,15 +140,18 @@ impl ArcTracer {
         let Some([start, end]) = curve.range(center, reach) else {
             return Some(());
         };
-        if !self.find_events(arc, [start, end])? || !self.find_changes(arc, [start, end]) {
+        if !self.find_events(arc, [start, end])?
+            || !self.find_changes(arc, [start, end])
+            || self.is_of_lesser(arc, [start, end])
+        {
             return Some(());
         }
         self.places.clear();
         let places = self.events.iter().map(|event| curve.at(event.at));
         self.places.extend(places);
-        let begin = (start, arc.point(curve.at(start), Ends::Touch));
+        let begin = || arc.point(curve.at(start), None);
         let mut open = Wedges::new();
-        let mut from = begin;
+        let mut from = (start, DVec3::NAN);
         for stretch in 0..=self.events.len() {
             let before = stretch.checked_sub(1).map(|k| self.events[k]);
             let [low, high] = self.ends(stretch, [start, end]);
@@ -158,6 +169,9 @@ impl ArcTracer {
             };
             let Some(event) = before else {
                 open = wedges;
+                if !open.is_empty() {
+                    from.1 = begin();
+                }
                 continue;
             };
             if open.is_empty() && wedges.is_empty() {
@@ -165,8 +179,7 @@ impl ArcTracer {
             }
             let same = self.at_same_place(scene.weld, stretch - 1);
             if wedges != open || event.touches() || same.len() > 1 {
-                let place = self.places[stretch - 1];
-                let here = (event.at, arc.point(place, event.ends));
+                let here = (event.at, self.point(arc, stretch - 1));
                 arc.emit(&open, [from, here], turn, &mut traced.pieces);
                 let others = self.surfaces_of(same);
                 if event.touched != NOTHING || others.len() > 1 {
@@ -175,17 +188,20 @@ impl ArcTracer {
                 (open, from) = (wedges, here);
             }
         }
-        let last = if curve.is_closed() || open.is_empty() {
-            begin.1
-        } else {
-            arc.point(curve.at(end), Ends::Touch)
-        };
-        arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
+        if !open.is_empty() {
+            let last = if curve.is_closed() {
+                begin()
+            } else {
+                arc.point(curve.at(end), None)
+            };
+            arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
+        }
         Some(())
     }
 
     /// Finds what ends stretches of a curve, in order. False if the curve is
-    /// another pair's to trace; none if it runs along a surface so closely that
+    /// another pair's to trace: it is the first's of all surfaces through it that may
+    /// carry faces, and the next one's through it that matters there. None if it runs along a surface so closely that
     /// it cannot be told where it crosses.
     fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Option<bool> {
         let Arc {
@@ -198,6 +214,7 @@ impl ArcTracer {
         let tolerances = [scene.on_plane, scene.near];
         self.samples = curve.samples(range);
         self.events.clear();
+        self.planes.clear();
         self.through.clear();
         self.sectors.inside.clear();
         let at_start = curve.at(range[0]);
@@ -208,7 +225,8 @@ impl ArcTracer {
                 || curve.meet(surface, range, &self.samples, tolerances, &mut self.roots)
                     == Meets::Curve;
             if is_through {
-                if position < pair[1] && position != pair[0] {
+                let is_between = pair[0] < position && position < pair[1];
+                if is_between || position < pair[0] && arc.carriers.binary_search(&id).is_ok() {
                     return Some(false);
                 }
                 self.through.push(position);
@@ -245,9 +263,11 @@ impl ArcTracer {
             self.events.extend(contacts);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
         }
-        let margin = DVec3::splat(scene.near);
-        if !curve.is_within(block.low + margin, block.high - margin) {
-            for side in block.sides() {
+        let bounds = curve.bounds(range);
+        for side in block.sides() {
+            let axis = side.linear.max_position();
+            let at = side.anchor[axis];
+            if bounds.min[axis] <= at + scene.near && bounds.max[axis] >= at - scene.near {
                 self.cut(arc, &side, range);
             }
         }
@@ -272,6 +292,30 @@ impl ArcTracer {
         Some(true)
     }
 
+    /// Whether a curve lies in a surface that comes before the arc's first one, and
+    /// does not matter on that, but may carry faces: then it is that one's to trace.
+    fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
+        let scene = arc.scene;
+        let cell = &arc.block.cell;
+        let first = cell.surfaces[arc.pair[0] as usize];
+        let lesser = arc.carriers.iter().take_while(|&&id| id < first);
+        let mut others = lesser.filter(|&&id| cell.position_of(id).is_none());
+        let start = arc.curve.at(range[0]);
+        // Not through it for sure.
+        let clearly = 1e3 * scene.near;
+        others.any(|&id| {
+            let surface = &scene.surfaces[id as usize];
+            let slope = surface.gradient(start).length();
+            if surface.value(start).abs() > clearly * (slope + clearly) {
+                return false;
+            }
+            let tolerances = [scene.on_plane, scene.near];
+            self.roots.clear();
+            let (curve, samples) = (arc.curve, &self.samples);
+            curve.meet(surface, range, samples, tolerances, &mut self.roots) == Meets::Curve
+        })
+    }
+
     /// Adds where a curve crosses a plane that is no surface of the solid.
     fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
         let tolerances = [arc.scene.on_plane, arc.scene.near];
@@ -279,13 +323,15 @@ impl ArcTracer {
         let meets = arc
             .curve
             .meet(plane, range, &self.samples, tolerances, &mut self.roots);
-        if meets == Meets::Points {
-            self.events
-                .extend(self.roots.simple.iter().map(|&at| Event {
-                    at,
-                    ends: Ends::Plane(*plane),
-                    touched: NOTHING,
-                }));
+        if meets == Meets::Points && !self.roots.simple.is_empty() {
+            let ends = Ends::Plane(self.planes.len() as u32);
+            self.planes.push(*plane);
+            let places = self.roots.simple.iter();
+            self.events.extend(places.map(|&at| Event {
+                at,
+                ends,
+                touched: NOTHING,
+            }));
         }
     }
 
@@ -324,6 +370,20 @@ impl ArcTracer {
             }
         }
         true
+    }
+
+    /// Where an event is.
+    fn point(&self, arc: &Arc<'_>, event: usize) -> DVec3 {
+        let place = self.places[event];
+        match self.events[event].ends {
+            Ends::Surface(position) => {
+                let id = arc.block.cell.surfaces[position as usize];
+                arc.point(place, Some(&arc.scene.surfaces[id as usize]))
+            }
+            Ends::Plane(index) => arc.point(place, Some(&self.planes[index as usize])),
+            Ends::Touch => arc.point(place, None),
+            Ends::Node => arc.node(place),
+        }
     }
 
     /// Where a stretch begins and ends.

@@ -8,7 +8,7 @@ use crate::program::{Cell, Pruner, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
 /// share their coordinates to the bit, so that they partition every line.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     pub low: DVec3,
     pub high: DVec3,

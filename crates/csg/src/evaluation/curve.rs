@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use super::roots::{Roots, Sample, bend_within};
 use super::rulings::Rulings;
 use super::trig::Trig;
-use crate::program::Surface;
+use crate::program::{Bounds, Surface};
 
 /// A curve, as a function of a parameter t.
 #[derive(Clone, Debug)]
@@ -245,15 +245,20 @@ impl Curve {
         }
     }
 
-    /// Whether it is known to lie within a box.
-    pub fn is_within(&self, low: DVec3, high: DVec3) -> bool {
-        match self {
+    /// A box around the part between two places, infinite if none is known.
+    pub fn bounds(&self, range: [f64; 2]) -> Bounds {
+        let [min, max] = match self {
+            Self::Line { .. } => {
+                let [start, end] = range.map(|t| self.at(t));
+                [start.min(end), start.max(end)]
+            }
             Self::Ellipse { center, a, b } => {
                 let reach = (a * a + b * b).map(f64::sqrt);
-                (center - reach).cmpgt(low).all() && (center + reach).cmplt(high).all()
+                [center - reach, center + reach]
             }
-            _ => false,
-        }
+            _ => [DVec3::NEG_INFINITY, DVec3::INFINITY],
+        };
+        Bounds { min, max }
     }
 
     /// Whether it closes on itself.

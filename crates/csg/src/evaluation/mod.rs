@@ -13,7 +13,7 @@
 //! 3. If there are curved surfaces, the same is done with the curves in which
 //!    any two meet ([`pairs`], [`conic`], [`pencil`], [`curve`], [`rulings`]) and the
 //!    points where others cross them ([`roots`], [`trig`]), as chains of chords
-//!    ([`arcs`], [`arc`]). Their faces are cut into patches along seams, so that each
+//!    ([`arcs`], [`arc`]), of all surfaces only those that matter there ([`mod@faces`]). Their faces are cut into patches along seams, so that each
 //!    can be seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`], [`mod@contours`]), and these
 //!    cut into triangles ([`mod@triangulate`]), with more chords where they would
@@ -43,6 +43,7 @@ mod contacts;
 mod contours;
 mod crossings;
 mod curve;
+mod faces;
 mod frame;
 mod lines;
 mod pairs;

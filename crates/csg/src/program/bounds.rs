@@ -147,6 +147,22 @@ impl Surface {
         }
     }
 
+    /// A box around the surface itself, as far as it is easily told: infinite where it
+    /// is not.
+    pub(crate) fn own_bounds(&self) -> Bounds {
+        let bounds = half_space_bounds(self);
+        if !self.is_plane() {
+            return bounds;
+        }
+        // Its half-space ends on one side, at the plane.
+        let [low, high] = [bounds.min, bounds.max].map(DVec3::is_finite_mask);
+        let slack = 8.0 * f64::EPSILON * self.anchor.abs();
+        Bounds {
+            min: DVec3::select(high, self.anchor - slack, bounds.min),
+            max: DVec3::select(low, self.anchor + slack, bounds.max),
+        }
+    }
+
     /// The side on which the quadratic form alone never crosses zero: outside if
     /// it is positive semidefinite, inside if negative. By the signs of the
     /// principal minors, allowing for their rounding.

@@ -54,6 +54,12 @@ impl Cell {
         size_of_val(&*self.surfaces) + self.formula.bytes()
     }
 
+    /// Where a surface is in its list, if it matters in it.
+    pub(crate) fn position_of(&self, surface: u32) -> Option<u32> {
+        let place = self.surfaces.binary_search(&surface);
+        place.ok().map(|place| place as u32)
+    }
+
     /// The constant the cell comes to, if nothing varies in it any more.
     #[must_use]
     pub fn constant(&self) -> Option<bool> {

@@ -1,0 +1,74 @@
+//! Which surfaces of a block may carry faces, and what matters on each: mostly far
+//! less than in all of the block.
+
+use super::Scene;
+use super::cells::Block;
+use crate::program::Pruner;
+
+/// The surfaces of a block that may carry faces: those that matter in a box around
+/// themselves. Holds scratch memory.
+pub(super) struct Faces {
+    /// Ascending.
+    carriers: Vec<u32>,
+    /// For each of them, and more, the block with only what matters on it, or touches
+    /// it.
+    blocks: Vec<Block>,
+    pruner: Pruner,
+}
+
+impl Default for Faces {
+    fn default() -> Self {
+        Self {
+            carriers: Vec::new(),
+            blocks: Vec::new(),
+            // Looks are told by toggling single literals.
+            pruner: Pruner::literal_by_literal(),
+        }
+    }
+}
+
+impl Faces {
+    /// Forgets another block.
+    pub fn enter(&mut self, scene: &Scene<'_>, block: &Block) {
+        self.carriers.clear();
+        for &id in &block.cell.surfaces {
+            let own = scene.surfaces[id as usize].own_bounds();
+            let low = own.min.max(block.low);
+            let high = own.max.min(block.high);
+            let half = 0.5 * (high - low) + 2.0 * scene.near;
+            if half.min_element() < 0.0 {
+                continue;
+            }
+            let index = self.carriers.len();
+            if self.blocks.len() == index {
+                self.blocks.push(Block::default());
+            }
+            let part = &mut self.blocks[index];
+            (part.low, part.high) = (block.low, block.high);
+            let center = 0.5 * (low + high);
+            let pruner = &mut self.pruner;
+            let whole = &block.cell;
+            whole.prune_into(scene.surfaces, center, half, pruner, &mut part.cell);
+            if part.cell.position_of(id).is_some() {
+                self.carriers.push(id);
+            }
+        }
+    }
+
+    /// All of them in ascending order.
+    pub fn carriers(&self) -> &[u32] {
+        &self.carriers
+    }
+
+    /// Each with its position in the block with only what matters on it.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Block)> {
+        let with_position = |(&id, block): (&u32, _)| {
+            let block: &Block = block;
+            block.cell.position_of(id).map(|position| (position, block))
+        };
+        self.carriers
+            .iter()
+            .zip(&self.blocks)
+            .filter_map(with_position)
+    }
+}
