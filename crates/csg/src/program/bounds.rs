@@ -398,21 +398,36 @@ pub(super) fn half_space_bounds(surface: &Surface) -> Bounds {
 /// near to that not even the thinnest slab there is empty; as far as a few
 /// points near each side tell.
 fn sides_reached(surfaces: &[Surface], root: &Cell, bounds: Bounds) -> [bool; 6] {
-    const POINTS: usize = 8;
+    const POINTS: usize = 10;
     const LANES: usize = 6 * POINTS;
+    /// So many of them are where a curved surface comes to the side, if one does.
+    const ON_SURFACE: usize = 5;
+    let depth = 0.5 * FINEST_SLAB * bounds.size();
+    let touching = surfaces_touching(surfaces, bounds, depth);
     let mut points = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         let (side, index) = (lane / POINTS, lane % POINTS);
+        let axis = side / 2;
+        let (index, surface) = match touching[side] {
+            Some(own) if index < ON_SURFACE => (index, Some(own)),
+            Some(_) => (index - ON_SURFACE, None),
+            None => (index, None),
+        };
         // The middle of the side, then the R2 sequence (Roberts 2018).
         let along = |step: f64| (0.5 + index as f64 * step).fract();
         let mut share = [0.0; 3];
-        share[side / 2] = 0.5 * FINEST_SLAB;
-        if side % 2 == 1 {
-            share[side / 2] = 1.0 - share[side / 2];
+        share[(axis + 1) % 3] = along(0.754_877_666_246_693);
+        share[(axis + 2) % 3] = along(0.569_840_290_998_053);
+        let mut point = bounds.min + DVec3::from_array(share) * bounds.size();
+        if let Some(own) = surface {
+            let middle = own.center();
+            point = DVec3::select(middle.is_finite_mask(), middle, point);
         }
-        share[(side / 2 + 1) % 3] = along(0.754_877_666_246_693);
-        share[(side / 2 + 2) % 3] = along(0.569_840_290_998_053);
-        let point = bounds.min + DVec3::from_array(share) * bounds.size();
+        point[axis] = if side % 2 == 1 {
+            bounds.max[axis] - depth[axis]
+        } else {
+            bounds.min[axis] + depth[axis]
+        };
         for (coordinates, value) in points.iter_mut().zip(point.to_array()) {
             coordinates[lane] = value;
         }
@@ -432,6 +447,25 @@ fn sides_reached(surfaces: &[Surface], root: &Cell, bounds: Bounds) -> [bool; 6]
         .formula
         .evaluate_words(&mut Vec::new(), |_, surface| signs[surface as usize]);
     [0, 1, 2, 3, 4, 5].map(|side| inside >> (side * POINTS) & ((1 << POINTS) - 1) != 0)
+}
+
+/// For each side of a box a curved surface whose own box ends nearer to it than
+/// `depth`, by that box: it is infinite along rulings.
+fn surfaces_touching(surfaces: &[Surface], bounds: Bounds, depth: DVec3) -> [Option<Bounds>; 6] {
+    let mut touching = [None; 6];
+    for surface in surfaces.iter().filter(|surface| !surface.is_plane()) {
+        let own = half_space_bounds(surface);
+        let low = (own.min - bounds.min).abs().cmplt(depth);
+        let high = (own.max - bounds.max).abs().cmplt(depth);
+        for axis in 0..3 {
+            for (side, touches) in [low, high].into_iter().enumerate() {
+                if touches.test(axis) {
+                    touching[2 * axis + side] = Some(own);
+                }
+            }
+        }
+    }
+    touching
 }
 
 /// Takes slabs off a box as long as they are proven empty.
