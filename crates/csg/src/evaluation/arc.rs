@@ -83,7 +83,7 @@ impl Arc<'_> {
         if let Some(apex) = self.apex_at(start) {
             return apex;
         }
-        let reach = 1e6 * scene.weld;
+        let reach = scene.touching_reach();
         let [a, b] = self.surfaces;
         let found = match third {
             Some(third) => solve::common_point(&[a, b, third], start, reach),

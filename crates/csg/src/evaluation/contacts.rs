@@ -24,11 +24,9 @@ impl Contact {
     /// Whether it is between surfaces of another contact, and cannot be told from that:
     /// they have all between the two places in common.
     pub fn is_part_of(&self, scene: &Scene<'_>, other: &Self) -> bool {
-        /// Of what is told apart.
-        const REACH: f64 = 1e6;
         let distance = self.at.distance(other.at);
         let is_among = |id: &u32| other.surfaces.contains(id);
-        if distance > REACH * scene.weld || !self.surfaces.iter().all(is_among) {
+        if distance > scene.touching_reach() || !self.surfaces.iter().all(is_among) {
             return false;
         }
         // Two have a curve in common anyway.

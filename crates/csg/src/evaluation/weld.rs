@@ -142,15 +142,13 @@ impl Welded {
         if is_on(vertex) {
             return true;
         }
-        /// Of what is told apart: farther from where they touch curves are apart by more.
-        const REACH: f64 = 1e6;
         let at = self.points[vertex as usize];
         let distance = |v: u32| self.points[v as usize].distance(at);
         let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
         let touch = |&k: &usize| {
             let is_other =
                 |&j: &usize| pieces[j].curve != pieces[k].curve && beyond(j) == beyond(k);
-            let is_next = beyond(k) != vertex && distance(beyond(k)) <= REACH * scene.weld;
+            let is_next = beyond(k) != vertex && distance(beyond(k)) <= scene.touching_reach();
             is_next && around.iter().any(is_other) && is_on(beyond(k))
         };
         let touching = around.iter().copied().filter(touch).map(beyond);

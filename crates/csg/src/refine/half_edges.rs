@@ -5,11 +5,15 @@
 //! in the neighbouring triangle. Splitting, flipping and removing keep the mesh
 //! closed, oriented and manifold.
 
-use std::ops::Range;
+mod changes;
+mod pairing;
 
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
+pub(super) use self::pairing::{first_of, halves_of, next, previous, triangle_of};
+
+use self::pairing::{Half, pair_up};
 use super::Surfaced;
 use super::contacts::Contacts;
 use super::regions::{Region, regions};
@@ -18,32 +22,6 @@ use crate::program::Surface;
 
 /// No half-edge, no vertex, no curve.
 pub(super) const NONE: u32 = u32::MAX;
-
-/// One side of an edge. Every fourth one is none, so that a triangle's are found
-/// without a division.
-#[derive(Clone, Copy, Debug)]
-struct Half {
-    /// The vertex it leaves; [`NONE`] in a triangle that is gone.
-    origin: u32,
-    twin: u32,
-    /// The piece of a curve that the edge stands for, if there is any left to
-    /// be cut up.
-    piece: u32,
-    /// The face of its triangle.
-    region: u32,
-}
-
-impl Half {
-    /// The half-edges of a triangle.
-    fn of_triangle([a, b, c]: [u32; 3], region: u32) -> [Self; 4] {
-        [a, b, c, NONE].map(|origin| Self {
-            origin,
-            twin: NONE,
-            piece: NONE,
-            region,
-        })
-    }
-}
 
 /// Where a vertex may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,76 +58,6 @@ pub(super) struct HalfEdges<'a> {
     /// other surface on whose curve they are, where it is known; and for some that
     /// are no more.
     pub borders: Borders,
-}
-
-#[inline(always)]
-pub(super) const fn next(half: u32) -> u32 {
-    if half & 3 == 2 { half - 2 } else { half + 1 }
-}
-
-#[inline(always)]
-pub(super) const fn previous(half: u32) -> u32 {
-    if half & 3 == 0 { half + 2 } else { half - 1 }
-}
-
-/// The triangle that a half-edge runs around.
-#[inline(always)]
-pub(super) const fn triangle_of(half: u32) -> u32 {
-    half >> 2
-}
-
-/// The first half-edge of a triangle.
-#[inline(always)]
-pub(super) const fn first_of(triangle: u32) -> u32 {
-    triangle << 2
-}
-
-/// The half-edges of a triangle.
-#[inline(always)]
-pub(super) const fn halves_of(triangle: u32) -> Range<u32> {
-    first_of(triangle)..first_of(triangle) + 3
-}
-
-/// Half-edges with their twins; `None` if the triangles are no closed, oriented
-/// 2-manifold.
-fn pair_up(vertices: usize, triangles: &[[u32; 3]]) -> Option<Vec<Half>> {
-    // The half-edges that leave every vertex, and where to, by counting.
-    let mut starts = vec![0u32; vertices + 2];
-    for &origin in triangles.as_flattened() {
-        *starts.get_mut(origin as usize + 2)? += 1;
-    }
-    for v in 2..starts.len() {
-        starts[v] += starts[v - 1];
-    }
-    let mut leaving = vec![(0, 0); 3 * triangles.len()];
-    for (triangle, &[a, b, c]) in (0u32..).zip(triangles) {
-        for (half, (from, to)) in halves_of(triangle).zip([(a, b), (b, c), (c, a)]) {
-            let slot = &mut starts[from as usize + 1];
-            leaving[*slot as usize] = (to, half);
-            *slot += 1;
-        }
-    }
-    let mut halves = Vec::with_capacity(4 * triangles.len());
-    for &corners in triangles {
-        halves.extend(Half::of_triangle(corners, NONE));
-    }
-    for (from, ends) in (0u32..).zip(starts[..=vertices].windows(2)) {
-        for &(to, half) in &leaving[ends[0] as usize..ends[1] as usize] {
-            if from >= to {
-                continue;
-            }
-            let back = starts[to as usize] as usize..starts[to as usize + 1] as usize;
-            let mut twins = leaving[back].iter().filter(|(target, _)| *target == from);
-            let &(_, twin) = twins.next()?;
-            if twins.next().is_some() || halves[twin as usize].twin != NONE {
-                return None;
-            }
-            halves[half as usize].twin = twin;
-            halves[twin as usize].twin = half;
-        }
-    }
-    let is_paired = |half: &Half| half.origin == NONE || half.twin != NONE;
-    halves.iter().all(is_paired).then_some(halves)
 }
 
 impl<'a> HalfEdges<'a> {
@@ -413,14 +321,6 @@ impl<'a> HalfEdges<'a> {
         self.halves().filter(|&half| half < self.twin(half))
     }
 
-    /// A triangle is no more.
-    pub fn discard(&mut self, triangle: u32) {
-        for half in halves_of(triangle) {
-            self.set_origin(half, NONE);
-        }
-        self.free.push(triangle);
-    }
-
     /// The half-edges that leave a vertex, counter-clockwise.
     #[inline]
     pub fn around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
@@ -457,95 +357,5 @@ impl<'a> HalfEdges<'a> {
             }
         }
         !self.fine_edges.is_empty() && self.fine_edges.contains(&[from, to])
-    }
-
-    /// Makes two half-edges twins.
-    #[inline(always)]
-    pub fn join(&mut self, a: u32, b: u32) {
-        self.halves[a as usize].twin = b;
-        self.halves[b as usize].twin = a;
-    }
-
-    /// Gives the twin and the piece of one half-edge to another.
-    #[inline(always)]
-    fn hand_over(&mut self, from: u32, to: u32) {
-        let (twin, piece) = (self.twin(from), self.piece(from));
-        self.join(to, twin);
-        self.set_piece(to, piece);
-        self.set_piece(from, NONE);
-        if piece != NONE && self.piece_halves[piece as usize] == from {
-            self.piece_halves[piece as usize] = to;
-        }
-    }
-
-    /// Splits an edge at a new vertex: two triangles become four.
-    ///
-    /// ```text
-    ///      c               c
-    ///     / \            / | \
-    ///    u - w    →     u- x -w
-    ///     \ /            \ | /
-    ///      d               d
-    /// ```
-    /// `half`, u → w, becomes u → x, where x is in no triangle yet. Returns the
-    /// half-edge x → w.
-    pub fn split(&mut self, half: u32, x: u32) -> u32 {
-        let twin = self.twin(half);
-        let ends = [self.origin(half), self.origin(twin)];
-        self.carry_border(ends, [ends[0], x, ends[1]]);
-        let (n, p) = (next(half), previous(half));
-        let (tn, tp) = (next(twin), previous(twin));
-        let (c, w, d) = (self.origin(p), self.origin(n), self.origin(tp));
-        let b = self.end_of_halves();
-        let e = b + 4;
-        for (side, corners) in [(half, [x, w, c]), (twin, [w, x, d])] {
-            let region = self.halves[side as usize].region;
-            self.halves.extend(Half::of_triangle(corners, region));
-        }
-        self.hand_over(n, b + 1);
-        self.hand_over(tp, e + 2);
-        self.set_origin(n, x);
-        self.set_origin(twin, x);
-        self.join(n, b + 2);
-        self.join(tp, e + 1);
-        self.join(b, e);
-        self.leaving[x as usize] = b;
-        self.leaving[w as usize] = b + 1;
-        debug_assert!(self.origin(tn) == self.target(twin));
-        b
-    }
-
-    /// Adds a vertex that is in no triangle yet.
-    pub fn add_vertex(&mut self, position: DVec3, kind: Kind) -> u32 {
-        self.positions.push(position);
-        self.kinds.push(kind);
-        self.leaving.push(NONE);
-        self.positions.len() as u32 - 1
-    }
-
-    /// Turns the edge between two triangles: a → b becomes d → c.
-    ///
-    /// ```text
-    ///      c               c
-    ///     / \            / | \
-    ///    a - b    →     a  |  b
-    ///     \ /            \ | /
-    ///      d               d
-    /// ```
-    /// Whether that may be is for the caller to know.
-    pub fn flip(&mut self, half: u32) {
-        let twin = self.twin(half);
-        let (n, p) = (next(half), previous(half));
-        let (tn, tp) = (next(twin), previous(twin));
-        let (a, b) = (self.origin(half), self.origin(twin));
-        let (c, d) = (self.origin(p), self.origin(tp));
-        self.hand_over(tp, half);
-        self.hand_over(p, twin);
-        self.set_origin(half, d);
-        self.set_origin(twin, c);
-        self.join(p, tp);
-        self.leaving[a as usize] = tn;
-        self.leaving[b as usize] = n;
-        debug_assert!(self.target(p) == d && self.target(tp) == c);
     }
 }
