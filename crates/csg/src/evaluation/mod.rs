@@ -70,6 +70,8 @@ use rustc_hash::FxHashMap;
 
 pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
+#[cfg(test)]
+pub(crate) use self::pairs::tests::quadric as random_quadric;
 
 use self::arcs::ArcTracer;
 use self::assemble::assemble;

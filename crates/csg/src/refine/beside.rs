@@ -9,8 +9,9 @@
 
 use glam::DVec3;
 
-use super::grow::{project, splits_well};
+use super::grow::splits_well;
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
+use super::project::project;
 use super::separate::{Side, cut_of};
 
 /// Sides of two triangles, with points beside corners of the other triangle which are

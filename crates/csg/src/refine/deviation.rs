@@ -118,7 +118,7 @@ fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
     if surface.is_plane() {
         return corners[0].off.max(corners[1].off).max(corners[2].off);
     }
-    let mut quarters = quarters(surface, &corners);
+    let mut quarters = quarters(surface, corners.each_ref());
     if let Some(apex) = surface.apex()
         && let Some(tip) = corners.iter().position(|corner| corner.at == apex)
     {
@@ -132,7 +132,7 @@ fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
         }
     }
     let along = towards_farthest(&corners, quarters);
-    Ratio::new(shrinkage(surface), &corners, quarters, along).bound()
+    Ratio::new(shrinkage(surface), corners.each_ref(), quarters, along).bound()
 }
 
 /// Whether a triangle is as near to its surface as a distance, by a bound that
@@ -146,9 +146,9 @@ pub(super) fn is_within(
     distance: f64,
 ) -> bool {
     let corners = corners.map(|at| Corner::new(surface, at));
-    let quarters = quarters(surface, &corners);
+    let quarters = quarters(surface, corners.each_ref());
     let along = towards_farthest(&corners, quarters);
-    let ratio = Ratio::new(shrinkage, &corners, quarters, along);
+    let ratio = Ratio::new(shrinkage, corners.each_ref(), quarters, along);
     ratio.loosely(distance) <= distance
 }
 
@@ -193,7 +193,7 @@ impl<'a> Judge<'a> {
     /// The bound of a triangle's distance; `None` for one that does not face
     /// outward, or hardly.
     #[inline(always)]
-    pub fn judge(&self, corners: &[Corner; 3]) -> Option<f64> {
+    pub fn judge(&self, corners: [&Corner; 3]) -> Option<f64> {
         /// Far from folded: the squared cosine between the triangle's normal
         /// and the surface's.
         const LEAST_COSINE_SQUARED: f64 = 0.04;
@@ -201,13 +201,17 @@ impl<'a> Judge<'a> {
         let normal = (q - p).cross(r - p);
         let sum = corners[0].gradient + corners[1].gradient + corners[2].gradient;
         let along = self.outward * normal.dot(sum);
-        let lengths = normal.length_squared() * sum.length_squared();
-        if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * lengths {
+        let square = sum.length_squared();
+        if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * normal.length_squared() * square {
             return None;
         }
-        let quarters = quarters(self.surface, corners);
-        let ratio = Ratio::new(self.shrinkage, corners, quarters, sum.normalize_or_zero());
         // Mostly the tolerance itself is a distance that the map shrinks.
+        let ratio = Ratio::new(
+            self.shrinkage,
+            corners,
+            quarters(self.surface, corners),
+            sum * square.sqrt().recip(),
+        );
         let bound = ratio.of(self.tolerance);
         if bound <= self.tolerance {
             return Some(bound);
@@ -219,7 +223,7 @@ impl<'a> Judge<'a> {
 /// f over the triangle is Σ 2 b_ij λ_i λ_j plus what it is at the corners:
 /// b01, b12, b20.
 #[inline(always)]
-fn quarters(surface: &Surface, [p, q, r]: &[Corner; 3]) -> [f64; 3] {
+fn quarters(surface: &Surface, [p, q, r]: [&Corner; 3]) -> [f64; 3] {
     let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
     [
         quarter(q.at - p.at),
@@ -255,7 +259,7 @@ struct Ratio {
 
 impl Ratio {
     #[inline(always)]
-    fn new(shrinkage: f64, corners: &[Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
+    fn new(shrinkage: f64, corners: [&Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
         let gradients = corners.map(|corner| corner.gradient);
         // The gradient's component along any direction is linear.
         let slopes = gradients.map(|gradient| gradient.dot(along));

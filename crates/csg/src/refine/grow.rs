@@ -21,13 +21,13 @@ use glam::DVec3;
 use super::chains::{chains, divide, move_vertices};
 use super::flips::Waiting;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, triangle_of};
+use super::project::project;
 use super::regions::{Bend, Way};
 use super::separate::Side;
 use super::tessellate::Fine;
 use super::{BYTES_PER_TRIANGLE, Goal, Outcome, Unkept, deviation};
 use crate::control::Control;
 use crate::error::Error;
-use crate::program::Surface;
 
 /// A stretch of a curve that is still one edge: the vertices that are going to
 /// cut it up, in its half-edge's direction.
@@ -505,28 +505,4 @@ impl<'m, 's> Grower<'m, 's> {
         stay_far.extend(far);
         Ok(stay_far)
     }
-}
-
-/// The point of a surface near `start`, by Newton's method along the gradient;
-/// none if that does not end there.
-pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
-    const MOST_STEPS: usize = 12;
-    /// Of coordinates, and squared.
-    const ROUNDING: f64 = 1e-28;
-    let mut point = start;
-    for _ in 0..MOST_STEPS {
-        let gradient = surface.gradient(point);
-        let square = gradient.length_squared();
-        let step = surface.value(point) / square * gradient;
-        if !step.is_finite() {
-            return None;
-        }
-        point -= step;
-        // Its square is what is left.
-        let left = step.length_squared();
-        if left <= 1e-16 * start.distance_squared(point) + ROUNDING * point.length_squared() {
-            return Some(point);
-        }
-    }
-    None
 }

@@ -27,6 +27,7 @@ mod grow;
 mod half_edges;
 mod patch;
 mod patches;
+mod project;
 mod regions;
 mod separate;
 mod shape;

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::deviation::Corner;
-use super::grow::project;
+use super::project::project;
 use super::regions::{Region, metric};
 use super::tessellate::INNER;
 use crate::program::Surface;
@@ -117,8 +117,11 @@ impl Patch {
 
     /// Puts the inner vertices where the rim says, and then on the surface.
     fn place_inner(&mut self, surface: &Surface, rows: u32) {
-        let [a, b, c] = [0, 1, 2].map(|side| self.at(self.starts[side]));
+        let corners @ [a, b, c] = [0, 1, 2].map(|side| self.at(self.starts[side]));
         let n = f64::from(rows);
+        let off_chord = |patch: &Self, side: usize, share: f64| {
+            patch.on_rim(side, share) - corners[side].lerp(corners[(side + 1) % 3], share)
+        };
         let mut name = INNER;
         for j in 1..rows - 1 {
             for i in 1..rows - j {
@@ -126,9 +129,9 @@ impl Patch {
                 let u = 1.0 - v - w;
                 let flat = u * a + v * b + w * c;
                 // By how much the sides are off their chords (Coons).
-                let off = self.off_chord(0, v / (u + v)) * (1.0 - w) * (1.0 - w)
-                    + self.off_chord(1, w / (v + w)) * (1.0 - u) * (1.0 - u)
-                    + self.off_chord(2, u / (w + u)) * (1.0 - v) * (1.0 - v);
+                let off = off_chord(self, 0, v / (u + v)) * (1.0 - w) * (1.0 - w)
+                    + off_chord(self, 1, w / (v + w)) * (1.0 - u) * (1.0 - u)
+                    + off_chord(self, 2, u / (w + u)) * (1.0 - v) * (1.0 - v);
                 let start = flat + off;
                 self.add(name, project(surface, start).unwrap_or(start));
                 name += 1;
@@ -136,20 +139,13 @@ impl Patch {
         }
     }
 
-    /// How far a side is off its chord at a share of it.
-    fn off_chord(&self, side: usize, share: f64) -> DVec3 {
+    /// The point at a share of a side.
+    fn on_rim(&self, side: usize, share: f64) -> DVec3 {
         let chords = self.chords(side);
         let along = share * f64::from(chords);
         let i = (along as u32).min(chords - 1);
-        let (p, q) = (
-            self.at(self.on_side(side, i)),
-            self.at(self.on_side(side, i + 1)),
-        );
-        let (from, to) = (
-            self.at(self.on_side(side, 0)),
-            self.at(self.on_side(side, chords)),
-        );
-        p.lerp(q, along - f64::from(i)) - from.lerp(to, share)
+        let [p, q] = [i, i + 1].map(|i| self.at(self.on_side(side, i)));
+        p.lerp(q, along - f64::from(i))
     }
 
     /// Fills the rim without vertices inside.

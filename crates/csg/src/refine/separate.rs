@@ -11,8 +11,9 @@ use glam::DVec3;
 
 use super::beside::sides_beside;
 use super::curves::on_curve;
-use super::grow::{Grower, project};
+use super::grow::Grower;
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
+use super::project::project;
 use super::shape::{faces_in, facing};
 use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};

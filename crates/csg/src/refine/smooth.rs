@@ -2,8 +2,8 @@
 //! as possible do.
 
 use super::flips::Waiting;
-use super::grow::project;
 use super::half_edges::{HalfEdges, Kind, next};
+use super::project::project;
 use super::regions::Way;
 use super::shape::faces_out_in_the_middle;
 

@@ -12,9 +12,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::deviation::{Corner, Judge};
-use super::grow::{Piece, project};
+use super::grow::Piece;
 use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
 use super::patch::Patch;
+use super::project::project;
 use super::regions::Way;
 use super::{BYTES_PER_TRIANGLE, Goal, deviation};
 use crate::control::Control;
@@ -283,8 +284,8 @@ impl<'m, 's> Tessellator<'m, 's> {
         (subdivision.deviation, subdivision.is_folded) = (0.0, false);
         subdivision.triangles.clear();
         for small in &patch.triangles {
-            let corners = small.map(|c| patch.corners[c as usize]);
-            let bound = judge.judge(&corners);
+            let corners = small.map(|c| &patch.corners[c as usize]);
+            let bound = judge.judge(corners);
             subdivision.is_folded |= bound.is_none();
             let bound = bound.unwrap_or(f64::INFINITY);
             if bound > subdivision.deviation {
