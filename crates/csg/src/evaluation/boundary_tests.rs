@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::boundary::Boundary;
+use super::contacts::Contact;
 use super::frame::Frame;
 use super::lines::Piece;
 use super::sectors::Side;
@@ -52,9 +53,7 @@ fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
     }
 }
 
-/// The vertices of the contours of a surface's only face; none if pieces do not
-/// close.
-fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<Vec<DVec3>>> {
+fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
     let planes: Vec<Plane> = surfaces.iter().map(Plane::of).collect();
     let frames: Vec<Option<Frame>> = surfaces.iter().map(|s| Frame::of(s, 10.0)).collect();
     let scene = Scene {
@@ -68,7 +67,13 @@ fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<
         rounding: 1e-15,
         control: &Control::default(),
     };
-    let boundary = Boundary::link(&scene, pieces, &mut [])?;
+    run(&scene)
+}
+
+/// The vertices of the contours of a surface's only face; none if pieces do not
+/// close.
+fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<Vec<DVec3>>> {
+    let boundary = with_scene(surfaces, |scene| Boundary::link(scene, pieces, &mut []))?;
     let face = boundary.faces.iter().position(|f| f.plane == surface)?;
     let start = |&half_edge: &u32| boundary.points[boundary.at(half_edge).from as usize];
     let contours = boundary.contours().swap_remove(face);
@@ -178,4 +183,48 @@ fn a_face_of_two_corners_stays_if_it_is_wider_than_rounding() {
         assert!((across - width).abs() < WELD, "{width}: {across}");
     }
     assert!(lens(0.5 * NEAR).is_empty());
+}
+
+/// A cylinder along the z axis touches the plane y = 0, and so does the rim of one
+/// along the y axis that line, to the fourth order.
+#[test]
+fn contacts_that_cannot_be_told_apart_are_one() {
+    let turned = |surface: Surface| Surface {
+        quadratic: [1.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ..surface
+    };
+    let surfaces = [
+        Surface {
+            linear: DVec3::Y,
+            ..plane(0.0)
+        },
+        cylinder(DVec3::Y, 1.0),
+        turned(cylinder(DVec3::new(-0.75, 0.0, 0.0), 0.75)),
+        // Crosses the others at an angle.
+        plane(0.0),
+    ];
+    // On the rim.
+    let at = |z: f64| DVec3::new(-z * z / 1.5, 0.0, z);
+    let contact = |z: f64, surfaces: &[u32]| Contact {
+        at: at(z),
+        surfaces: surfaces.iter().copied().collect(),
+    };
+    let is_part =
+        |one: Contact, other: Contact| with_scene(&surfaces, |scene| one.is_part_of(scene, &other));
+    let all = [0, 1, 2];
+    let apart = 1e5 * WELD;
+    assert!(is_part(contact(apart, &all), contact(0.0, &all)));
+    assert!(is_part(
+        contact(apart, &all),
+        contact(-apart, &[0, 1, 2, 3])
+    ));
+    assert!(!is_part(contact(apart, &[0, 1, 2, 3]), contact(0.0, &all)));
+    assert!(!is_part(contact(1e8 * WELD, &all), contact(0.0, &all)));
+    // Two surfaces have a curve in common, and in these three only one point.
+    assert!(!is_part(contact(apart, &[0, 1]), contact(0.0, &all)));
+    assert!(is_part(contact(0.5 * WELD, &[0, 1]), contact(0.0, &all)));
+    assert!(!is_part(
+        contact(apart, &[0, 2, 3]),
+        contact(0.0, &[0, 2, 3])
+    ));
 }
