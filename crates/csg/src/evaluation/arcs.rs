@@ -56,6 +56,20 @@ pub(super) struct ArcTracer {
     changes: Vec<bool>,
 }
 
+/// What touches the apex of a cone, if that is in a block.
+fn at_apex(scene: &Scene<'_>, block: &Block, cone: &Surface) -> Option<Contact> {
+    let at = cone.apex().filter(|&apex| block.contains(apex))?;
+    let touches = |id: &&u32| {
+        let other = &scene.surfaces[**id as usize];
+        other.value(at).abs() <= scene.near * other.gradient(at).length()
+    };
+    let surfaces = block.cell.surfaces.iter().filter(touches);
+    Some(Contact {
+        at,
+        surfaces: surfaces.copied().collect(),
+    })
+}
+
 /// Directions around a curve that differ by less cannot be told apart, in
 /// radians.
 const SAME_DIRECTION: f64 = 1e-7;
@@ -83,14 +97,7 @@ impl ArcTracer {
             if !one.is_plane() && frame.is_none() {
                 return None;
             }
-            if let Some(at) = one.apex().filter(|&apex| block.contains(apex)) {
-                let touches = |id: &&u32| {
-                    let other = surface(**id);
-                    other.value(at).abs() <= scene.near * other.gradient(at).length()
-                };
-                let surfaces = ids.iter().filter(touches).copied().collect();
-                traced.contacts.push(Contact { at, surfaces });
-            }
+            traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
             let others = own + 1..ids.len() as u32;
             let others = others.map(|second| (second, surface(ids[second as usize])));

@@ -62,13 +62,7 @@ impl Faces {
 
     /// Each with its position in the block with only what matters on it.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &Block)> {
-        let with_position = |(&id, block): (&u32, _)| {
-            let block: &Block = block;
-            block.cell.position_of(id).map(|position| (position, block))
-        };
-        self.carriers
-            .iter()
-            .zip(&self.blocks)
-            .filter_map(with_position)
+        let faces = self.carriers.iter().zip(&self.blocks);
+        faces.filter_map(|(&id, block)| Some((block.cell.position_of(id)?, block)))
     }
 }
