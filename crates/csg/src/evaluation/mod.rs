@@ -13,8 +13,9 @@
 //! 3. If there are curved surfaces, the same is done with the curves in which
 //!    any two meet ([`pairs`], [`conic`], [`pencil`], [`curve`], [`rulings`]) and the
 //!    points where others cross them ([`roots`], [`trig`]), as chains of chords
-//!    ([`arcs`], [`arc`]), of all surfaces only those that matter there ([`mod@faces`]). Their faces are cut into patches along seams, so that each
-//!    can be seen from one side ([`frame`]).
+//!    ([`arcs`], [`arc`]): on each surface with those alone that matter there
+//!    ([`mod@faces`]). Their faces are cut into patches along seams, so that each can be
+//!    seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`], [`mod@contours`]), and these
 //!    cut into triangles ([`mod@triangulate`]), with more chords where they would
 //!    run across each other ([`crossings`]). Points where something touches a face
