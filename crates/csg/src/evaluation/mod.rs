@@ -102,11 +102,6 @@ pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
 /// Points nearer to each other than this share of the scene are one vertex.
 const WELD: f64 = 3e-11;
 
-/// Next to where surfaces touch, points that are nearer to each other than so many
-/// times that may not be told apart: where a curve touches a surface to the fourth
-/// order, the place is known to a quarter of the digits.
-const TOUCHING: f64 = 1e6;
-
 /// A line nearer to a plane than this share of the scene lies in it.
 const ON_PLANE: f64 = 3e-12;
 
@@ -159,9 +154,11 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Next to where surfaces touch, points nearer to each other may not be told apart.
+    /// Next to where surfaces touch, points nearer to each other may not be told apart:
+    /// where a curve touches a surface to the fourth order, the place is known to a
+    /// quarter of the digits.
     fn touching_reach(&self) -> f64 {
-        TOUCHING * self.weld
+        1e6 * self.weld
     }
 
     /// The point common to three planes, the same to the bit in whatever order
