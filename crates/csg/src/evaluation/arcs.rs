@@ -208,8 +208,8 @@ impl ArcTracer {
 
     /// Finds what ends stretches of a curve, in order. False if the curve is
     /// another pair's to trace: it is the first's of all surfaces through it that may
-    /// carry faces, and the next one's through it that matters there. None if it runs along a surface so closely that
-    /// it cannot be told where it crosses.
+    /// carry faces, and the next one's through it that matters there. None if it runs
+    /// along a surface so closely that it cannot be told where it crosses.
     fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Option<bool> {
         let Arc {
             scene,
@@ -308,7 +308,7 @@ impl ArcTracer {
         let lesser = arc.carriers.iter().take_while(|&&id| id < first);
         let mut others = lesser.filter(|&&id| cell.position_of(id).is_none());
         let start = arc.curve.at(range[0]);
-        // Not through it for sure.
+        // Surfaces farther off are not through it for sure.
         let clearly = 1e3 * scene.near;
         others.any(|&id| {
             let surface = &scene.surfaces[id as usize];
