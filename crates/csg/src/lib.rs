@@ -18,6 +18,7 @@ mod random;
 mod refine;
 mod report;
 pub mod solid;
+mod undecided;
 
 pub use color::Color;
 pub use control::CancelToken;
@@ -27,5 +28,6 @@ pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Program, Surface};
-pub use report::{Fallback, PLACES_PER_FALLBACK, Report};
+pub use report::{Fallback, Merged, PLACES_PER_FALLBACK, Report};
 pub use solid::{Axis, Node, Plane, Primitive, Solid};
+pub use undecided::{Undecided, Why};

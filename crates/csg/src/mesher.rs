@@ -83,6 +83,9 @@ impl Default for Mesher {
     }
 }
 
+/// The tolerance unless another one is asked for, of the longest side of the bounds.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
 impl Mesher {
     /// To a [`Self::tolerance`] of a thousandth of the longest side of the solid's
     /// bounds, in millimetres; for a solid bounded by planes alone its exact
@@ -256,8 +259,6 @@ impl Mesher {
 
     /// The tolerance where nothing says how fine the mesh should be.
     fn default_tolerance(&self, program: &Program) -> Result<Option<f64>, Error> {
-        /// Of the longest side of the bounds.
-        const SHARE: f64 = 1e-3;
         let is_sized = self.resolution.is_some()
             || self.smallest_feature.is_some()
             || self.tolerance.is_some()
@@ -269,7 +270,7 @@ impl Mesher {
             .bounds()?
             .map_or(0.0, |bounds| bounds.size().max_element());
         // A box without extent holds no solid.
-        Ok(Some(SHARE * size).filter(|&tolerance| tolerance > 0.0))
+        Ok(Some(DEFAULT_TOLERANCE * size).filter(|&tolerance| tolerance > 0.0))
     }
 
     fn goal(&self) -> Result<Option<Goal>, Error> {

@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::limits::LimitReached;
 use crate::mesh::MeshCheck;
 use crate::program::Bounds;
+use crate::undecided::Undecided;
 
 /// How many places of each [`Fallback`] a report keeps.
 pub const PLACES_PER_FALLBACK: usize = 8;
@@ -45,6 +46,11 @@ pub struct Report {
     /// With limits and partial results: what was made larger to stay within
     /// them.
     pub limits_reached: Vec<LimitReached>,
+    /// Where the exact boundary could not be told, once for each try, so that another way
+    /// had to do: more surfaces made one, other chords, or cells.
+    pub undecided: Vec<Undecided>,
+    /// Surfaces that nearly coincide and were made one, if there were any.
+    pub merged: Option<Merged>,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.
@@ -75,6 +81,15 @@ impl Report {
         }
     }
 
+    /// Whether the mesh has the boundary's topology for sure, and [`Self::deviation`]
+    /// holds: it was made from the exact boundary, and nothing had to be settled for.
+    #[must_use]
+    pub fn is_proven(&self) -> bool {
+        matches!(self.method, "polyhedral" | "boundary")
+            && self.complaints() == 0
+            && self.deviation.is_some_and(f64::is_finite)
+    }
+
     /// How many places something had to be settled for in.
     pub(crate) fn complaints(&self) -> usize {
         self.fallbacks.iter().map(|fallback| fallback.count).sum()
@@ -98,6 +113,21 @@ impl Report {
         self.stages.push((name, (now - since).as_secs_f64()));
         now
     }
+}
+
+/// Surfaces too near to each other for a wall or a gap between them, but not the same
+/// but for rounding: the first of them is in the place of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Merged {
+    /// How many surfaces were replaced.
+    pub surfaces: usize,
+    /// Bound on how far any of them is from the one in its place, within the solid's
+    /// bounds, in model units. It is part of [`Report::deviation`].
+    pub moved: f64,
+    /// A point of the surface that was moved farthest: its centre, or a point of its
+    /// axis or plane.
+    pub place: DVec3,
 }
 
 /// One kind of thing that had to be settled for, and where.

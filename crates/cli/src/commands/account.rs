@@ -49,8 +49,27 @@ struct ReportAccount {
     /// Null unless a tolerance was asked for.
     deviation: Option<f64>,
     farthest: Option<[f64; 3]>,
+    /// Whether the deviation holds without any condition.
+    proven: bool,
+    /// Where the exact boundary could not be told, once for each try.
+    undecided: Vec<UndecidedAccount>,
+    /// Null unless surfaces that nearly coincide were made one.
+    merged: Option<MergedAccount>,
     limits_reached: Vec<String>,
     fallbacks: Vec<FallbackAccount>,
+}
+
+#[derive(Debug, Serialize)]
+struct UndecidedAccount {
+    why: &'static str,
+    place: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct MergedAccount {
+    surfaces: usize,
+    moved: f64,
+    place: [f64; 3],
 }
 
 #[derive(Debug, Serialize)]
@@ -111,6 +130,20 @@ impl ReportAccount {
             // JSON knows no infinity.
             deviation: report.deviation.filter(|d| d.is_finite()),
             farthest: report.farthest.map(|p| p.to_array()),
+            proven: report.is_proven(),
+            undecided: report
+                .undecided
+                .iter()
+                .map(|undecided| UndecidedAccount {
+                    why: undecided.why.describe(),
+                    place: undecided.place.to_array(),
+                })
+                .collect(),
+            merged: report.merged.map(|merged| MergedAccount {
+                surfaces: merged.surfaces,
+                moved: merged.moved,
+                place: merged.place.to_array(),
+            }),
             limits_reached: report
                 .limits_reached
                 .iter()
@@ -159,7 +192,23 @@ impl fmt::Display for Account {
         writeln!(f, "state       {state}")?;
         if let Some(report) = &self.report {
             if let Some(deviation) = report.deviation {
-                writeln!(f, "deviation   at most {deviation}")?;
+                let state = match report.proven {
+                    true => "proven",
+                    false => "where the mesh has the solid's topology",
+                };
+                writeln!(f, "deviation   at most {deviation} ({state})")?;
+            }
+            if let Some(merged) = &report.merged {
+                let [x, y, z] = merged.place;
+                writeln!(
+                    f,
+                    "merged      {} surfaces with others at most {} away, one about {x} {y} {z}",
+                    merged.surfaces, merged.moved
+                )?;
+            }
+            for undecided in &report.undecided {
+                let [x, y, z] = undecided.place;
+                writeln!(f, "undecided   {}, near {x} {y} {z}", undecided.why)?;
             }
             for reached in &report.limits_reached {
                 writeln!(f, "limit       {reached}")?;

@@ -20,6 +20,7 @@ use super::roots::Roots;
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
 use super::{Scene, Traced};
 use crate::program::Surface;
+use crate::undecided::{Stop, Why};
 
 #[derive(Clone, Copy, Debug)]
 struct Event {
@@ -76,15 +77,15 @@ const SAME_DIRECTION: f64 = 1e-7;
 
 impl ArcTracer {
     /// Appends all pieces of edges in a block, chords that turn by no more than
-    /// about `turn`, and contacts. None where curves are not known in closed form,
-    /// or so near to other surfaces that it cannot be told what meets along them.
+    /// about `turn`, and contacts. Undecided where curves are not known in closed
+    /// form, or so near to other surfaces that it cannot be told what meets along them.
     pub fn trace(
         &mut self,
         scene: &Scene<'_>,
         block: &Block,
         turn: f64,
         traced: &mut Traced,
-    ) -> Option<()> {
+    ) -> Result<(), Stop> {
         let surface = |id: u32| &scene.surfaces[id as usize];
         // Given back below.
         let mut faces = take(&mut self.faces);
@@ -95,7 +96,7 @@ impl ArcTracer {
             let one = surface(first);
             let frame = scene.frames[first as usize].as_ref();
             if !one.is_plane() && frame.is_none() {
-                return None;
+                return Err(Stop::undecided(Why::Chart, one.anchor()));
             }
             traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
@@ -115,7 +116,10 @@ impl ArcTracer {
                         }));
                         continue;
                     }
-                    Err(Unknown::NoForm) => return None,
+                    Err(Unknown::NoForm) => {
+                        let place = 0.5 * (block.low + block.high);
+                        return Err(Stop::undecided(Why::Curve, place));
+                    }
                 };
                 for Branch { curve, nodes } in &common {
                     let arc = Arc {
@@ -132,10 +136,10 @@ impl ArcTracer {
             }
         }
         self.faces = faces;
-        Some(())
+        Ok(())
     }
 
-    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Option<()> {
+    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Result<(), Stop> {
         let Arc {
             scene,
             block,
@@ -145,13 +149,13 @@ impl ArcTracer {
         let center = 0.5 * (block.low + block.high);
         let reach = 0.5 * (block.high - block.low).length();
         let Some([start, end]) = curve.range(center, reach) else {
-            return Some(());
+            return Ok(());
         };
         if !self.find_events(arc, [start, end])?
             || !self.find_changes(arc, [start, end])
             || self.is_of_lesser(arc, [start, end])
         {
-            return Some(());
+            return Ok(());
         }
         self.places.clear();
         let places = self.events.iter().map(|event| curve.at(event.at));
@@ -169,7 +173,8 @@ impl ArcTracer {
                 if wedges.is_none() && arc.is_short([low, high]) {
                     open.clone()
                 } else {
-                    wedges?
+                    let place = curve.at(0.5 * (low + high));
+                    wedges.ok_or(Stop::undecided(Why::Order, place))?
                 }
             } else {
                 Wedges::new()
@@ -203,14 +208,14 @@ impl ArcTracer {
             };
             arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
         }
-        Some(())
+        Ok(())
     }
 
     /// Finds what ends stretches of a curve, in order. False if the curve is
     /// another pair's to trace: it is the first's of all surfaces through it that may
-    /// carry faces, and the next one's through it that matters there. None if it runs
+    /// carry faces, and the next one's through it that matters there. Undecided if it runs
     /// along a surface so closely that it cannot be told where it crosses.
-    fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Option<bool> {
+    fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Result<bool, Stop> {
         let Arc {
             scene,
             block,
@@ -234,12 +239,12 @@ impl ArcTracer {
             if is_through {
                 let is_between = pair[0] < position && position < pair[1];
                 if is_between || position < pair[0] && arc.carriers.binary_search(&id).is_ok() {
-                    return Some(false);
+                    return Ok(false);
                 }
                 self.through.push(position);
             }
             if self.roots.is_lost {
-                return None;
+                return Err(Stop::undecided(Why::Crossing, at_start));
             }
             if self.roots.simple.len() > 1 {
                 let distance = |t: f64| {
@@ -296,7 +301,7 @@ impl ArcTracer {
             _ => (event.at, NOTHING),
         });
         self.sectors.crossings.extend(crossings);
-        Some(true)
+        Ok(true)
     }
 
     /// Whether a curve lies in a surface that comes before the arc's first one, and

@@ -14,6 +14,7 @@ use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
 use crate::mesh::Mesh;
 use crate::mesher::Task;
+use crate::undecided::{Stop, Why};
 
 /// Triangles of all faces. Where chords of curves run across each other, or along a
 /// diagonal of another face, more of them are made.
@@ -22,10 +23,11 @@ pub(super) fn assemble(
     task: &Task<'_>,
     boundary: &mut Boundary,
     contacts: &[Contact],
-) -> Option<Mesh> {
+) -> Result<Mesh, Stop> {
     const MOST_TRIES: u32 = 6;
     /// Splits make triangles Delaunay again, and with that other diagonals.
     const MOST_SPLITS: u32 = 4;
+    let mut place = DVec3::ZERO;
     for tries in 1..=MOST_TRIES {
         let Cut {
             mut positions,
@@ -33,8 +35,7 @@ pub(super) fn assemble(
             slits,
             triangles,
         } = Cut::new(scene, boundary)?;
-        let triangles: Option<Vec<_>> = triangles.into_iter().collect();
-        let mut triangles = triangles?;
+        let mut triangles: Vec<_> = triangles.into_iter().flatten().collect();
         let faces = &boundary.faces;
         add_contacts(
             scene,
@@ -73,15 +74,16 @@ pub(super) fn assemble(
             doubled = doubled_edges(&triangles, positions.len());
         }
         if doubled.is_empty() {
-            return Some(finished(task, faces, triangles, positions));
+            return Ok(finished(task, faces, triangles, positions));
         }
         let doubled: Vec<[u32; 2]> = doubled.into_iter().map(|(ends, _)| ends).collect();
+        place = positions[doubled[0][0] as usize];
         let chords = boundary.curves_between(scene, &doubled);
         if chords.is_empty() || boundary.split(scene, &chords).is_none() {
-            return None;
+            break;
         }
     }
-    None
+    Err(Stop::undecided(Why::Edge, place))
 }
 
 /// The mesh of all faces' triangles.
@@ -123,27 +125,30 @@ struct Cut {
 }
 
 impl Cut {
-    /// Cuts all faces; none where more chords do not help.
-    fn new(scene: &Scene<'_>, boundary: &mut Boundary) -> Option<Self> {
+    /// Cuts all faces, with more chords where these help.
+    fn new(scene: &Scene<'_>, boundary: &mut Boundary) -> Result<Self, Stop> {
         /// Times that edges of faces that cannot be cut are split.
         const ROUNDS: u32 = 12;
         let mut cut = Self::default();
+        let mut place = DVec3::ZERO;
         let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
         for round in 0..=ROUNDS {
             cut.cut_faces(scene, boundary, &faces);
             let failed = |&face: &u32| cut.triangles[face as usize].is_none();
             let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
-            if failed.is_empty() {
-                return Some(cut);
-            }
-            scene.control.check().ok()?;
+            let Some(&first) = failed.first() else {
+                return Ok(cut);
+            };
+            scene.go_on()?;
+            let corner = cut.contours[first as usize][0][0];
+            place = boundary.points[boundary.at(corner).from as usize];
             let mut splits = Vec::new();
             for face in failed {
                 let contours = &cut.contours[face as usize];
                 boundary.part(scene, face, contours, &mut splits);
             }
             if round == ROUNDS || splits.is_empty() {
-                return None;
+                break;
             }
             let split = boundary.split_all(scene, &splits);
             // The faces on both sides have more corners.
@@ -152,7 +157,7 @@ impl Cut {
             faces.sort_unstable();
             faces.dedup();
         }
-        None
+        Err(Stop::undecided(Why::Face, place))
     }
 
     /// Cuts some faces, for the first time or once more. Vertices keep their

@@ -16,6 +16,7 @@ use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
 use super::{Borders, Scene};
 use crate::program::Surface;
+use crate::undecided::{Stop, Why};
 
 /// An index that stands for nothing.
 pub(super) const NONE: u32 = u32::MAX;
@@ -53,14 +54,18 @@ impl Boundary {
     /// lines disagree, or if the caller does not want to go on.
     ///
     /// Contacts are moved to the vertices at the same places.
-    pub fn link(scene: &Scene<'_>, pieces: &[Piece], contacts: &mut [Contact]) -> Option<Self> {
+    pub fn link(
+        scene: &Scene<'_>,
+        pieces: &[Piece],
+        contacts: &mut [Contact],
+    ) -> Result<Self, Stop> {
         let mut all = Self::default();
         let Welded { points, ends } = weld(scene, pieces, contacts)?;
         all.points = points;
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
         for (piece, [from, to]) in pieces.iter().zip(ends) {
-            scene.control.check().ok()?;
+            scene.go_on()?;
             if from == to {
                 continue;
             }
@@ -87,7 +92,7 @@ impl Boundary {
         all.link_contours(scene)?;
         all.simplify(scene)?;
         all.split_double_edges(scene)?;
-        Some(all)
+        Ok(all)
     }
 
     pub fn at(&self, half_edge: u32) -> &HalfEdge {
@@ -175,14 +180,14 @@ impl Boundary {
     /// A vertex on a straight edge stays if other edges touch it there, where
     /// faces may be pinched between the two; so does an edge within a face that
     /// others touch.
-    fn simplify(&mut self, scene: &Scene<'_>) -> Option<()> {
+    fn simplify(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let mut leaving = vec![0u32; self.points.len()];
         for half_edge in &self.half_edges {
             leaving[half_edge.from as usize] += 1;
         }
         let mut pending: Vec<u32> = (0..self.half_edges.len() as u32).rev().collect();
         while let Some(half_edge) = pending.pop() {
-            scene.control.check().ok()?;
+            scene.go_on()?;
             if self.is_removed(half_edge) {
                 continue;
             }
@@ -248,7 +253,7 @@ impl Boundary {
                 pending.extend([previous, next, opposite, after]);
             }
         }
-        Some(())
+        Ok(())
     }
 
     /// Whether a face of two corners is one between two curves, wider than rounding.
@@ -308,7 +313,7 @@ impl Boundary {
     /// Splits edges that have both vertices in common by vertices in the middles of
     /// their curves, those along the same curve at the same point; none where one cannot
     /// be found.
-    fn split_double_edges(&mut self, scene: &Scene<'_>) -> Option<()> {
+    fn split_double_edges(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);
@@ -324,9 +329,11 @@ impl Boundary {
         let doubled = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
         let doubled: Vec<u32> = doubled.flatten().map(|edge| edge.1).collect();
         if !doubled.is_empty() {
-            self.split(scene, &doubled)?;
+            let at = self.points[self.at(doubled[0]).from as usize];
+            let split = self.split(scene, &doubled);
+            split.ok_or(Stop::undecided(Why::Edge, at))?;
         }
-        Some(())
+        Ok(())
     }
 
     /// One half of each edge along a curve that joins two vertices, by their

@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 
 use super::Scene;
 use super::boundary::{Boundary, NONE};
+use crate::undecided::{Stop, Why};
 
 /// Directions in a face that differ by less are the same, in radians.
 const SAME_DIRECTION: f64 = 1e-9;
@@ -28,7 +29,7 @@ struct Departure {
 impl Boundary {
     /// Finds every half-edge's next: around each vertex and in each face, the
     /// one that starts where the face's sector left of it ends.
-    pub fn link_contours(&mut self, scene: &Scene<'_>) -> Option<()> {
+    pub fn link_contours(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         // Half-edges by the vertex they start from.
         let mut first_at = vec![0u32; self.points.len() + 1];
         for half_edge in &self.half_edges {
@@ -46,7 +47,8 @@ impl Boundary {
         }
         let mut out: SmallVec<[u32; 4]> = SmallVec::new();
         for vertex in 0..self.points.len() {
-            scene.control.check().ok()?;
+            scene.go_on()?;
+            let open = Stop::undecided(Why::Contour, self.points[vertex]);
             let here = first_at[vertex] as usize..first_at[vertex + 1] as usize;
             for k in here.clone() {
                 // Each arrives as another one's twin.
@@ -57,15 +59,15 @@ impl Boundary {
                 out.extend(leaving[here.clone()].iter().copied().filter(same_face));
                 let next = match out.as_slice() {
                     &[only] => only,
-                    many => self.end_of_sector(scene, arriving, many)?,
+                    many => self.end_of_sector(scene, arriving, many).ok_or(open)?,
                 };
                 if self.at(next).previous != NONE {
-                    return None;
+                    return Err(open);
                 }
                 self.join(arriving, next);
             }
         }
-        Some(())
+        Ok(())
     }
 
     /// Of the half-edges that leave the vertex where another arrives, in the

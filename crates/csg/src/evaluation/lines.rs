@@ -8,6 +8,7 @@ use super::cells::Block;
 use super::regions::{Candidate, Finder, merge};
 use super::sectors::{HalfPlane, Sectors, Side, Wedges};
 use super::{Plane, Scene};
+use crate::undecided::{Stop, Why};
 
 /// A piece of an edge: the boundary of the first face runs from `from` to `to`
 /// there, with the face on its left as seen from outside, and that of the
@@ -114,9 +115,14 @@ const ALL_PAIRS: usize = 16;
 const MARGIN: f64 = 100.0;
 
 impl Tracer {
-    /// Appends all pieces of edges in a block. False if more planes than can be
-    /// told apart have one line in common, or the caller does not want to go on.
-    pub fn trace(&mut self, scene: &Scene<'_>, block: &Block, pieces: &mut Vec<Piece>) -> bool {
+    /// Appends all pieces of edges in a block. Undecided if more planes than can be
+    /// told apart have one line in common.
+    pub fn trace(
+        &mut self,
+        scene: &Scene<'_>,
+        block: &Block,
+        pieces: &mut Vec<Piece>,
+    ) -> Result<(), Stop> {
         self.sectors.enter(scene, block);
         let count = block.cell.surfaces.len();
         let mut candidates = std::mem::take(&mut self.candidates);
@@ -137,8 +143,9 @@ impl Tracer {
             }
             merge(&mut candidates);
         }
-        let traced = candidates.iter().all(|candidate| {
-            scene.control.check().is_ok() && self.trace_line(scene, block, candidate, pieces)
+        let traced = candidates.iter().try_for_each(|candidate| {
+            scene.go_on()?;
+            self.trace_line(scene, block, candidate, pieces)
         });
         self.candidates = candidates;
         traced
@@ -179,17 +186,17 @@ impl Tracer {
         block: &Block,
         candidate: &Candidate,
         pieces: &mut Vec<Piece>,
-    ) -> bool {
+    ) -> Result<(), Stop> {
         let pair = candidate.pair;
         let Some(mut line) = Line::of_pair(scene, block, pair) else {
-            return true;
+            return Ok(());
         };
         if !line.clip(block.low, block.high) || !self.cross(scene, block, &line, pair) {
-            return true;
+            return Ok(());
         }
         self.sort_around(scene, block, &line, pair);
         if self.sectors.around.len() > 64 {
-            return false;
+            return Err(Stop::undecided(Why::Order, line.at(line.start)));
         }
         let margin = MARGIN * scene.weld;
         let within = [candidate.start - margin, candidate.end + margin];
@@ -199,7 +206,7 @@ impl Tracer {
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             self.trace_within(scene, block, &line, pair, everywhere, pieces);
         }
-        true
+        Ok(())
     }
 
     /// Traces the stretches between two places; false if edges go on beyond.

@@ -88,6 +88,7 @@ use crate::mesh::Mesh;
 use crate::mesher::Task;
 use crate::program::{Origin, Program, Surface};
 use crate::report::Report;
+use crate::undecided::{Stop, Undecided};
 
 /// By how much chords turn at most, in radians; less where faces cannot be cut
 /// into triangles so.
@@ -108,6 +109,11 @@ const ON_PLANE: f64 = 3e-12;
 /// Curved surfaces nearer to each other than this share of the scene, but not
 /// crossing, touch.
 const NEAR: f64 = 1e-9;
+
+/// Surfaces that are nowhere farther apart than this share of the scene bound walls or
+/// gaps that the stages of the evaluation cannot tell from none: a curve on the one is
+/// on the other, too, by [`ON_PLANE`], or touches it, by [`NEAR`].
+pub(crate) const UNRESOLVED: f64 = NEAR;
 
 /// The box that is cut exceeds the solid's bounds by these shares of its
 /// longest side: irrational, and different on all sides, so that no cut meets
@@ -154,6 +160,11 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
+    /// Whether the caller wants more.
+    pub fn go_on(&self) -> Result<(), Stop> {
+        self.control.check().map_err(|_| Stop::Halted)
+    }
+
     /// Next to where surfaces touch, points nearer to each other may not be told apart:
     /// where a curve touches a surface to the fourth order, the place is known to a
     /// quarter of the digits.
@@ -216,15 +227,15 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 /// Chords of curves turn by no more than about the first of `turns` that will
 /// do.
 ///
-/// None where surfaces meet at so small angles, or so nearly in one point, that
-/// rounding leaves contours open, or where their curves are not known. Takes
-/// about a microsecond a triangle, and where surfaces are curved one for every
-/// three of them in a block.
+/// The inner error says what could not be told, and where: surfaces may meet at so
+/// small angles, or so nearly in one point, that rounding leaves contours open, or
+/// along curves that are not known. Takes about a microsecond a triangle, and where
+/// surfaces are curved one for every three of them in a block.
 pub(crate) fn mesh(
     task: &Task<'_>,
     turns: &[f64],
     report: &mut Report,
-) -> Result<Option<Evaluated>, Error> {
+) -> Result<Result<Evaluated, Undecided>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
@@ -253,77 +264,91 @@ pub(crate) fn mesh(
     report.cells_visited = counts.visited;
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
-    let start = report.end_stage("blocks", start);
-    let evaluated = if is_polyhedral(task.program) {
-        let traced = trace(&scene, &blocks, Tracer::default, |tracer, block, traced| {
-            tracer.trace(&scene, block, &mut traced.pieces)
-        });
-        mesh_of(&scene, task, traced, report, start)?
+    report.end_stage("blocks", start);
+    let is_polyhedral = is_polyhedral(task.program);
+    let evaluated = if is_polyhedral {
+        polyhedral(&scene, task, &blocks, report)
     } else {
-        mesh_of_curved(&scene, task, &blocks, turns, report)?
+        curved(&scene, task, &blocks, turns, report)
     };
-    if let Some(evaluated) = evaluated.as_ref().filter(|_| is_polyhedral(task.program)) {
-        let (deviation, farthest) = deviation(&scene, &evaluated.mesh);
-        report.deviation = Some(deviation);
-        report.farthest = Some(farthest + task.origin);
+    match evaluated {
+        Ok(evaluated) => {
+            if is_polyhedral {
+                let (deviation, farthest) = deviation(&scene, &evaluated.mesh);
+                report.deviation = Some(deviation);
+                report.farthest = Some(farthest + task.origin);
+            }
+            Ok(Ok(evaluated))
+        }
+        Err(Stop::Undecided(undecided)) => Ok(Err(Undecided {
+            place: undecided.place + task.origin,
+            ..undecided
+        })),
+        Err(Stop::Halted) => {
+            task.control.check()?;
+            Err(Error::Cancelled)
+        }
     }
-    Ok(evaluated)
+}
+
+/// The boundary of planes alone.
+fn polyhedral(
+    scene: &Scene<'_>,
+    task: &Task<'_>,
+    blocks: &[Block],
+    report: &mut Report,
+) -> Result<Evaluated, Stop> {
+    let start = Instant::now();
+    let traced = trace(scene, blocks, Tracer::default, |tracer, block, traced| {
+        tracer.trace(scene, block, &mut traced.pieces)
+    })?;
+    linked(scene, task, traced, report, start)
 }
 
 /// The boundary with curved faces: vertices are exact, and edges along curves
 /// chains of chords.
-fn mesh_of_curved(
+fn curved(
     scene: &Scene<'_>,
     task: &Task<'_>,
     blocks: &[Block],
     turns: &[f64],
     report: &mut Report,
-) -> Result<Option<Evaluated>, Error> {
+) -> Result<Evaluated, Stop> {
+    let mut undecided = Stop::Halted;
     for &turn in turns {
         let start = Instant::now();
         let traced = trace(
             scene,
             blocks,
             ArcTracer::default,
-            |tracer, block, traced| tracer.trace(scene, block, turn, traced).is_some(),
-        );
-        if traced.is_none() {
-            break;
-        }
-        let evaluated = mesh_of(scene, task, traced, report, start)?;
-        if evaluated.is_some() {
-            return Ok(evaluated);
+            |tracer, block, traced| tracer.trace(scene, block, turn, traced),
+        )?;
+        match linked(scene, task, traced, report, start) {
+            Err(stop @ Stop::Undecided(_)) => undecided = stop,
+            result => return result,
         }
     }
-    task.control.check()?;
-    Ok(None)
+    Err(undecided)
 }
 
 /// Links pieces to contours, and cuts the faces into triangles.
-fn mesh_of(
+fn linked(
     scene: &Scene<'_>,
     task: &Task<'_>,
-    traced: Option<Traced>,
+    mut traced: Traced,
     report: &mut Report,
     start: Instant,
-) -> Result<Option<Evaluated>, Error> {
-    task.control.check()?;
-    let Some(mut traced) = traced else {
-        return Ok(None);
-    };
+) -> Result<Evaluated, Stop> {
     let start = report.end_stage("edges", start);
-    let boundary = Boundary::link(scene, &traced.pieces, &mut traced.contacts);
-    task.control.check()?;
-    let Some(mut boundary) = boundary else {
-        return Ok(None);
-    };
+    let mut boundary = Boundary::link(scene, &traced.pieces, &mut traced.contacts)?;
+    scene.go_on()?;
     task.control.tell(0.9);
     let start = report.end_stage("contours", start);
-    let mesh = assemble(scene, task, &mut boundary, &traced.contacts);
-    task.control.check()?;
+    let mesh = assemble(scene, task, &mut boundary, &traced.contacts)?;
+    scene.go_on()?;
     report.end_stage("triangles", start);
     let borders = boundary.borders();
-    Ok(mesh.map(|mesh| Evaluated { mesh, borders }))
+    Ok(Evaluated { mesh, borders })
 }
 
 impl Plane {
@@ -367,35 +392,36 @@ fn trace<T>(
     scene: &Scene<'_>,
     blocks: &[Block],
     tracer: impl Fn() -> T + Sync,
-    trace: impl Fn(&mut T, &Block, &mut Traced) -> bool + Sync,
-) -> Option<Traced> {
+    trace: impl Fn(&mut T, &Block, &mut Traced) -> Result<(), Stop> + Sync,
+) -> Result<Traced, Stop> {
     /// Blocks that are worth handing to another thread.
     const AT_ONCE: usize = 64;
     let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {
         let mut tracer = tracer();
         let mut traced = Traced::default();
-        let is_known = blocks.iter().all(|block| {
+        for block in blocks {
             let before = traced.pieces.len();
-            let is_known = trace(&mut tracer, block, &mut traced);
+            trace(&mut tracer, block, &mut traced)?;
             stage.add(1);
             let bytes = BYTES_PER_PIECE * (traced.pieces.len() - before);
-            is_known && scene.control.spend(0, bytes as u64).is_ok()
-        });
-        is_known.then_some(traced)
+            let spent = scene.control.spend(0, bytes as u64);
+            spent.map_err(|_| Stop::Halted)?;
+        }
+        Ok(traced)
     };
     if blocks.len() <= AT_ONCE {
         return trace_some(blocks);
     }
     // All of them, whichever fails first: what is spent must not depend on it.
-    let parts: Vec<Option<Traced>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
+    let parts: Vec<Result<Traced, Stop>> = blocks.par_chunks(AT_ONCE).map(trace_some).collect();
     let mut all = Traced::default();
     for part in parts {
         let part = part?;
         all.pieces.extend(part.pieces);
         all.contacts.extend(part.contacts);
     }
-    Some(all)
+    Ok(all)
 }
 
 /// The largest distance of a vertex from a plane of its triangles, and where.

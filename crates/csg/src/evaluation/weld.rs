@@ -11,6 +11,7 @@ use super::contacts::Contact;
 use super::lines::Piece;
 use crate::net::solve;
 use crate::program::Surface;
+use crate::undecided::Stop;
 
 /// Of the distances that rounding makes: farther from a surface a point is off it.
 const OFF: f64 = 100.0;
@@ -22,13 +23,13 @@ pub(super) struct Welded {
     pub ends: Vec<[u32; 2]>,
 }
 
-/// Finds the vertices of pieces, and moves contacts to those at the same places. None
-/// if the caller does not want to go on.
+/// Finds the vertices of pieces, and moves contacts to those at the same places.
+/// Ends early only if the caller does not want to go on.
 pub(super) fn weld(
     scene: &Scene<'_>,
     pieces: &[Piece],
     contacts: &mut [Contact],
-) -> Option<Welded> {
+) -> Result<Welded, Stop> {
     let mut welder = Welder::new(scene.weld);
     // Vertices at apexes of cones are there to the last bit.
     for apex in scene.surfaces.iter().filter_map(Surface::apex) {
@@ -39,7 +40,7 @@ pub(super) fn weld(
     // Pieces by vertices in which points are together that differ.
     let mut mixed: FxHashMap<u32, SmallVec<[usize; 8]>> = FxHashMap::default();
     for piece in pieces {
-        scene.control.check().ok()?;
+        scene.go_on()?;
         ends.push([piece.from, piece.to].map(|point| {
             let vertex = welder.number(point);
             if welder.points[vertex as usize].distance(point) > OFF * scene.rounding {
@@ -63,7 +64,7 @@ pub(super) fn weld(
         mixed.sort_unstable();
         welded.contract(scene, pieces, mixed);
     }
-    Some(welded)
+    Ok(welded)
 }
 
 /// Numbers contacts, and makes one of those between the same surfaces, or some of

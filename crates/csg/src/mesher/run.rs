@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::fit::{HALVINGS, fit, is_too_much};
-use super::{Meshed, Mesher, Method, Task};
+use super::{DEFAULT_TOLERANCE, Meshed, Mesher, Method, Task};
 use crate::adapt;
 use crate::control::Control;
 use crate::draft;
@@ -19,15 +19,38 @@ use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
 use crate::net;
-use crate::program::{Bounds, Program};
+use crate::program::{Bounds, Program, Settled};
 use crate::refine::{Goal, Unkept};
-use crate::report::Report;
+use crate::report::{Merged, Report};
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
 const CHECK_BYTES: usize = 100;
 
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
+
+/// Of the tolerance: surfaces nearer to each other may be made one.
+const UNSEEN: f64 = 0.01;
+
+/// Which surfaces that nearly coincide are made one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Settling {
+    /// Those that cannot be told apart where boundaries are evaluated.
+    Unresolved,
+    /// Those that are in the same place to as many decimals as are a small share of the
+    /// tolerance, to which all are rounded.
+    Rounded,
+    /// The same as first, and then all are moved on their own by such a share.
+    Stirred,
+}
+
+impl Settling {
+    /// Whether nothing is left of the solid because surfaces were moved: walls thinner
+    /// than that are better meshed in another way than lost.
+    fn has_lost(self, evaluated: &Evaluated) -> bool {
+        self != Self::Unresolved && evaluated.mesh.triangles.is_empty()
+    }
+}
 
 /// A mesher with valid options at work.
 pub(super) struct Run<'a> {
@@ -155,19 +178,37 @@ impl<'a> Run<'a> {
     /// The exact boundary of planes; none where it could not be closed.
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
-        let task = Task::new(self.program, loose, 0.0, &control);
-        let Some(Evaluated { mut mesh, .. }) = evaluation::mesh(&task, &[], report)? else {
-            return Ok(None);
-        };
-        self.check_size(&mesh, &control)?;
-        move_by(&mut mesh.positions, task.origin);
-        report.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
-        if self.mesher.check {
-            for place in crossings(&mesh) {
-                report.add_fallback(Unkept::Crossing.describe(), place);
+        let before = report.clone();
+        for settling in [Settling::Unresolved, Settling::Rounded, Settling::Stirred] {
+            let mut attempt = before.clone();
+            attempt.undecided.clone_from(&report.undecided);
+            let settled = self.settle(&loose, settling, &mut attempt)?;
+            if settling == Settling::Rounded && settled.is_none() {
+                break;
             }
+            let program = settled.as_ref().map_or(self.program, |s| &s.program);
+            let task = Task::new(program, loose, 0.0, &control);
+            let mut mesh = match evaluation::mesh(&task, &[], &mut attempt)? {
+                Ok(evaluated) if settling.has_lost(&evaluated) => continue,
+                Ok(Evaluated { mesh, .. }) => mesh,
+                Err(undecided) => {
+                    report.undecided.push(undecided);
+                    continue;
+                }
+            };
+            add_moved(settled.as_ref(), &mut attempt);
+            self.check_size(&mesh, &control)?;
+            move_by(&mut mesh.positions, task.origin);
+            attempt.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
+            if self.mesher.check {
+                for place in crossings(&mesh) {
+                    attempt.add_fallback(Unkept::Crossing.describe(), place);
+                }
+            }
+            *report = attempt;
+            return Ok(Some(mesh));
         }
-        Ok(Some(mesh))
+        Ok(None)
     }
 
     /// The mesh by cells; where time is limited and a partial result welcome,
@@ -304,7 +345,7 @@ impl<'a> Run<'a> {
         &self,
         task: &Task<'_>,
         factor: f64,
-        report: &Report,
+        report: &mut Report,
     ) -> Result<Option<(Mesh, Report)>, Error> {
         let Some(goal) = &self.goal else {
             return Ok(None);
@@ -314,46 +355,103 @@ impl<'a> Run<'a> {
             return Ok(None);
         }
         let control = self.control.again(Demand::ExactBoundary);
-        let task = task.with(&control);
+        let bounds = task.bounds();
         let goal = Goal {
             even_curves: true,
             ..goal.loosened(factor)
         };
         let mut best: Option<(Mesh, Report)> = None;
-        for turns in [
-            &evaluation::LONG_CHORDS[..],
-            &evaluation::SHORT_CHORDS,
-            &evaluation::SHORTEST_CHORDS,
+        for (settling, turns) in [
+            (Settling::Unresolved, &evaluation::LONG_CHORDS[..]),
+            (Settling::Rounded, &evaluation::LONG_CHORDS),
+            (Settling::Stirred, &evaluation::LONG_CHORDS),
+            (Settling::Unresolved, &evaluation::SHORT_CHORDS),
+            (Settling::Unresolved, &evaluation::SHORTEST_CHORDS),
         ] {
-            let mut report = report.clone();
-            report.method = "boundary";
-            let attempt = evaluation::mesh(&task, turns, &mut report).and_then(|evaluated| {
-                let Some(Evaluated { mut mesh, borders }) = evaluated else {
-                    return Ok(None);
+            let mut attempt = report.clone();
+            attempt.method = "boundary";
+            let settled = self.settle(&bounds, settling, &mut attempt)?;
+            if settling == Settling::Rounded && settled.is_none() {
+                continue;
+            }
+            let task = match &settled {
+                Some(settled) => Task::new(&settled.program, bounds, task.cell, &control),
+                None => task.with(&control),
+            };
+            let made = evaluation::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
+                let Evaluated { mut mesh, borders } = match evaluated {
+                    Ok(evaluated) if settling.has_lost(&evaluated) => return Ok(None),
+                    Ok(evaluated) => evaluated,
+                    Err(undecided) => {
+                        report.undecided.push(undecided);
+                        return Ok(None);
+                    }
                 };
-                self.refine(&mut mesh, borders, &task, &goal, &mut report)?;
+                self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
+                add_moved(settled.as_ref(), &mut attempt);
                 Ok(Some(mesh))
             });
-            let mesh = match attempt {
+            let mesh = match made {
                 Ok(Some(mesh)) => mesh,
-                Ok(None) => break,
+                Ok(None) => continue,
                 // Cells may be larger.
                 Err(error) if is_too_much(&error).is_some() => break,
                 Err(error) => return Err(error),
             };
-            let is_final = is_final(&report);
-            let complaints = report.complaints();
+            let is_final = is_final(&attempt);
+            let complaints = attempt.complaints();
             if best
                 .as_ref()
                 .is_none_or(|best| complaints < best.1.complaints())
             {
-                best = Some((mesh, report));
+                best = Some((mesh, attempt));
             }
             if is_final {
                 break;
             }
         }
         Ok(best)
+    }
+
+    /// The program with surfaces that nearly coincide made one, if there are any.
+    fn settle(
+        &self,
+        bounds: &Bounds,
+        settling: Settling,
+        report: &mut Report,
+    ) -> Result<Option<Settled>, Error> {
+        let size = bounds.size();
+        let tolerance = self.goal.as_ref().map(|goal| goal.tolerance);
+        let unseen = UNSEEN * tolerance.unwrap_or(DEFAULT_TOLERANCE * size.max_element());
+        let unresolved = evaluation::UNRESOLVED * size.max_element();
+        let ball = (bounds.center(), 0.5 * size.length());
+        let settled = match settling {
+            Settling::Unresolved => {
+                let within = unresolved.min(unseen);
+                self.program.settled(ball, within, unseen)?
+            }
+            Settling::Rounded => self.program.rounded(ball, unseen)?,
+            Settling::Stirred => {
+                let within = unresolved.min(unseen);
+                let settled = self.program.settled(ball, within, unseen)?;
+                let program = settled.as_ref().map_or(self.program, |s| &s.program);
+                let stirred = program.stirred(ball, unseen)?;
+                stirred.map(|stirred| match settled {
+                    Some(settled) => Settled {
+                        merged: settled.merged,
+                        moved: settled.moved + stirred.moved,
+                        ..stirred
+                    },
+                    None => stirred,
+                })
+            }
+        };
+        report.merged = settled.as_ref().map(|settled| Merged {
+            surfaces: settled.merged,
+            moved: settled.moved,
+            place: settled.place,
+        });
+        Ok(settled)
     }
 
     /// Whether a finished mesh is within the limits, with what it still gets.
@@ -371,6 +469,13 @@ impl<'a> Run<'a> {
 /// be reported, or what was asked for does not fit a limit.
 fn is_final(report: &Report) -> bool {
     report.complaints() == 0 || !report.limits_reached.is_empty()
+}
+
+/// Counts how far surfaces were moved as deviation.
+fn add_moved(settled: Option<&Settled>, report: &mut Report) {
+    if let (Some(settled), Some(deviation)) = (settled, &mut report.deviation) {
+        *deviation += settled.moved;
+    }
 }
 
 fn is_too_late(error: &Error) -> bool {

@@ -40,6 +40,14 @@ impl<'a> Task<'a> {
         }
     }
 
+    /// The solid's bounds.
+    pub(super) fn bounds(&self) -> Bounds {
+        Bounds {
+            min: self.origin - 0.5 * self.size,
+            max: self.origin + 0.5 * self.size,
+        }
+    }
+
     /// The same under another control.
     pub(super) fn with<'b>(&self, control: &'b Control) -> Task<'b>
     where

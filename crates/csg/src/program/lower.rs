@@ -9,6 +9,8 @@
 
 mod builder;
 
+pub(super) use self::builder::simplified;
+
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};

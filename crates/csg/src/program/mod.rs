@@ -8,6 +8,7 @@ mod formula;
 mod local;
 mod lower;
 mod quadric;
+mod settle;
 mod surface;
 mod unify;
 
@@ -23,6 +24,7 @@ pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
 pub(crate) use quadric::{eigen as eigen_symmetric, jacobi};
+pub(crate) use settle::Settled;
 pub(crate) use surface::roots_between;
 
 pub use formula::{Formula, Gate, Literal, Operand, Operation};

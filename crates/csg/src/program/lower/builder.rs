@@ -61,7 +61,10 @@ impl Builder {
             });
         }
         self.formula.literals.push(literal);
-        self.stamps.resize(2 * self.table.len(), 0);
+        let needed = 2 * (literal.surface as usize + 1);
+        if self.stamps.len() < needed {
+            self.stamps.resize(needed.max(2 * self.table.len()), 0);
+        }
         Ok(Operand::Literal(index as u32))
     }
 
@@ -234,6 +237,26 @@ impl Builder {
         });
         Ok(Operand::Gate((self.formula.gates.len() - 1) as u32))
     }
+}
+
+/// A formula whose literals have come to name other surfaces, simplified anew.
+pub(crate) fn simplified(formula: &Formula) -> Result<Formula, Error> {
+    let mut builder = Builder::default();
+    for &literal in &formula.literals {
+        builder.literal(literal)?;
+    }
+    let mut values: Vec<Operand> = Vec::with_capacity(formula.gates.len());
+    let value = |operand: Operand, values: &[Operand]| match operand {
+        Operand::Gate(gate) => values[gate as usize],
+        other => other,
+    };
+    for gate in &formula.gates {
+        let operands = formula.operands_of(gate).iter();
+        let operands: Vec<Operand> = operands.map(|&o| value(o, &values)).collect();
+        values.push(builder.combine(gate.operation, &operands)?);
+    }
+    builder.formula.root = value(formula.root, &values);
+    Ok(compact(&builder.formula))
 }
 
 /// The formula without literals and gates that nothing uses.
