@@ -14,3 +14,4 @@ mod random;
 mod random_solids;
 mod reference_scenes;
 mod tolerance;
+mod twins;

@@ -112,8 +112,15 @@ const NEAR: f64 = 1e-9;
 
 /// Surfaces that are nowhere farther apart than this share of the scene bound walls or
 /// gaps that the stages of the evaluation cannot tell from none: a curve on the one is
-/// on the other, too, by [`ON_PLANE`], or touches it, by [`NEAR`].
-pub(crate) const UNRESOLVED: f64 = NEAR;
+/// on the other, too, by [`ON_PLANE`], or touches it, by [`NEAR`]. Planes alone are
+/// told apart as far as their vertices are, by [`WELD`].
+pub(crate) fn unresolved(program: &Program) -> f64 {
+    if is_polyhedral(program) {
+        3.0 * WELD
+    } else {
+        NEAR
+    }
+}
 
 /// The box that is cut exceeds the solid's bounds by these shares of its
 /// longest side: irrational, and different on all sides, so that no cut meets

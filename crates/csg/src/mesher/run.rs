@@ -387,6 +387,12 @@ impl<'a> Run<'a> {
                         return Ok(None);
                     }
                 };
+                // Together with the moves it is what was asked for.
+                let moved = settled.as_ref().map_or(0.0, |settled| settled.moved);
+                let goal = Goal {
+                    promised: goal.promised - moved,
+                    ..goal.loosened(1.0 - moved / goal.tolerance)
+                };
                 self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
                 add_moved(settled.as_ref(), &mut attempt);
                 Ok(Some(mesh))
@@ -423,7 +429,7 @@ impl<'a> Run<'a> {
         let size = bounds.size();
         let tolerance = self.goal.as_ref().map(|goal| goal.tolerance);
         let unseen = UNSEEN * tolerance.unwrap_or(DEFAULT_TOLERANCE * size.max_element());
-        let unresolved = evaluation::UNRESOLVED * size.max_element();
+        let unresolved = evaluation::unresolved(self.program) * size.max_element();
         let ball = (bounds.center(), 0.5 * size.length());
         let settled = match settling {
             Settling::Unresolved => {
