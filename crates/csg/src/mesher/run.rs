@@ -363,10 +363,10 @@ impl<'a> Run<'a> {
         let mut best: Option<(Mesh, Report)> = None;
         for (settling, turns) in [
             (Settling::Unresolved, &evaluation::LONG_CHORDS[..]),
-            (Settling::Rounded, &evaluation::LONG_CHORDS),
-            (Settling::Stirred, &evaluation::LONG_CHORDS),
             (Settling::Unresolved, &evaluation::SHORT_CHORDS),
             (Settling::Unresolved, &evaluation::SHORTEST_CHORDS),
+            (Settling::Rounded, &evaluation::LONG_CHORDS),
+            (Settling::Stirred, &evaluation::LONG_CHORDS),
         ] {
             let mut attempt = report.clone();
             attempt.method = "boundary";
