@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 56] = [
+const MODELS: [&str; 59] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -138,6 +138,7 @@ const MODELS: [&str; 56] = [
     "flat-triangle",
     "half-cone",
     "half-hourglass",
+    "half-twin-balls",
     "hourglass",
     "island-touching-its-hole",
     "near-cylinders",
@@ -165,6 +166,8 @@ const MODELS: [&str; 56] = [
     "thin-lens",
     "thin-wall",
     "turned-over-face",
+    "twin-balls",
+    "twin-hollows",
     "wedge",
 ];
 

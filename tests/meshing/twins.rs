@@ -13,11 +13,14 @@ fn mesh(solid: &Solid) -> Meshed {
     meshed.expect("a mesh")
 }
 
-/// A mesh with nothing to be reported, of about a volume.
+/// A mesh with nothing to be reported but what was merged, of about a volume.
 fn check(what: &str, solid: &Solid, volume: f64) {
     let Meshed { mesh, report, .. } = mesh(solid);
     assert!(report.check.is_manifold(), "{what}: {}", report.check);
-    assert!(report.is_proven(), "{what}: {report:?}");
+    assert_eq!(report.fallbacks, [], "{what}");
+    assert_eq!(report.is_proven(), report.moved.is_none(), "{what}");
+    let deviation = report.deviation.expect("a bound");
+    assert!(deviation <= TOLERANCE, "{what}: {deviation}");
     assert!(
         report.undecided.is_empty(),
         "{what}: {:?}",
@@ -68,9 +71,13 @@ fn faces_that_nearly_lie_in_each_other_join() {
 #[test]
 fn what_is_merged_is_told() {
     let twins = Solid::sphere(1.0) | Solid::sphere(1.0 - 1e-12);
-    let merged = mesh(&twins).report.merged.expect("they are merged");
-    assert_eq!(merged.surfaces, 1);
-    assert!((merged.moved - 1e-12).abs() < 1e-15, "{}", merged.moved);
+    let merged = mesh(&twins).report.moved.expect("they are merged");
+    assert_eq!(merged.merged, 1);
+    assert!(
+        (merged.distance - 1e-12).abs() < 1e-15,
+        "{}",
+        merged.distance
+    );
     // The same through another chain of maps is the same: nothing is merged.
     let there_and_back = Solid::cylinder(0.5, -1.0..1.0)
         .rotate_x(0.3)
@@ -78,7 +85,7 @@ fn what_is_merged_is_told() {
         .translate([-0.1, -0.2, -0.3])
         .rotate_x(-0.3);
     let same = Solid::cylinder(0.5, -1.0..1.0) | there_and_back;
-    assert_eq!(mesh(&same).report.merged, None);
+    assert_eq!(mesh(&same).report.moved, None);
 }
 
 /// Numbers that miss round ones by little, of solids that touch there.

@@ -434,3 +434,28 @@ fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
         assert!(!output.status.success(), "{wrong}");
     }
 }
+
+#[test]
+fn surfaces_that_were_made_one_are_told() {
+    let folder = Folder::new();
+    let twins = "union() { sphere(r = 1); sphere(r = 0.999999999999); }";
+    fs::write(folder.file("twins.csg"), twins).expect("a file");
+    fs::write(folder.file("ball.csg"), "sphere(r = 1);").expect("a file");
+    let measure = |name: &str| -> Value {
+        let output = folder.run(&format!("measure {name} --tolerance 0.01 --json -"));
+        serde_json::from_slice(&succeeded(&output).stdout).expect("JSON")
+    };
+    let report = &measure("twins.csg")["report"];
+    assert_eq!(report["moved"]["merged"], 1);
+    assert_eq!(report["proven"], false);
+    assert_eq!(report["undecided"], Value::Array(vec![]));
+    let report = &measure("ball.csg")["report"];
+    assert_eq!(report["moved"], Value::Null);
+    assert_eq!(report["proven"], true);
+    let output = folder.run("measure twins.csg --tolerance 0.01");
+    let text = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+    assert!(
+        text.contains("moved       surfaces by at most 0.000000000001"),
+        "{text}"
+    );
+}

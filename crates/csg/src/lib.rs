@@ -28,6 +28,6 @@ pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Program, Surface};
-pub use report::{Fallback, Merged, PLACES_PER_FALLBACK, Report};
+pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
 pub use solid::{Axis, Node, Plane, Primitive, Solid};
 pub use undecided::{Undecided, Why};

@@ -47,10 +47,10 @@ pub struct Report {
     /// them.
     pub limits_reached: Vec<LimitReached>,
     /// Where the exact boundary could not be told, once for each try, so that another way
-    /// had to do: more surfaces made one, other chords, or cells.
+    /// had to do: other chords, surfaces that are moved, or cells.
     pub undecided: Vec<Undecided>,
-    /// Surfaces that nearly coincide and were made one, if there were any.
-    pub merged: Option<Merged>,
+    /// What was done to surfaces that nearly coincide or touch, if anything was.
+    pub moved: Option<Moved>,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
     /// Closed, oriented, manifold? Checked on the finished mesh.
@@ -81,11 +81,13 @@ impl Report {
         }
     }
 
-    /// Whether the mesh has the boundary's topology for sure, and [`Self::deviation`]
-    /// holds: it was made from the exact boundary, and nothing had to be settled for.
+    /// Whether [`Self::deviation`] holds without any condition: the mesh was made from
+    /// the exact boundary, of surfaces none of which was moved, and nothing had to be
+    /// settled for.
     #[must_use]
     pub fn is_proven(&self) -> bool {
         matches!(self.method, "polyhedral" | "boundary")
+            && self.moved.is_none()
             && self.complaints() == 0
             && self.deviation.is_some_and(f64::is_finite)
     }
@@ -115,16 +117,18 @@ impl Report {
     }
 }
 
-/// Surfaces too near to each other for a wall or a gap between them, but not the same
-/// but for rounding: the first of them is in the place of all.
+/// Surfaces that are not where the program has them: too near to each other for a wall
+/// or a gap between them, so that one is in the place of several, or moved because it
+/// could not be told what they do where they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Merged {
-    /// How many surfaces were replaced.
-    pub surfaces: usize,
-    /// Bound on how far any of them is from the one in its place, within the solid's
-    /// bounds, in model units. It is part of [`Report::deviation`].
-    pub moved: f64,
+pub struct Moved {
+    /// How many surfaces were replaced by another one.
+    pub merged: usize,
+    /// Bound on how far any surface was moved, within the solid's bounds, in model
+    /// units. It is part of [`Report::deviation`], but walls, gaps and contacts of such
+    /// a size may be lost or new.
+    pub distance: f64,
     /// A point of the surface that was moved farthest: its centre, or a point of its
     /// axis or plane.
     pub place: DVec3,

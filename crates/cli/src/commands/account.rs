@@ -53,8 +53,8 @@ struct ReportAccount {
     proven: bool,
     /// Where the exact boundary could not be told, once for each try.
     undecided: Vec<UndecidedAccount>,
-    /// Null unless surfaces that nearly coincide were made one.
-    merged: Option<MergedAccount>,
+    /// Null unless surfaces that nearly coincide or touch were moved.
+    moved: Option<MovedAccount>,
     limits_reached: Vec<String>,
     fallbacks: Vec<FallbackAccount>,
 }
@@ -66,9 +66,9 @@ struct UndecidedAccount {
 }
 
 #[derive(Debug, Serialize)]
-struct MergedAccount {
-    surfaces: usize,
-    moved: f64,
+struct MovedAccount {
+    merged: usize,
+    distance: f64,
     place: [f64; 3],
 }
 
@@ -139,10 +139,10 @@ impl ReportAccount {
                     place: undecided.place.to_array(),
                 })
                 .collect(),
-            merged: report.merged.map(|merged| MergedAccount {
-                surfaces: merged.surfaces,
-                moved: merged.moved,
-                place: merged.place.to_array(),
+            moved: report.moved.map(|moved| MovedAccount {
+                merged: moved.merged,
+                distance: moved.distance,
+                place: moved.place.to_array(),
             }),
             limits_reached: report
                 .limits_reached
@@ -198,12 +198,12 @@ impl fmt::Display for Account {
                 };
                 writeln!(f, "deviation   at most {deviation} ({state})")?;
             }
-            if let Some(merged) = &report.merged {
-                let [x, y, z] = merged.place;
+            if let Some(moved) = &report.moved {
+                let [x, y, z] = moved.place;
                 writeln!(
                     f,
-                    "merged      {} surfaces with others at most {} away, one about {x} {y} {z}",
-                    merged.surfaces, merged.moved
+                    "moved       surfaces by at most {} ({} made one with others), as about {x} {y} {z}",
+                    moved.distance, moved.merged
                 )?;
             }
             for undecided in &report.undecided {

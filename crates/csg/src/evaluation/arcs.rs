@@ -117,8 +117,7 @@ impl ArcTracer {
                         continue;
                     }
                     Err(Unknown::NoForm) => {
-                        let place = 0.5 * (block.low + block.high);
-                        return Err(Stop::undecided(Why::Curve, place));
+                        return Err(Stop::undecided(Why::Curve, block.center()));
                     }
                 };
                 for Branch { curve, nodes } in &common {
@@ -146,9 +145,8 @@ impl ArcTracer {
             curve,
             ..
         } = *arc;
-        let center = 0.5 * (block.low + block.high);
         let reach = 0.5 * (block.high - block.low).length();
-        let Some([start, end]) = curve.range(center, reach) else {
+        let Some([start, end]) = curve.range(block.center(), reach) else {
             return Ok(());
         };
         if !self.find_events(arc, [start, end])?
@@ -244,7 +242,7 @@ impl ArcTracer {
                 self.through.push(position);
             }
             if self.roots.is_lost {
-                return Err(Stop::undecided(Why::Crossing, at_start));
+                return Err(Stop::undecided(Why::Crossing, block.center()));
             }
             if self.roots.simple.len() > 1 {
                 let distance = |t: f64| {

@@ -50,8 +50,8 @@ pub(super) struct Boundary {
 }
 
 impl Boundary {
-    /// Links pieces; none if they do not close, where rounding made blocks and
-    /// lines disagree, or if the caller does not want to go on.
+    /// Links pieces; undecided if they do not close, where rounding made blocks and
+    /// lines disagree.
     ///
     /// Contacts are moved to the vertices at the same places.
     pub fn link(
@@ -311,8 +311,8 @@ impl Boundary {
     }
 
     /// Splits edges that have both vertices in common by vertices in the middles of
-    /// their curves, those along the same curve at the same point; none where one cannot
-    /// be found.
+    /// their curves, those along the same curve at the same point; undecided where one
+    /// cannot be found.
     fn split_double_edges(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.

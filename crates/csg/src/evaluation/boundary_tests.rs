@@ -11,6 +11,7 @@ use super::sectors::Side;
 use super::{Plane, Scene};
 use crate::control::Control;
 use crate::program::Surface;
+use crate::undecided::{Stop, Undecided, Why};
 
 const WELD: f64 = 1e-11;
 const NEAR: f64 = 1e-9;
@@ -227,4 +228,27 @@ fn contacts_that_cannot_be_told_apart_are_one() {
         contact(apart, &[0, 2, 3]),
         contact(0.0, &[0, 2, 3])
     ));
+}
+
+/// Two planes meet along one edge, and nothing goes on from its ends.
+#[test]
+fn pieces_that_do_not_close_are_undecided_at_their_end() {
+    let across = Surface {
+        linear: DVec3::X,
+        ..plane(0.0)
+    };
+    let ends = [DVec3::ZERO, DVec3::Y];
+    // The way back is another face's.
+    let pieces = [
+        piece(ends, [side(0, true), side(1, true)]),
+        piece(ends, [side(0, true), side(1, false)]),
+    ];
+    let linked = with_scene(&[plane(0.0), across], |scene| {
+        Boundary::link(scene, &pieces, &mut []).err()
+    });
+    let Some(Stop::Undecided(Undecided { why, place })) = linked else {
+        panic!("{linked:?}");
+    };
+    assert_eq!(why, Why::Contour);
+    assert!(ends.contains(&place), "{place}");
 }

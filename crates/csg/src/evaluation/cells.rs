@@ -16,6 +16,10 @@ pub(super) struct Block {
 }
 
 impl Block {
+    pub fn center(&self) -> DVec3 {
+        0.5 * (self.low + self.high)
+    }
+
     /// Whether a point is in this block and in no neighbour.
     pub fn contains(&self, point: DVec3) -> bool {
         point.cmpge(self.low).all() && point.cmplt(self.high).all()

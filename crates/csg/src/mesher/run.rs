@@ -1,6 +1,7 @@
 //! One run of a mesher: which way the mesh is made, what is done when it fails
 //! or costs too much, and what a finished mesh still gets.
 
+mod settling;
 mod tolerance;
 
 use std::time::Instant;
@@ -8,8 +9,9 @@ use std::time::Instant;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use self::settling::Settling;
 use super::fit::{HALVINGS, fit, is_too_much};
-use super::{DEFAULT_TOLERANCE, Meshed, Mesher, Method, Task};
+use super::{Meshed, Mesher, Method, Task};
 use crate::adapt;
 use crate::control::Control;
 use crate::draft;
@@ -19,38 +21,15 @@ use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
 use crate::net;
-use crate::program::{Bounds, Program, Settled};
+use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
-use crate::report::{Merged, Report};
+use crate::report::Report;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
 const CHECK_BYTES: usize = 100;
 
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
-
-/// Of the tolerance: surfaces nearer to each other may be made one.
-const UNSEEN: f64 = 0.01;
-
-/// Which surfaces that nearly coincide are made one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Settling {
-    /// Those that cannot be told apart where boundaries are evaluated.
-    Unresolved,
-    /// Those that are in the same place to as many decimals as are a small share of the
-    /// tolerance, to which all are rounded.
-    Rounded,
-    /// The same as first, and then all are moved on their own by such a share.
-    Stirred,
-}
-
-impl Settling {
-    /// Whether nothing is left of the solid because surfaces were moved: walls thinner
-    /// than that are better meshed in another way than lost.
-    fn has_lost(self, evaluated: &Evaluated) -> bool {
-        self != Self::Unresolved && evaluated.mesh.triangles.is_empty()
-    }
-}
 
 /// A mesher with valid options at work.
 pub(super) struct Run<'a> {
@@ -178,16 +157,12 @@ impl<'a> Run<'a> {
     /// The exact boundary of planes; none where it could not be closed.
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
-        let before = report.clone();
-        for settling in [Settling::Unresolved, Settling::Rounded, Settling::Stirred] {
-            let mut attempt = before.clone();
-            attempt.undecided.clone_from(&report.undecided);
-            let settled = self.settle(&loose, settling, &mut attempt)?;
-            if settling == Settling::Rounded && settled.is_none() {
-                break;
-            }
-            let program = settled.as_ref().map_or(self.program, |s| &s.program);
-            let task = Task::new(program, loose, 0.0, &control);
+        for settling in Settling::ALL {
+            let mut attempt = report.clone();
+            let Some(settled) = self.settle(&loose, settling, &mut attempt)? else {
+                continue;
+            };
+            let task = Task::new(settled.program(self.program), loose, 0.0, &control);
             let mut mesh = match evaluation::mesh(&task, &[], &mut attempt)? {
                 Ok(evaluated) if settling.has_lost(&evaluated) => continue,
                 Ok(Evaluated { mesh, .. }) => mesh,
@@ -196,7 +171,7 @@ impl<'a> Run<'a> {
                     continue;
                 }
             };
-            add_moved(settled.as_ref(), &mut attempt);
+            settled.add_to(&mut attempt);
             self.check_size(&mesh, &control)?;
             move_by(&mut mesh.positions, task.origin);
             attempt.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
@@ -361,103 +336,55 @@ impl<'a> Run<'a> {
             ..goal.loosened(factor)
         };
         let mut best: Option<(Mesh, Report)> = None;
-        for (settling, turns) in [
-            (Settling::Unresolved, &evaluation::LONG_CHORDS[..]),
-            (Settling::Unresolved, &evaluation::SHORT_CHORDS),
-            (Settling::Unresolved, &evaluation::SHORTEST_CHORDS),
-            (Settling::Rounded, &evaluation::LONG_CHORDS),
-            (Settling::Stirred, &evaluation::LONG_CHORDS),
-        ] {
-            let mut attempt = report.clone();
-            attempt.method = "boundary";
-            let settled = self.settle(&bounds, settling, &mut attempt)?;
-            if settling == Settling::Rounded && settled.is_none() {
+        for settling in Settling::ALL {
+            let mut settled_report = report.clone();
+            let Some(settled) = self.settle(&bounds, settling, &mut settled_report)? else {
                 continue;
-            }
-            let task = match &settled {
-                Some(settled) => Task::new(&settled.program, bounds, task.cell, &control),
+            };
+            let task = match settled.moved() {
+                Some(moved) => Task::new(&moved.program, bounds, task.cell, &control),
                 None => task.with(&control),
             };
-            let made = evaluation::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
-                let Evaluated { mut mesh, borders } = match evaluated {
-                    Ok(evaluated) if settling.has_lost(&evaluated) => return Ok(None),
-                    Ok(evaluated) => evaluated,
-                    Err(undecided) => {
-                        report.undecided.push(undecided);
-                        return Ok(None);
-                    }
+            // Together with the moves it is what was asked for.
+            let goal = goal.less(settled.distance());
+            for &turns in settling.chords() {
+                let mut attempt = settled_report.clone();
+                attempt.method = "boundary";
+                let made = evaluation::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
+                    let Evaluated { mut mesh, borders } = match evaluated {
+                        Ok(evaluated) if settling.has_lost(&evaluated) => return Ok(None),
+                        Ok(evaluated) => evaluated,
+                        Err(undecided) => {
+                            report.undecided.push(undecided);
+                            return Ok(None);
+                        }
+                    };
+                    self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
+                    settled.add_to(&mut attempt);
+                    Ok(Some(mesh))
+                });
+                let mesh = match made {
+                    Ok(Some(mesh)) => mesh,
+                    // Shorter chords tell no more.
+                    Ok(None) => break,
+                    // Cells may be larger.
+                    Err(error) if is_too_much(&error).is_some() => return Ok(best),
+                    Err(error) => return Err(error),
                 };
-                // Together with the moves it is what was asked for.
-                let moved = settled.as_ref().map_or(0.0, |settled| settled.moved);
-                let goal = Goal {
-                    promised: goal.promised - moved,
-                    ..goal.loosened(1.0 - moved / goal.tolerance)
-                };
-                self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
-                add_moved(settled.as_ref(), &mut attempt);
-                Ok(Some(mesh))
-            });
-            let mesh = match made {
-                Ok(Some(mesh)) => mesh,
-                Ok(None) => continue,
-                // Cells may be larger.
-                Err(error) if is_too_much(&error).is_some() => break,
-                Err(error) => return Err(error),
-            };
-            let is_final = is_final(&attempt);
-            let complaints = attempt.complaints();
-            if best
-                .as_ref()
-                .is_none_or(|best| complaints < best.1.complaints())
-            {
-                best = Some((mesh, attempt));
-            }
-            if is_final {
-                break;
+                let is_final = is_final(&attempt);
+                let complaints = attempt.complaints();
+                if best
+                    .as_ref()
+                    .is_none_or(|best| complaints < best.1.complaints())
+                {
+                    best = Some((mesh, attempt));
+                }
+                if is_final {
+                    return Ok(best);
+                }
             }
         }
         Ok(best)
-    }
-
-    /// The program with surfaces that nearly coincide made one, if there are any.
-    fn settle(
-        &self,
-        bounds: &Bounds,
-        settling: Settling,
-        report: &mut Report,
-    ) -> Result<Option<Settled>, Error> {
-        let size = bounds.size();
-        let tolerance = self.goal.as_ref().map(|goal| goal.tolerance);
-        let unseen = UNSEEN * tolerance.unwrap_or(DEFAULT_TOLERANCE * size.max_element());
-        let unresolved = evaluation::unresolved(self.program) * size.max_element();
-        let ball = (bounds.center(), 0.5 * size.length());
-        let settled = match settling {
-            Settling::Unresolved => {
-                let within = unresolved.min(unseen);
-                self.program.settled(ball, within, unseen)?
-            }
-            Settling::Rounded => self.program.rounded(ball, unseen)?,
-            Settling::Stirred => {
-                let within = unresolved.min(unseen);
-                let settled = self.program.settled(ball, within, unseen)?;
-                let program = settled.as_ref().map_or(self.program, |s| &s.program);
-                let stirred = program.stirred(ball, unseen)?;
-                stirred.map(|stirred| match settled {
-                    Some(settled) => Settled {
-                        merged: settled.merged,
-                        moved: settled.moved + stirred.moved,
-                        ..stirred
-                    },
-                    None => stirred,
-                })
-            }
-        };
-        report.merged = settled.as_ref().map(|settled| Merged {
-            surfaces: settled.merged,
-            moved: settled.moved,
-            place: settled.place,
-        });
-        Ok(settled)
     }
 
     /// Whether a finished mesh is within the limits, with what it still gets.
@@ -475,13 +402,6 @@ impl<'a> Run<'a> {
 /// be reported, or what was asked for does not fit a limit.
 fn is_final(report: &Report) -> bool {
     report.complaints() == 0 || !report.limits_reached.is_empty()
-}
-
-/// Counts how far surfaces were moved as deviation.
-fn add_moved(settled: Option<&Settled>, report: &mut Report) {
-    if let (Some(settled), Some(deviation)) = (settled, &mut report.deviation) {
-        *deviation += settled.moved;
-    }
 }
 
 fn is_too_late(error: &Error) -> bool {

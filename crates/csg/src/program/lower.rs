@@ -9,7 +9,7 @@
 
 mod builder;
 
-pub(super) use self::builder::simplified;
+pub(super) use self::builder::{avalanche, simplified};
 
 use std::sync::Arc;
 

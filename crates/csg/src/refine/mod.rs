@@ -76,6 +76,15 @@ impl Goal {
         }
     }
 
+    /// What is left of it for the mesh if surfaces were moved by a distance.
+    pub fn less(&self, moved: f64) -> Self {
+        Self {
+            tolerance: self.tolerance - moved,
+            promised: self.promised - moved,
+            ..self.clone()
+        }
+    }
+
     /// The tolerance on a surface.
     pub fn tolerance_on(&self, surface: u32) -> f64 {
         self.tolerance * self.tight.get(&surface).unwrap_or(&1.0)

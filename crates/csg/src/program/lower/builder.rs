@@ -34,20 +34,22 @@ struct Meaning {
     complement: u128,
 }
 
-/// A mixing function with full avalanche (two rounds of the finaliser of
-/// SplitMix64, Steele, Lea and Flood 2014, on independent streams).
+/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): every bit of a number
+/// changes half of those of the result.
+pub(crate) fn avalanche(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// A mixing function with full avalanche: two rounds on independent streams.
 fn mix(value: u128, salt: u64) -> u128 {
-    let half = |mut x: u64| {
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    };
     let (high, low) = ((value >> 64) as u64, value as u64);
-    let a = half(
+    let a = avalanche(
         low.wrapping_add(salt)
-            .wrapping_add(half(high ^ 0x9e37_79b9_7f4a_7c15)),
+            .wrapping_add(avalanche(high ^ 0x9e37_79b9_7f4a_7c15)),
     );
-    let b = half(a ^ high.rotate_left(17) ^ low.wrapping_mul(0xd6e8_feb8_6659_fd93));
+    let b = avalanche(a ^ high.rotate_left(17) ^ low.wrapping_mul(0xd6e8_feb8_6659_fd93));
     u128::from(a) << 64 | u128::from(b)
 }
 

@@ -1,0 +1,67 @@
+//! How far two surfaces of one kind are apart.
+
+use crate::program::{Surface, eigen_symmetric};
+
+/// Eigenvalues that differ by less than this share of the largest are the same, and
+/// such as are less are none. They are right to about 1e-14, and what is wrongly told
+/// apart here costs no more than a bound that is too large, or a surface that is not
+/// rounded: what may be merged or moved is decided by [`Surface::distance_bound`] alone.
+pub(super) const SAME_VALUE: f64 = 1e-10;
+
+impl Surface {
+    /// Whether both half-spaces, of surfaces that nearly coincide, are on one side.
+    pub(super) fn is_aligned(&self, other: &Self) -> bool {
+        let terms = |s: &Self| {
+            if s.is_plane() {
+                [s.linear.x, s.linear.y, s.linear.z, 0.0, 0.0, 0.0]
+            } else {
+                s.quadratic
+            }
+        };
+        let products = terms(self).into_iter().zip(terms(other));
+        products.map(|(a, b)| a * b).sum::<f64>() > 0.0
+    }
+
+    /// Bound, to first order, on the distance between this surface and another one of
+    /// its kind, within a ball about the origin; infinite if they are not alike.
+    ///
+    /// If f is this one's function and D its difference to a multiple of the other
+    /// one's, points of the other one are off this one by |D| / |∇f|.
+    pub(super) fn distance_bound(&self, other: &Self, reach: f64) -> f64 {
+        if self.is_plane() != other.is_plane() {
+            return f64::INFINITY;
+        }
+        let sign = if self.is_aligned(other) { 1.0 } else { -1.0 };
+        if self.is_plane() {
+            let offset = self.linear.dot(other.anchor - self.anchor).abs();
+            let turn = (self.linear - sign * other.linear).length();
+            return offset + turn * (reach + other.anchor.length());
+        }
+        let dot = |p: &[f64; 6], q: &[f64; 6]| -> f64 { p.iter().zip(q).map(|(p, q)| p * q).sum() };
+        let factor =
+            dot(&self.quadratic, &other.quadratic) / dot(&other.quadratic, &other.quadratic);
+        let rest: [f64; 6] =
+            std::array::from_fn(|k| self.quadratic[k] - factor * other.quadratic[k]);
+        let form = dot(&rest, &rest).sqrt();
+        let (linear, constant) = other.expanded_about(self.anchor);
+        let linear = (self.linear - factor * linear).length();
+        let constant = (self.constant - factor * constant).abs();
+        let reach = reach + self.anchor.length();
+        let (values, axes) = eigen_symmetric(self.quadratic);
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let is_none = |value: f64| value.abs() <= SAME_VALUE * largest;
+        let least = values.iter().filter(|&&v| !is_none(v));
+        let least = least.fold(f64::INFINITY, |m, v| m.min(v.abs()));
+        if self.apex().is_some() {
+            // Both gradient and difference grow with the distance from the apex.
+            return (form * reach + linear) / (2.0 * least) + (constant / least).sqrt();
+        }
+        let along = |k: usize| self.linear.dot(axes.col(k)).abs();
+        let slope = (0..3).filter(|&k| is_none(values[k])).map(along);
+        // On Σ v x² = c the square of the gradient is 4 Σ v² x², at least 4 |v c|.
+        let gradient = slope
+            .fold(0.0, f64::max)
+            .max(2.0 * (least * self.constant.abs()).sqrt());
+        ((form * reach + linear) * reach + constant) / gradient
+    }
+}
