@@ -8,6 +8,7 @@ mod formula;
 mod local;
 mod lower;
 mod quadric;
+mod reach;
 mod settle;
 mod surface;
 mod unify;
@@ -51,6 +52,8 @@ pub struct Program {
     surfaces: Vec<Surface>,
     formula: Formula,
     origins: Vec<Origin>,
+    /// A box around the solid from those of its primitives, if these have an end.
+    reach: Bounds,
 }
 
 impl Program {
