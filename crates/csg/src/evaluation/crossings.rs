@@ -145,12 +145,11 @@ impl Boundary {
             })
             .collect();
         let known = splits.len();
-        for (k, (first, ends, places)) in edges.iter().enumerate() {
-            for (second, others, other_places) in &edges[k + 1..] {
-                if *second != self.at(*first).twin && cross(*ends, *places, *others, *other_places)
-                {
-                    splits.extend(self.split_between(scene, [*first, *second]));
-                }
+        for [one, other] in overlapping(edges.iter().map(|edge| edge.2)) {
+            let [(first, ends, places), (second, others, other_places)] =
+                [one, other].map(|k| edges[k]);
+            if second != self.at(first).twin && cross(ends, places, others, other_places) {
+                splits.extend(self.split_between(scene, [first, second]));
             }
         }
         if splits.len() > known {
@@ -247,6 +246,21 @@ impl Boundary {
             None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
+}
+
+/// The pairs of edges whose extents along x overlap, by their numbers, in order.
+fn overlapping(edges: impl Iterator<Item = [DVec2; 2]>) -> Vec<[usize; 2]> {
+    let extent = |(k, [a, b]): (usize, [DVec2; 2])| (a.x.min(b.x), a.x.max(b.x), k);
+    let mut extents: Vec<(f64, f64, usize)> = edges.enumerate().map(extent).collect();
+    extents.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pairs = Vec::new();
+    for (index, &(_, end, k)) in extents.iter().enumerate() {
+        let after = extents[index + 1..].iter();
+        let beside = after.take_while(|(start, _, _)| *start <= end);
+        pairs.extend(beside.map(|&(_, _, other)| [k.min(other), k.max(other)]));
+    }
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Whether two edges have more in common than their ends.

@@ -74,6 +74,8 @@ const COARSEST_SLAB: f64 = 1.0 / 4.0;
 const SHAVING_BUDGET: usize = 4_000_000;
 /// How often a slab is halved before it counts as not empty.
 const SLAB_LEVELS: usize = 16;
+/// A radius so many times as large as the primitives' boxes tells less than these.
+const FARTHEST: f64 = 16.0;
 /// How often the neighbourhood of infinity is halved before a solid that is
 /// still there counts as unbounded.
 const INFINITY_LEVELS: usize = 12;
@@ -119,13 +121,17 @@ impl Program {
             };
             let guess = surfaces.iter().map(reach).fold(0.0, f64::max);
             let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
+            let reach = Bounds {
+                min: self.reach.min - origin,
+                max: self.reach.max - origin,
+            };
+            let most = FARTHEST * reach.min.abs().max(reach.max.abs()).max_element();
             let finite = match finite_radius(&surfaces, &root, guess) {
-                Ok(radius) => Bounds::around(DVec3::ZERO, DVec3::splat(radius)),
-                Err(_) if self.reach.is_finite() => Bounds {
-                    min: self.reach.min - origin,
-                    max: self.reach.max - origin,
-                },
-                Err(error) => return Err(error),
+                Ok(radius) if !reach.is_finite() || radius <= most => {
+                    Bounds::around(DVec3::ZERO, DVec3::splat(radius))
+                }
+                Err(error) if !reach.is_finite() => return Err(error),
+                _ => reach,
             };
             current = current.intersected(finite);
         }

@@ -7,6 +7,7 @@ mod changes;
 mod formula;
 mod local;
 mod lower;
+mod precise;
 mod quadric;
 mod reach;
 mod settle;

@@ -16,6 +16,7 @@ use super::Goal;
 use super::chains::Course;
 use super::curves::on_curve;
 use crate::evaluation::{Curve, conics};
+use crate::net::solve;
 use crate::program::{Surface, eigen_symmetric};
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
@@ -99,7 +100,11 @@ impl Conic {
         let curves = conics(&plane, quadric, NEAR * precision).into_iter();
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
         conics.find_map(|conic| {
-            let stops = conic.parameters(vertices, ON_CONIC * precision)?;
+            let blur = |at: DVec3| {
+                let blurs = surfaces.iter().map(|s| solve::blur(s, at));
+                blurs.fold(precision, f64::max)
+            };
+            let stops = conic.parameters(vertices, |at| ON_CONIC * blur(at))?;
             Some((conic, stops))
         })
     }
@@ -130,14 +135,14 @@ impl Conic {
 
     /// The parameters of vertices in a row along it, none farther from the one
     /// before than half a turn; `None` if they are not.
-    fn parameters(&self, vertices: &[DVec3], limit: f64) -> Option<Vec<f64>> {
+    fn parameters(&self, vertices: &[DVec3], limit: impl Fn(DVec3) -> f64) -> Option<Vec<f64>> {
         /// So much of half a turn is still clearly less.
         const CLEARLY: f64 = 0.95;
         let is_periodic = self.curve.is_closed();
         let mut row: Vec<f64> = Vec::with_capacity(vertices.len());
         for &vertex in vertices {
             let mut t = self.parameter(vertex);
-            if self.curve.at(t).distance_squared(vertex) > limit * limit {
+            if self.curve.at(t).distance_squared(vertex) > limit(vertex).powi(2) {
                 return None;
             }
             if let Some(&before) = row.last().filter(|_| is_periodic) {
@@ -226,19 +231,17 @@ impl<'a> OnConic<'a> {
 
     fn point(&self, t: f64) -> Option<DVec3> {
         let point = self.conic.curve.at(t);
+        let blurs = self.surfaces.map(|s| solve::blur(s, point));
+        let blur = blurs[0].max(blurs[1]);
         let is_on = |s: &Surface| {
             let limit = self.precision * self.precision * s.gradient(point).length_squared();
             s.value(point).powi(2) <= limit
         };
-        if self.surfaces.iter().all(|s| is_on(s)) {
+        if blur <= self.precision && self.surfaces.iter().all(|s| is_on(s)) {
             Some(point)
         } else {
-            on_curve(
-                self.surfaces,
-                point,
-                ON_CONIC * self.precision,
-                self.precision,
-            )
+            let reach = ON_CONIC * blur.max(self.precision);
+            on_curve(self.surfaces, point, reach, self.precision)
         }
     }
 }
@@ -296,7 +299,6 @@ impl Course for OnConic<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::net::solve;
     use crate::refine::deviation;
     use crate::{Program, Solid};
     use rustc_hash::FxHashMap;

@@ -218,10 +218,11 @@ pub(super) fn on_curve(
     reach: f64,
     precision: f64,
 ) -> Option<DVec3> {
-    if let Some(point) = nearby(surfaces, start, reach, precision) {
+    let is_sharp = surfaces.iter().all(|s| solve::blur(s, start) <= precision);
+    if is_sharp && let Some(point) = nearby(surfaces, start, reach, precision) {
         return Some(point);
     }
-    let solution = solve::common_point(&surfaces, start, reach);
+    let solution = solve::sharp_common_point(&surfaces, start, reach, precision);
     let is_near = solution.point.distance_squared(start) <= reach * reach;
     (is_near && solution.residual <= precision).then_some(solution.point)
 }
