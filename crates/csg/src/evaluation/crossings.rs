@@ -9,6 +9,7 @@ use super::Scene;
 use super::boundary::Boundary;
 use super::triangulate::orient;
 use crate::net::solve;
+use crate::program::Surface;
 
 /// A point of an edge's curve at which a vertex may part it from another one. One
 /// half of the edge stands for both.
@@ -115,9 +116,21 @@ impl Boundary {
         match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
             None => Some(a + (point - a).project_onto(b - a)),
             Some(surfaces) => {
-                let found = solve::common_point(&surfaces, point, half);
-                let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
-                is_found.then_some(found.point)
+                let on = |start: DVec3| {
+                    let blur = 4.0 * scene.rounding;
+                    let found = solve::sharp_common_point(&surfaces, start, half, blur);
+                    let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
+                    is_found.then_some(found.point)
+                };
+                let found = on(point)?;
+                if runs_along(surfaces, found, [a, b]) {
+                    return Some(found);
+                }
+                // The curve on the other side of something thin, or of what the curve
+                // goes around.
+                let across = opposite(surfaces, found, half);
+                let mut across = across.filter_map(on);
+                across.find(|&other| runs_along(surfaces, other, [a, b]))
             }
         }
     }
@@ -246,6 +259,29 @@ impl Boundary {
             None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
+}
+
+/// Whether the curve in which two surfaces meet runs at a point the way it does at the
+/// ends of a chord of it. So it does all along a branch; if the surfaces touch at an
+/// end, nothing is known.
+fn runs_along(surfaces: [&Surface; 2], at: DVec3, [a, b]: [DVec3; 2]) -> bool {
+    let way = |at: DVec3| {
+        let [g, h] = surfaces.map(|s| s.gradient(at));
+        g.cross(h).dot(b - a)
+    };
+    let (before, after) = (way(a), way(b));
+    before * after <= 0.0 || before * way(at) > 0.0
+}
+
+/// For each of two surfaces, next to a point of both, the point on its other side, across
+/// what is thin there, on a line along the other surface; none farther than `reach`.
+fn opposite(surfaces: [&Surface; 2], at: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
+    let gradients = surfaces.map(|s| s.gradient(at));
+    [0, 1].into_iter().filter_map(move |k| {
+        let along = gradients[k].reject_from(gradients[1 - k]);
+        let step = -2.0 * gradients[k].dot(along) / surfaces[k].curvature_along(along) * along;
+        (step.length_squared() <= reach * reach).then_some(at + step)
+    })
 }
 
 /// The pairs of edges whose extents along x overlap, by their numbers, in order.

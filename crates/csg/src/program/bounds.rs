@@ -74,8 +74,6 @@ const COARSEST_SLAB: f64 = 1.0 / 4.0;
 const SHAVING_BUDGET: usize = 4_000_000;
 /// How often a slab is halved before it counts as not empty.
 const SLAB_LEVELS: usize = 16;
-/// A radius so many times as large as the primitives' boxes tells less than these.
-const FARTHEST: f64 = 16.0;
 /// How often the neighbourhood of infinity is halved before a solid that is
 /// still there counts as unbounded.
 const INFINITY_LEVELS: usize = 12;
@@ -99,7 +97,7 @@ impl Program {
 
     fn find_bounds(
         &self,
-        tighten: impl FnOnce(&[Surface], &Cell, Bounds) -> Option<Bounds>,
+        tighten: impl Fn(&[Surface], &Cell, Bounds) -> Option<Bounds>,
     ) -> Result<Option<Bounds>, Error> {
         let root = self.root_cell();
         match root.constant() {
@@ -114,31 +112,35 @@ impl Program {
         });
         let origin = 0.5 * low + 0.5 * high;
         let surfaces = self.surfaces_about(origin);
+        let reach = Bounds {
+            min: self.reach.min - origin,
+            max: self.reach.max - origin,
+        };
         let mut current = literal_bounds(&surfaces, &self.formula);
         if !current.is_finite() {
-            let reach = |s: &Surface| {
+            let extent = |s: &Surface| {
                 s.anchor.abs().max_element() + s.constant.abs().sqrt() + s.extent_of_slope()
             };
-            let guess = surfaces.iter().map(reach).fold(0.0, f64::max);
+            let guess = surfaces.iter().map(extent).fold(0.0, f64::max);
             let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
-            let reach = Bounds {
-                min: self.reach.min - origin,
-                max: self.reach.max - origin,
-            };
-            let most = FARTHEST * reach.min.abs().max(reach.max.abs()).max_element();
             let finite = match finite_radius(&surfaces, &root, guess) {
-                Ok(radius) if !reach.is_finite() || radius <= most => {
-                    Bounds::around(DVec3::ZERO, DVec3::splat(radius))
-                }
+                Ok(radius) => Bounds::around(DVec3::ZERO, DVec3::splat(radius)),
                 Err(error) if !reach.is_finite() => return Err(error),
-                _ => reach,
+                Err(_) => reach,
             };
             current = current.intersected(finite);
         }
         if current.min.cmpgt(current.max).any() {
             return Ok(None);
         }
-        let tight = tighten(&surfaces, &root, current);
+        let mut tight = tighten(&surfaces, &root, current);
+        let clearly = 2.0 * reach.size().max_element();
+        if let Some(found) = tight
+            && reach.is_finite()
+            && found.size().max_element() > clearly
+        {
+            tight = tighten(&surfaces, &root, found.intersected(reach));
+        }
         Ok(tight.map(|bounds| Bounds {
             min: bounds.min + origin,
             max: bounds.max + origin,

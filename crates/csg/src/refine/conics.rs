@@ -15,6 +15,7 @@ use glam::DVec3;
 use super::Goal;
 use super::chains::Course;
 use super::curves::on_curve;
+use super::round::Round;
 use crate::evaluation::{Curve, conics};
 use crate::net::solve;
 use crate::program::{Surface, eigen_symmetric};
@@ -119,6 +120,22 @@ impl Conic {
         Some(Self { curve, plane, bend })
     }
 
+    /// Into how many chords a unit of the parameter of a long ellipse is to be cut, for
+    /// these to be near to it on the rays from its centre; 0 for others.
+    fn at_ends(&self, t: f64, tolerance: f64) -> f64 {
+        /// The longest half axis by the shortest: tunes only the number of chords.
+        const LEAST_ASPECT: f64 = 6.0;
+        let Curve::Ellipse { center, a, b } = self.curve else {
+            return 0.0;
+        };
+        // a² + b² of the half axes by their product.
+        let aspect = (a.length_squared() + b.length_squared()) / self.bend;
+        if aspect < LEAST_ASPECT {
+            return 0.0;
+        }
+        (self.curve.at(t).distance(center) / (8.0 * tolerance)).sqrt()
+    }
+
     fn is_circle(&self) -> bool {
         const ALIKE: f64 = 1e-9;
         let Curve::Ellipse { a, b, .. } = self.curve else {
@@ -188,6 +205,7 @@ impl<'a> OnConic<'a> {
         const STEP: f64 = 0.2;
         const MOST_STEPS: f64 = 256.0;
         let (conic, stops) = Conic::through(surfaces, vertices, precision)?;
+        let rounds = surfaces.map(Round::of);
         let (from, to) = (stops[0], stops[stops.len() - 1]);
         let is_even = conic.is_circle() && goal.angle.is_none();
         let count = if is_even {
@@ -201,6 +219,11 @@ impl<'a> OnConic<'a> {
             let t = from + f64::from(i) * step;
             let along = conic.curve.direction(t);
             let for_distance = (conic.bend / (8.0 * goal.tolerance * along.length())).sqrt();
+            let rounds = rounds.iter().flatten();
+            let on_rounds =
+                rounds.map(|r| r.chords_along(conic.curve.at(t), along, goal.tolerance));
+            let for_distance = on_rounds.fold(for_distance, f64::max);
+            let for_distance = for_distance.max(conic.at_ends(t, goal.tolerance));
             let for_angle = goal.angle.map_or(0.0, |angle| {
                 let at = conic.curve.at(t);
                 // H x′, from the gradient's change along x′.

@@ -75,13 +75,6 @@ fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
     }
 }
 
-/// The largest |f| of a triangle's points, or a little more.
-#[inline(always)]
-pub(super) fn largest_off(surface: &Surface, corners: [DVec3; 3]) -> f64 {
-    let off = corners.map(|corner| surface.value(corner).abs());
-    largest_inside(surface, corners) + off[0].max(off[1]).max(off[2])
-}
-
 /// The largest |f| of a triangle's points if it is none at the corners.
 #[inline(always)]
 fn largest_inside(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {

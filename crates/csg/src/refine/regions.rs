@@ -50,15 +50,15 @@ impl Region {
     pub fn bound(&self, surface: &Surface, corners: [DVec3; 3]) -> f64 {
         let bound = deviation::of_triangle(surface, corners);
         let round = self.round.as_ref();
-        round.map_or(bound, |round| bound.min(round.bound(surface, corners)))
+        round.map_or(bound, |round| bound.min(round.bound(&corners)))
     }
 
     /// How far the surface turns from one point of it to another, about in radians.
     pub fn turn(&self, surface: &Surface, ends: [DVec3; 2]) -> f64 {
-        let [a, b] = match &self.round {
-            Some(round) => ends.map(|at| round.place(at)),
-            None => ends.map(|at| surface.gradient(at).normalize_or_zero()),
-        };
+        if let Some(round) = &self.round {
+            return round.turn(ends);
+        }
+        let [a, b] = ends.map(|at| surface.gradient(at).normalize_or_zero());
         a.distance(b)
     }
 }

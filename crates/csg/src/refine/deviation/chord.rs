@@ -73,13 +73,39 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     let middle = 0.125 * surface.curvature_along(q - p).abs();
     let at_ends = surface.value(p).abs().max(surface.value(q).abs());
     let shrinkage = shrinkage(surface);
-    shrunk(|distance| {
+    let bound = shrunk(|distance| {
         let [s, t] = slopes.map(|slope| slope - shrinkage * distance);
         if s.min(t) <= 0.0 {
             return f64::INFINITY;
         }
         middle / (s * t).sqrt() + at_ends / s.min(t)
-    })
+    });
+    // At the end of a long ellipse the gradient turns too fast for that.
+    let turns_fast =
+        2.0 * slopes[0].min(slopes[1]) < gradients[0].length().max(gradients[1].length());
+    if bound < f64::INFINITY && !turns_fast {
+        return bound;
+    }
+    bound.min(from_centre(plane, surface, [p, q], middle + at_ends))
+}
+
+/// A bound for a chord of an ellipse in a plane, of which no value is farther from 0 than
+/// `off`: on the rays from the centre. A point of the chord is at a share s of the way to
+/// the ellipse, 1 - s² = f / f(centre).
+fn from_centre(plane: &Surface, surface: &Surface, ends: [DVec3; 2], off: f64) -> f64 {
+    let (u, v) = plane.linear.any_orthonormal_pair();
+    let [uu, vv, both] = [u, v, u + v].map(|d| surface.curvature_along(d));
+    let uv = 0.5 * (both - uu - vv);
+    let determinant = uu * vv - uv * uv;
+    let gradient = surface.gradient(ends[0]);
+    let (x, y) = (gradient.dot(u), gradient.dot(v));
+    let center = ends[0] - ((x * vv - y * uv) * u + (y * uu - x * uv) * v) / determinant;
+    let depth = surface.value(center).abs();
+    if determinant <= 0.0 || off >= depth || !center.is_finite() {
+        return f64::INFINITY;
+    }
+    let farthest = ends[0].distance(center).max(ends[1].distance(center));
+    (1.0 / (1.0 - off / depth).sqrt() - 1.0) * farthest
 }
 
 /// A chord under examination.
