@@ -127,7 +127,7 @@ impl Renderer {
                 let (triangle, section) = decode(number);
                 let section: Option<&Section> = section.and_then(|k| scene.sections.get(k));
                 if let Some(section) = section {
-                    return Some(section.normal);
+                    return Some(section.normal.as_vec3());
                 }
                 let corners = scene.corners(triangle)?;
                 let [a, b, c] = scene.corner_normals(triangle)?;

@@ -17,24 +17,16 @@ use crate::hatch::hatch;
 use crate::interpolate::{
     Cache, interpolate_few, interpolate_scattered, sample_positions, scattered,
 };
+use crate::light::Source;
 use crate::options::RenderOptions;
 use crate::scene::Scene;
 use crate::section::Caps;
-use crate::shade::{Incident, Interpolation, Light, Material, phong};
+use crate::shade::{Incident, Interpolation, Material, phong};
 use crate::simd::math::pow;
 use crate::simd::vector::{Triple, Triple16, dot, inverse_sqrt, load, splat, store};
 use crate::simd::{FloatLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
 use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, decode};
-
-/// A light in the coordinates of one frame's scene.
-#[derive(Clone, Copy, Debug)]
-enum Source {
-    /// Unit direction towards it.
-    Direction(Vec3),
-    Position(Vec3),
-    Head,
-}
 
 /// All that shading needs to know about a frame.
 pub(crate) struct ShadeContext<'a> {
@@ -62,26 +54,15 @@ impl<'a> ShadeContext<'a> {
     ) -> Self {
         let mut ambient = Vec3::ZERO;
         let mut sources = Vec::new();
-        let eye_to_world = view.world_to_eye().inverse();
-        let unit = |v: DVec3| v.normalize_or_zero().as_vec3();
         for light in &options.lights {
-            match *light {
-                Light::Ambient { intensity } => ambient += intensity,
-                Light::Directional { towards, intensity } => {
-                    sources.push((Source::Direction(unit(towards)), intensity));
+            let intensity = light.intensity();
+            match light.source(view) {
+                Some(Source::Everywhere) => ambient += intensity,
+                Some(Source::Position(position)) => {
+                    sources.push((Source::Position(position - scene.centre), intensity));
                 }
-                Light::Camera { towards, intensity } => {
-                    let towards = eye_to_world.transform_vector3(towards);
-                    sources.push((Source::Direction(unit(towards)), intensity));
-                }
-                Light::Point {
-                    position,
-                    intensity,
-                } => {
-                    let position = (position - scene.centre).as_vec3();
-                    sources.push((Source::Position(position), intensity));
-                }
-                Light::Head { intensity } => sources.push((Source::Head, intensity)),
+                Some(source) => sources.push((source, intensity)),
+                None => {}
             }
         }
         let positional = sources
@@ -146,7 +127,7 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The point of a cap at one pixel of a job.
-    pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> Vec3 {
+    pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> DVec3 {
         let sample = |axis: usize, within: i32| {
             let pixel = job.at[axis] as i32 + within;
             f64::from(pixel * SUBPIXELS + SUBPIXELS / 2 - self.matrix.middle[axis])
@@ -156,15 +137,15 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The colour of a cap at one point.
-    pub fn cap_colour(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        self.colour(self.cap_material(), point, normal)
+    pub fn cap_colour(&self, point: DVec3, normal: DVec3) -> Vec3 {
+        self.colour(self.cap_material(), point, normal.as_vec3())
     }
 
     /// The colours of a triangle's corners, for Gouraud shading.
     pub fn corner_colours(
         &self,
         triangle: usize,
-        corners: &[Vec3; 3],
+        corners: &[DVec3; 3],
         normals: &[Vec3; 3],
     ) -> [Vec3; 3] {
         let material = self.material(triangle);
@@ -172,16 +153,16 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The colour of a whole triangle, for flat shading.
-    pub fn flat_colour(&self, triangle: usize, [a, b, c]: &[Vec3; 3]) -> Vec3 {
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+    pub fn flat_colour(&self, triangle: usize, [a, b, c]: &[DVec3; 3]) -> Vec3 {
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         self.colour(self.material(triangle), (a + b + c) / 3.0, normal)
     }
 
     /// The colour at one point, for the modes that shade per corner or per
     /// triangle.
-    fn colour(&self, material: usize, point: Vec3, normal: Vec3) -> Vec3 {
-        let viewer =
-            (self.matrix.viewer.truncate() - point * self.matrix.viewer.w).normalize_or_zero();
+    fn colour(&self, material: usize, point: DVec3, normal: Vec3) -> Vec3 {
+        let viewer = self.matrix.viewer.truncate() - point * self.matrix.viewer.w;
+        let viewer = viewer.normalize_or_zero().as_vec3();
         let normal = if self.two_sided && normal.dot(viewer) < 0.0 {
             -normal
         } else {
@@ -191,14 +172,8 @@ impl<'a> ShadeContext<'a> {
             towards: Vec3::ZERO,
             intensity: self.ambient,
         }];
-        incident.extend(self.lights.iter().map(|&(source, intensity)| Incident {
-            towards: match source {
-                Source::Direction(towards) => towards,
-                Source::Position(position) => (position - point).normalize_or_zero(),
-                Source::Head => viewer,
-            },
-            intensity,
-        }));
+        let lights = self.lights.iter();
+        incident.extend(lights.map(|&(source, intensity)| source.at(point, viewer, intensity)));
         phong(&self.materials[material], &incident, normal, viewer)
     }
 }
@@ -240,14 +215,26 @@ pub(crate) struct Fragments {
 /// A row of jobs and what is found for them. The work goes over the whole row
 /// in a few short passes: a processor overlaps the iterations of a short
 /// loop, but not those of one that is a thousand instructions long.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Batch {
     pub jobs: Vec<Job>,
     fragments: Vec<Fragments>,
     /// Colours, linear and not clamped.
     pub colours: Vec<Triple16>,
     pub cache: Cache,
-    corners: [Corners; AT_ONCE],
+    corners: Box<[Corners]>,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            jobs: Vec::new(),
+            fragments: Vec::new(),
+            colours: Vec::new(),
+            cache: Cache::default(),
+            corners: vec![Corners::default(); AT_ONCE].into(),
+        }
+    }
 }
 
 /// Jobs whose corners are fetched together, before any of them is
@@ -286,8 +273,10 @@ impl Kernel for InterpolateJobs<'_> {
     fn run<S: Lanes>(self, s: S) {
         let Self { context, batch } = self;
         // Lane by lane only where all is interpolated in the plain way.
-        let plain =
-            context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
+        let scene = context.scene;
+        let plain = context.interpolation == Interpolation::Phong
+            && scene.sections.is_empty()
+            && scene.remainders.is_empty();
         let by_lane = |job: &Job| plain && scattered(&job.triangles);
         let mut cluster = ClusterView::default();
         let fragments = batch.fragments.chunks_mut(AT_ONCE);
@@ -408,14 +397,15 @@ fn light<S: Lanes>(
     for &(source, intensity) in &context.lights {
         let (n_l, l_v) = match source {
             Source::Direction(towards) => {
-                let towards = splat(s, towards);
+                let towards = splat(s, towards.as_vec3());
                 (
                     dot::<S>(normal, towards) * normal_length,
                     dot::<S>(viewer, towards) * viewer_length,
                 )
             }
             Source::Position(position) => {
-                let (position, point) = (splat(s, position), load(s, &fragments.point));
+                let position = splat(s, position.as_vec3());
+                let point = load(s, &fragments.point);
                 let towards = triple!(|K| position[K] - point[K]);
                 let length = inverse_sqrt(s, dot::<S>(towards, towards));
                 (
@@ -423,7 +413,8 @@ fn light<S: Lanes>(
                     dot::<S>(viewer, towards) * (viewer_length * length),
                 )
             }
-            Source::Head => (n_v, one),
+            Source::Viewer => (n_v, one),
+            Source::Everywhere => continue,
         };
         let lit = zero.lt(n_l);
         if lit.bits() & job.wanted == 0 {

@@ -219,7 +219,7 @@ fn splat_row<S: Lanes>(s: S, row: DVec4) -> [S::D; 4] {
 }
 
 /// A row applied to points: the order of operations of
-/// [`FrameMatrix::precise_row`].
+/// [`FrameMatrix::row`].
 #[inline(always)]
 fn apply<S: Lanes>(row: [S::D; 4], p: [S::D; 3]) -> S::D {
     (row[0] * p[0] + row[1] * p[1]) + (row[2] * p[2] + row[3])
@@ -237,10 +237,10 @@ fn transform<S: Lanes>(
 ) -> bool {
     let matrix = context.matrix;
     let rows = [
-        splat_row(s, matrix.precise[0]),
-        splat_row(s, matrix.precise[1]),
-        splat_row(s, matrix.precise[2]),
-        splat_row(s, matrix.precise[3]),
+        splat_row(s, matrix.rows[0]),
+        splat_row(s, matrix.rows[1]),
+        splat_row(s, matrix.rows[2]),
+        splat_row(s, matrix.rows[3]),
     ];
     let (zero, guard) = (s.f(0.0), s.f(GUARD));
     let mut any = false;
@@ -250,7 +250,11 @@ fn transform<S: Lanes>(
             return true;
         };
         let points = s.columns(points);
-        let p = triple!(|K| points[K].to_double());
+        let mut p = triple!(|K| points[K].to_double());
+        if let Some(rest) = lanes_at(&context.scene.cluster_remainders, from) {
+            let rest = s.columns(rest);
+            p = triple!(|K| p[K] + rest[K].to_double());
+        }
         let (dx, dy) = (apply::<S>(rows[0], p), apply::<S>(rows[1], p));
         let (dz, dw) = (apply::<S>(rows[2], p), apply::<S>(rows[3], p));
         let inverse = s.d(1.0) / dw;
@@ -345,13 +349,10 @@ fn clip_and_set_up(
 ) {
     bins.counts.clipped += 1;
     let (scene, matrix) = (context.scene, context.matrix);
-    let [a, b, c] = scene.triangles[triangle];
-    let at = |v: u32| scene.positions.get(v as usize).copied();
-    let (Some(a), Some(b), Some(c)) = (at(a), at(c), at(b)) else {
+    let Some([a, b, c]) = scene.corners(triangle) else {
         return;
     };
-    let corners =
-        [a, b, c].map(|p| DVec4::from_array([0, 1, 2, 3].map(|row| matrix.precise_row(row, p))));
+    let corners = [a, c, b].map(|p| DVec4::from_array([0, 1, 2, 3].map(|row| matrix.row(row, p))));
     if !corners.iter().all(|p| p.is_finite()) {
         return;
     }

@@ -195,20 +195,13 @@ pub(crate) struct Drawn<'a> {
     pub renderer: &'a Renderer,
     pub scene: &'a Scene,
     pub matrix: &'a FrameMatrix,
-    /// Whether lines are edges of its triangles. Silhouettes are beside them, and may
-    /// be on triangles that face away.
-    pub has_edges: bool,
 }
 
 impl Drawn<'_> {
     /// Whether a point of the window on the surface of what is drawn is seen
     /// at a pixel that the line around it touches.
     fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
-        let of_edge = if self.has_edges {
-            self.shows_on_triangles(x, y, point)
-        } else {
-            None
-        };
+        let of_edge = self.shows_on_triangles(x, y, point);
         of_edge.unwrap_or_else(|| self.shows_nearby(x, y, point))
     }
 
@@ -300,7 +293,7 @@ fn plane_depth([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
 /// view volume.
 pub(crate) fn project_polyline(
     matrix: &FrameMatrix,
-    points: impl Iterator<Item = glam::Vec3>,
+    points: impl Iterator<Item = DVec3>,
     mut segment: impl FnMut(Segment),
 ) {
     let mut previous = None;

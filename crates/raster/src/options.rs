@@ -2,8 +2,10 @@
 
 use csg::Color;
 
-use crate::edges::EdgeOptions;
-use crate::shade::{Interpolation, Light, Material};
+use crate::RasterError;
+use crate::edges::{EdgeOptions, MAX_LINE_WIDTH};
+use crate::light::Light;
+use crate::shade::{Interpolation, Material};
 
 /// How jagged edges are smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,6 +85,18 @@ pub struct RenderOptions {
     pub ground_shadow: bool,
     /// Whether the directions of the axes are drawn in the lower left corner.
     pub triad: bool,
+}
+
+impl RenderOptions {
+    /// Refuses what cannot be drawn.
+    pub(crate) fn check(&self) -> Result<(), RasterError> {
+        match &self.edges {
+            Some(edges) if !(edges.width > 0.0 && edges.width <= MAX_LINE_WIDTH) => {
+                Err(RasterError::BadLineWidth { width: edges.width })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for RenderOptions {

@@ -78,7 +78,9 @@ impl Renderer {
     ///
     /// # Errors
     /// [`RasterError::SizeTooLarge`] above [`MAX_SIZE`] pixels a side (of the
-    /// enlarged picture, for supersampling).
+    /// enlarged picture, for supersampling); [`RasterError::OtherAspect`] for a
+    /// camera's view of a picture of other proportions;
+    /// [`RasterError::BadLineWidth`].
     pub fn draw(
         &mut self,
         scene: &Scene,
@@ -89,6 +91,11 @@ impl Renderer {
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
         let scale = options.anti_aliasing.scale();
+        if width.max(height).saturating_mul(scale) > MAX_SIZE {
+            return Err(RasterError::SizeTooLarge { width, height });
+        }
+        view.check_size(width, height)?;
+        options.check()?;
         let stats = if scale == 1 {
             self.draw_plain(scene, view, width, height, options, image)?
         } else {
@@ -124,9 +131,6 @@ impl Renderer {
         options: &RenderOptions,
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
-        if width.max(height) > MAX_SIZE {
-            return Err(RasterError::SizeTooLarge { width, height });
-        }
         image.width = width;
         image.height = height;
         let pixels = width as usize * height as usize;

@@ -16,7 +16,7 @@ use crate::normals::{CREASE_ANGLE, corner_normals};
 use crate::options::RenderOptions;
 use crate::resolve::encode;
 use crate::scanline::scan_convert;
-use crate::shade::{Incident, Interpolation, Light, Material, phong};
+use crate::shade::{Incident, Interpolation, Material, phong};
 use crate::viewport::Viewport;
 
 /// Draws a mesh like [`render`](crate::render), slowly and by the book, with
@@ -167,29 +167,11 @@ impl Shader<'_> {
             .options
             .lights
             .iter()
-            .map(|light| incident(light, self.view, point, viewer))
+            .filter_map(|light| {
+                let source = light.source(self.view)?;
+                Some(source.at(point, viewer.as_vec3(), light.intensity()))
+            })
             .collect();
         phong(material, &lights, normal.as_vec3(), viewer.as_vec3())
-    }
-}
-
-/// The light of one source at a point.
-fn incident(light: &Light, view: &View, point: DVec3, viewer: DVec3) -> Incident {
-    let (towards, intensity) = match *light {
-        Light::Ambient { intensity } => (DVec3::ZERO, intensity),
-        Light::Directional { towards, intensity } => (towards, intensity),
-        Light::Point {
-            position,
-            intensity,
-        } => (position - point, intensity),
-        Light::Head { intensity } => (viewer, intensity),
-        Light::Camera { towards, intensity } => (
-            view.world_to_eye().inverse().transform_vector3(towards),
-            intensity,
-        ),
-    };
-    Incident {
-        towards: towards.normalize_or_zero().as_vec3(),
-        intensity,
     }
 }

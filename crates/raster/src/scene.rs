@@ -16,6 +16,7 @@ use crate::geometry::Facing;
 use crate::normals::{CREASE_ANGLE, CornerNormals, corner_normals};
 use crate::options::RenderOptions;
 use crate::section::Section;
+use crate::silhouette::{SharedEdge, find_shared_edges};
 
 /// A mesh made ready for drawing, any number of times. Building one costs
 /// O(vertices + triangles); it does not refer to the mesh.
@@ -28,6 +29,9 @@ pub struct Scene {
     /// The height of the lowest point, be it cut away or not.
     pub(crate) lowest: f64,
     pub(crate) positions: Vec<Vec3>,
+    /// What single precision leaves of each position, where the scene is so
+    /// much larger than its parts that this may be seen; else empty.
+    pub(crate) remainders: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Of the corners of each triangle, but see [`Scene::corner_normals`].
     pub(crate) normals: Vec<[Vec3; 3]>,
@@ -38,6 +42,8 @@ pub struct Scene {
     pub(crate) clusters: Vec<Cluster>,
     /// x, y, z and 0 of each.
     pub(crate) cluster_vertices: Vec<[f32; 4]>,
+    /// The remainders of each, or empty.
+    pub(crate) cluster_remainders: Vec<[f32; 4]>,
     /// Their normals, where the cluster is smooth.
     pub(crate) cluster_normals: Vec<[f32; 4]>,
     /// The cluster of every so manieth triangle (see `cluster_view`).
@@ -52,6 +58,8 @@ pub struct Scene {
     pub(crate) kept_triangles: usize,
     /// The mesh's feature edges, or those found when first asked for.
     feature_edges: OnceLock<Vec<Vec<u32>>>,
+    /// Those found when first asked for.
+    shared_edges: OnceLock<Vec<SharedEdge>>,
 }
 
 impl Scene {
@@ -142,11 +150,21 @@ impl Scene {
             mesh.surfaces.iter().map(|surface| surface.color).collect()
         };
         colors.push(None);
+        let mut remainders = Vec::new();
+        let mut found = Clusters::new(&positions, &remainders, &triangles, groups);
+        if found.are_tiny(low, high) {
+            let exact = mesh.positions.par_iter().zip(&positions);
+            remainders = exact
+                .map(|(&p, near)| (p - centre - near.as_dvec3()).as_vec3())
+                .collect();
+            found = Clusters::new(&positions, &remainders, &triangles, groups);
+        }
         let Clusters {
             clusters,
             vertices,
+            remainders: cluster_remainders,
             local,
-        } = Clusters::new(&positions, &triangles, groups);
+        } = found;
         let scene = Self {
             centre,
             low,
@@ -155,11 +173,13 @@ impl Scene {
             kept_vertices: positions.len(),
             kept_triangles: triangles.len(),
             positions,
+            remainders,
             triangles,
             triangle_surfaces: surfaces,
             colors,
             clusters,
             cluster_vertices: vertices,
+            cluster_remainders,
             local,
             ..Self::default()
         };
@@ -184,10 +204,16 @@ impl Scene {
 
     /// The corners of a triangle relative to the centre, unless it names a
     /// vertex that is not there.
-    pub(crate) fn corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
+    pub(crate) fn corners(&self, triangle: usize) -> Option<[DVec3; 3]> {
         let [a, b, c] = *self.triangles.get(triangle)?;
-        let at = |v: u32| self.positions.get(v as usize).copied();
-        Some([at(a)?, at(b)?, at(c)?])
+        Some([self.position(a)?, self.position(b)?, self.position(c)?])
+    }
+
+    /// A vertex relative to the centre.
+    pub(crate) fn position(&self, vertex: u32) -> Option<DVec3> {
+        let near = self.positions.get(vertex as usize)?.as_dvec3();
+        let rest = self.remainders.get(vertex as usize);
+        Some(rest.map_or(near, |rest| near + rest.as_dvec3()))
     }
 
     /// Feature edges as polylines of vertex indices: the mesh's own, or those
@@ -196,6 +222,11 @@ impl Scene {
     pub fn feature_edges(&self) -> &[Vec<u32>] {
         self.feature_edges
             .get_or_init(|| crate::edges::find_feature_edges(self))
+    }
+
+    /// The edges that two triangles share.
+    pub(crate) fn shared_edges(&self) -> &[SharedEdge] {
+        self.shared_edges.get_or_init(|| find_shared_edges(self))
     }
 
     /// Number of triangles, with those cut away that matter for caps.

@@ -5,66 +5,7 @@
 //! pictures*, CACM 18(6), 1975).
 
 use csg::Color;
-use glam::{DVec3, Vec3};
-
-/// A light source. Intensities are linear, per channel, not attenuated with
-/// distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Light {
-    /// From everywhere: the Ia of the model.
-    Ambient {
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From infinitely far away.
-    Directional {
-        /// Direction towards the light, in world coordinates; any length.
-        towards: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From a point.
-    Point {
-        /// Position in world coordinates.
-        position: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From the viewer, whatever the view.
-    Head {
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From a direction fixed to the camera.
-    Camera {
-        /// Direction towards the light, in eye coordinates (x right, y up, z
-        /// towards the viewer); any length.
-        towards: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-}
-
-impl Light {
-    /// A soft ambient light, a key light over the viewer's left shoulder and
-    /// a weak head light.
-    #[must_use]
-    pub fn default_rig() -> Vec<Self> {
-        vec![
-            Self::Ambient {
-                intensity: Vec3::splat(0.15),
-            },
-            Self::Camera {
-                towards: DVec3::new(-0.6, 0.9, 1.0),
-                intensity: Vec3::splat(0.7),
-            },
-            Self::Head {
-                intensity: Vec3::splat(0.2),
-            },
-        ]
-    }
-}
+use glam::Vec3;
 
 /// Where the reflection model is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

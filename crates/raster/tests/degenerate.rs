@@ -275,10 +275,7 @@ fn views_without_sense_are_refused() {
             ..camera
         },
     ] {
-        assert!(
-            matches!(bad.view(9, 9), Err(RasterError::SingularView)),
-            "{bad:?}"
-        );
+        assert!(bad.view(9, 9).is_err(), "{bad:?}");
     }
     assert!(View::new(DMat4::ZERO, DMat4::IDENTITY).is_err());
     let nothing = Camera::standard(&Mesh::default(), StandardView::Iso, Lens::DEFAULT, 1.0);

@@ -1,0 +1,118 @@
+//! Lights, and what of them arrives at a point.
+
+use glam::{DVec3, Vec3};
+
+use crate::camera::View;
+use crate::shade::Incident;
+
+/// A light source. Intensities are linear, per channel, not attenuated with
+/// distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Light {
+    /// From everywhere: the Ia of the model.
+    Ambient {
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From infinitely far away.
+    Directional {
+        /// Direction towards the light, in world coordinates; of any length but
+        /// zero, for no light comes from nowhere.
+        towards: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From a point.
+    Point {
+        /// Position in world coordinates.
+        position: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From the viewer, whatever the view.
+    Head {
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+    /// From a direction fixed to the camera.
+    Camera {
+        /// Direction towards the light, in eye coordinates (x right, y up, z
+        /// towards the viewer); of any length but zero.
+        towards: DVec3,
+        /// Intensity per channel.
+        intensity: Vec3,
+    },
+}
+
+impl Light {
+    /// A soft ambient light, a key light over the viewer's left shoulder and
+    /// a weak head light.
+    #[must_use]
+    pub fn default_rig() -> Vec<Self> {
+        vec![
+            Self::Ambient {
+                intensity: Vec3::splat(0.15),
+            },
+            Self::Camera {
+                towards: DVec3::new(-0.6, 0.9, 1.0),
+                intensity: Vec3::splat(0.7),
+            },
+            Self::Head {
+                intensity: Vec3::splat(0.2),
+            },
+        ]
+    }
+}
+
+/// Where the light of a source comes from, in the world as a view sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Source {
+    /// Everywhere.
+    Everywhere,
+    /// The unit direction towards it.
+    Direction(DVec3),
+    Position(DVec3),
+    Viewer,
+}
+
+impl Light {
+    /// Where its light comes from; `None` without a direction.
+    pub(crate) fn source(&self, view: &View) -> Option<Source> {
+        let direction = |towards: DVec3| towards.try_normalize().map(Source::Direction);
+        match *self {
+            Self::Ambient { .. } => Some(Source::Everywhere),
+            Self::Directional { towards, .. } => direction(towards),
+            Self::Camera { towards, .. } => {
+                direction(view.world_to_eye().inverse().transform_vector3(towards))
+            }
+            Self::Point { position, .. } => Some(Source::Position(position)),
+            Self::Head { .. } => Some(Source::Viewer),
+        }
+    }
+
+    /// Its intensity per channel.
+    #[must_use]
+    pub fn intensity(&self) -> Vec3 {
+        match *self {
+            Self::Ambient { intensity }
+            | Self::Directional { intensity, .. }
+            | Self::Camera { intensity, .. }
+            | Self::Point { intensity, .. }
+            | Self::Head { intensity } => intensity,
+        }
+    }
+}
+
+impl Source {
+    /// Its light at a point, given the unit direction towards the viewer.
+    pub fn at(self, point: DVec3, viewer: Vec3, intensity: Vec3) -> Incident {
+        let towards = match self {
+            Self::Everywhere => Vec3::ZERO,
+            Self::Direction(towards) => towards.as_vec3(),
+            Self::Position(position) => (position - point).normalize_or_zero().as_vec3(),
+            Self::Viewer => viewer,
+        };
+        Incident { towards, intensity }
+    }
+}
