@@ -228,32 +228,33 @@ fn render_has_an_option_for_every_look() {
     let mut pictures = Vec::new();
     for looks in [
         "",
-        "--shading flat",
-        "--shading gouraud",
-        "--anti-aliasing none",
-        "--anti-aliasing msaa8",
-        "--anti-aliasing supersample2",
-        "--anti-aliasing supersample4",
-        "--edges",
-        "--edges --line-width 3",
-        "--hidden-edges",
-        "--wireframe",
-        "--points",
-        "--section -y=0",
-        "--section -y=0 --section 0,0,1:0,0,0.4",
-        "--ambient-occlusion",
-        "--shadow",
-        "--axes",
-        "--show depth",
-        "--show normals",
-        "--show surfaces",
-        "--show occlusion",
-        "--projection ortho",
-        "--projection cavalier",
-        "--projection cabinet",
-        "--fov 60",
-        "--background ff0000",
-        "--sheet",
+        "--plain",
+        "--plain --shading flat",
+        "--plain --shading gouraud",
+        "--plain --anti-aliasing none",
+        "--plain --anti-aliasing msaa8",
+        "--plain --anti-aliasing supersample2",
+        "--plain --anti-aliasing supersample4",
+        "--plain --edges",
+        "--plain --edges --line-width 3",
+        "--plain --hidden-edges",
+        "--plain --wireframe",
+        "--plain --points",
+        "--plain --section -y=0",
+        "--plain --section -y=0 --section 0,0,1:0,0,0.4",
+        "--plain --ambient-occlusion",
+        "--plain --shadow",
+        "--plain --axes",
+        "--plain --show depth",
+        "--plain --show normals",
+        "--plain --show surfaces",
+        "--plain --show occlusion",
+        "--plain --projection ortho",
+        "--plain --projection cavalier",
+        "--plain --projection cabinet",
+        "--plain --fov 60",
+        "--plain --background ff0000",
+        "--plain --sheet",
         "--turntable 3",
     ] {
         let command = format!("render in.csg -o out.png --size 120x90 --cells 16 {looks}");
@@ -263,6 +264,15 @@ fn render_has_an_option_for_every_look() {
         assert!(!pictures.contains(&file), "{looks}");
         pictures.push(file);
     }
+    // The look that needs no options is made of three that have one each.
+    let all = "--plain --edges --ambient-occlusion --shadow";
+    succeeded(&folder.run(&format!(
+        "render in.csg -o out.png --size 120x90 --cells 16 {all}"
+    )));
+    assert_eq!(
+        fs::read(folder.file("out.png")).expect("a file"),
+        pictures[0]
+    );
     let output = folder.run("render in.csg -o out.png --cells 16 --stats");
     assert!(String::from_utf8_lossy(&succeeded(&output).stderr).contains("pixels shaded"));
     let message = failed(&folder.run("render in.csg -o out.png --section up"), 2);

@@ -72,7 +72,8 @@ pub(crate) fn draw_edges(
     options: &EdgeOptions,
     image: &mut Image,
 ) {
-    let mut layers = LineLayers::new(image.width, image.height);
+    let dashed = options.hidden == HiddenEdges::Dash;
+    let mut layers = LineLayers::new(image.width, image.height, dashed);
     let width = options.width;
     let frame = Drawn {
         renderer,
@@ -105,11 +106,12 @@ pub(crate) fn draw_edges(
             draw(&[p, p], width * 3.0);
         }
     }
-    if options.hidden == HiddenEdges::Dash {
+    if let Some(hidden) = &mut layers.hidden {
+        hidden.thin();
         let faint = options
             .color
             .with_alpha(options.color.alpha * HIDDEN_OPACITY);
-        layers.hidden.composite(image, faint);
+        hidden.composite(image, faint);
     }
     layers.visible.composite(image, options.color);
 }

@@ -28,6 +28,8 @@ fn towards_viewer([x, y, _, w]: [DVec4; 4], viewer: DVec4) -> [Vec3; 3] {
 /// plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameMatrix {
+    /// The scene's centre.
+    pub centre: DVec3,
     /// The four rows.
     pub rows: [DVec4; 4],
     /// The middle of the picture, in sub-pixels from its top left corner.
@@ -59,6 +61,7 @@ impl FrameMatrix {
         let viewer = view.centre_of_projection();
         let relative = viewer.truncate() - centre * viewer.w;
         Self {
+            centre,
             rows,
             middle: [width, height].map(|side| side.cast_signed() * SUBPIXELS / 2),
             width,

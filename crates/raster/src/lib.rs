@@ -149,6 +149,7 @@
 //!
 #![doc = include_str!("../docs/pictures.md")]
 
+mod blend;
 mod buffers;
 mod camera;
 pub mod clip;
@@ -185,6 +186,7 @@ mod section;
 mod series;
 mod set_up;
 pub mod shade;
+mod show;
 mod silhouette;
 mod simd;
 mod smooth;
@@ -193,6 +195,7 @@ mod tile;
 pub mod transform;
 mod triad;
 pub mod view_reference;
+mod viewpoint;
 pub mod viewport;
 
 pub use buffers::{Buffer, Pick, depth_image, id_image, normal_image};
@@ -200,7 +203,7 @@ pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use csg::Mesh;
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
-pub use framing::StandardView;
+pub use framing::{Framing, StandardView};
 pub use image::Image;
 pub use light::Light;
 pub use normals::{CREASE_ANGLE, corner_normals};
@@ -212,6 +215,8 @@ pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
 pub use series::{contact_sheet, turntable, turntable_camera, write_apng};
 pub use shade::{Interpolation, Material};
+pub use show::Show;
 pub use simd::Level;
 pub use stats::Stats;
+pub use viewpoint::clear_view;
 pub use viewport::{Viewport, YAxis};

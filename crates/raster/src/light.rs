@@ -46,21 +46,22 @@ pub enum Light {
 }
 
 impl Light {
-    /// A soft ambient light, a key light over the viewer's left shoulder and
-    /// a weak head light.
+    /// Three lights fixed to the camera, and some from everywhere: a key light
+    /// over the viewer's left shoulder, a weak fill from the right, and a rim
+    /// light from behind and above that tells dark sides from dark backgrounds.
     #[must_use]
     pub fn default_rig() -> Vec<Self> {
+        let camera = |towards: DVec3, intensity: f32| Self::Camera {
+            towards,
+            intensity: Vec3::splat(intensity),
+        };
         vec![
             Self::Ambient {
-                intensity: Vec3::splat(0.15),
+                intensity: Vec3::splat(0.16),
             },
-            Self::Camera {
-                towards: DVec3::new(-0.6, 0.9, 1.0),
-                intensity: Vec3::splat(0.7),
-            },
-            Self::Head {
-                intensity: Vec3::splat(0.2),
-            },
+            camera(DVec3::new(-0.6, 0.9, 1.0), 0.72),
+            camera(DVec3::new(1.0, 0.15, 0.7), 0.2),
+            camera(DVec3::new(0.4, 0.9, -0.6), 0.25),
         ]
     }
 }

@@ -88,6 +88,18 @@ pub struct RenderOptions {
 }
 
 impl RenderOptions {
+    /// The same without anything that is drawn over, under or into the faces.
+    #[must_use]
+    pub fn faces_only(&self) -> Self {
+        Self {
+            edges: None,
+            ambient_occlusion: false,
+            ground_shadow: false,
+            triad: false,
+            ..self.clone()
+        }
+    }
+
     /// Refuses what cannot be drawn.
     pub(crate) fn check(&self) -> Result<(), RasterError> {
         match &self.edges {

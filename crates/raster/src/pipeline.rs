@@ -90,6 +90,14 @@ impl Renderer {
         options: &RenderOptions,
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
+        // A shadow lies between the model and what is behind.
+        let backdrop = options.background;
+        let cleared = RenderOptions {
+            background: backdrop.with_alpha(0.0),
+            ..options.clone()
+        };
+        let behind = options.ground_shadow && backdrop.alpha > 0.0;
+        let options = if behind { &cleared } else { options };
         let scale = options.anti_aliasing.scale();
         if width.max(height).saturating_mul(scale) > MAX_SIZE {
             return Err(RasterError::SizeTooLarge { width, height });
@@ -108,13 +116,16 @@ impl Renderer {
         (self.width, self.height, self.scale) = (width, height, scale);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         if options.ambient_occlusion {
-            darken(image, &self.ambient_occlusion(scene, view));
+            darken(image, &self.occlusion(scene, view, options.ground_shadow));
         }
         if options.ground_shadow {
             draw_ground_shadow(scene, view, image)?;
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
+        }
+        if behind {
+            image.put_behind(backdrop);
         }
         if options.triad {
             draw_triad(view, image);

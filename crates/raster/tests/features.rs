@@ -5,7 +5,7 @@ mod common;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, RasterError, RenderOptions,
+    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, RasterError, RenderOptions,
     Renderer, Scene, SectionPlane, StandardView, View, Viewport, contact_sheet, turntable,
     turntable_camera, write_apng,
 };
@@ -203,6 +203,9 @@ fn silhouettes_are_where_the_surface_turns_away() {
     let view = view_of(&mesh, StandardView::Iso, Lens::Orthographic { height: 1.0 });
     let mut options = RenderOptions::default();
     options.edges = Some(features());
+    options.lights = vec![Light::Ambient {
+        intensity: Vec3::splat(0.3),
+    }];
     let (_, image) = draw(&Scene::new(&mesh), &view, &options);
     let middle = f64::from(SIZE) / 2.0;
     let radius = middle * 0.9;

@@ -15,6 +15,10 @@ pub(super) struct Looks {
     /// How edges are smoothed
     #[arg(long, value_enum, default_value_t = Smoothing::Msaa4)]
     anti_aliasing: Smoothing,
+    /// Faces alone, without the edges, the occlusion and the shadow that pictures
+    /// have unless it is given; those that are asked for as well are drawn
+    #[arg(long)]
+    plain: bool,
     /// Draw feature edges and silhouettes over the shading
     #[arg(long)]
     edges: bool,
@@ -48,7 +52,7 @@ pub(super) struct Looks {
     two_sided: bool,
     /// What the picture shows
     #[arg(long, value_enum, default_value_t = Show::Color)]
-    pub(super) show: Show,
+    show: Show,
     /// Four views on one sheet instead of one
     #[arg(long, conflicts_with_all = ["turntable", "show"])]
     pub(super) sheet: bool,
@@ -89,7 +93,7 @@ enum Smoothing {
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Show {
+enum Show {
     /// The model
     Color,
     /// Its distance: near white, far dark
@@ -149,7 +153,7 @@ fn width(text: &str) -> Result<f64, String> {
 
 impl Looks {
     /// The renderer's options.
-    pub(super) fn render_options(&self) -> RenderOptions {
+    pub(super) fn render_options(&self, direction: DVec3) -> RenderOptions {
         let mut options = RenderOptions::default();
         options.interpolation = match self.shading {
             Shading::Flat => Interpolation::Flat,
@@ -165,7 +169,7 @@ impl Looks {
         };
         if self.draws_edges() {
             let mut edges = EdgeOptions::default();
-            edges.features = self.edges || self.hidden_edges;
+            edges.features = self.edges || self.hidden_edges || !self.plain;
             edges.silhouettes = edges.features;
             edges.wireframe = self.wireframe;
             edges.points = self.points;
@@ -175,8 +179,8 @@ impl Looks {
             }
             options.edges = Some(edges);
         }
-        options.ambient_occlusion = self.ambient_occlusion;
-        options.ground_shadow = self.shadow;
+        options.ambient_occlusion = self.ambient_occlusion || !self.plain;
+        options.ground_shadow = self.casts_shadow(direction);
         options.triad = self.axes;
         options.two_sided = self.two_sided;
         options.cull_back_faces = !self.two_sided;
@@ -190,7 +194,24 @@ impl Looks {
     }
 
     fn draws_edges(&self) -> bool {
-        self.edges || self.hidden_edges || self.wireframe || self.points
+        !self.plain || self.edges || self.hidden_edges || self.wireframe || self.points
+    }
+
+    /// Whether there is a shadow for a camera that looks along a direction: one
+    /// is seen from above.
+    pub(super) fn casts_shadow(&self, direction: DVec3) -> bool {
+        self.shadow || (!self.plain && direction.normalize_or_zero().z < -0.05)
+    }
+
+    /// What the picture shows.
+    pub(super) fn show(&self) -> raster::Show {
+        match self.show {
+            Show::Color => raster::Show::Color,
+            Show::Depth => raster::Show::Depth,
+            Show::Normals => raster::Show::Normals,
+            Show::Surfaces => raster::Show::Surfaces,
+            Show::Occlusion => raster::Show::Occlusion,
+        }
     }
 
     /// The planes that cut the model.

@@ -6,11 +6,11 @@ use std::str::FromStr;
 use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
-    Camera, Image, Lens, RasterError, Renderer, Scene, StandardView, contact_sheet, depth_image,
-    id_image, normal_image, occlusion_image, turntable, turntable_camera, write_apng,
+    Camera, Framing, Image, Lens, RasterError, Renderer, Scene, StandardView, clear_view,
+    contact_sheet, turntable, turntable_camera, write_apng,
 };
 
-use super::looks::{Looks, Show};
+use super::looks::Looks;
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, Product, produce};
@@ -27,14 +27,11 @@ pub(crate) struct Options {
     #[arg(long, aliases = ["resolution", "imgsize"], value_name = "WxH", default_value = "1024x768")]
     size: Size,
     /// front, back, left, right, top, bottom or iso; or the direction to look
-    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z
-    #[arg(
-        long,
-        value_name = "VIEW",
-        default_value = "iso",
-        allow_hyphen_values = true
-    )]
-    camera: View,
+    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z [default: front for an
+    /// oblique projection; else iso, turned where that hides a cut or shows little
+    /// but one face]
+    #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]
+    camera: Option<View>,
     /// Vertical field of view in degrees
     #[arg(long, alias = "camera-view-angle", value_name = "DEGREES", default_value_t = 30.0,
           value_parser = field_of_view)]
@@ -204,7 +201,10 @@ pub(crate) fn run(
         ));
     }
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, false, &progress)?;
+    let mut product = {
+        let needs = |points: &[DVec3]| quarter_pixel(points, options);
+        produce(subject, &options.mesher, false, &needs, &progress)?
+    };
     progress.stage("drawing");
     let empty = product.mesh.triangles.is_empty();
     let png = draw(&mut product, options).map_err(|error| {
@@ -219,6 +219,9 @@ pub(crate) fn run(
     progress.stage("writing");
     product.stage("write", |_| output::write_picture(&options.output, &png))?;
     if options.looks.stats {
+        if let Some(tolerance) = product.tolerance {
+            eprintln!("{:<22}{tolerance:>12.3e}", "tolerance");
+        }
         for (stage, seconds) in &product.seconds {
             eprintln!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
         }
@@ -245,32 +248,65 @@ fn lens_and_aspect(options: &Options) -> (Lens, f64) {
     (lens, f64::from(width) / f64::from(height))
 }
 
+/// Along which the camera looks, and what is upwards.
+fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
+    let direction = match (options.camera, options.projection) {
+        (Some(View::Standard(view)), _) => return view.direction_and_up(),
+        (Some(View::Along(direction)), _) => direction,
+        (Some(View::FromTo(eye, target)), _) => target - eye,
+        (None, Projection::Oblique(..)) => return StandardView::Front.direction_and_up(),
+        (None, _) => clear_view(mesh, &options.looks.sections()),
+    };
+    (direction, up_for(direction))
+}
+
 /// The camera that sees the mesh as the options say.
 fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
     let (lens, aspect) = lens_and_aspect(options);
-    Ok(match options.camera {
-        View::Standard(view) => Camera::standard(mesh, view, lens, aspect)?,
-        View::Along(direction) => {
-            Camera::framing(mesh, direction, up_for(direction), lens, aspect)?
-        }
-        View::FromTo(eye, target) => {
-            let direction = target - eye;
-            let up = up_for(direction);
-            let framed = Camera::framing(mesh, direction, up, lens, aspect)?;
-            // The same depths, seen from the eye that was asked for.
-            let towards = direction.normalize();
-            let moved = (framed.eye - eye).dot(towards);
-            let far = (framed.far + moved).max(f64::MIN_POSITIVE);
-            let near = (framed.near + moved).max(far * 1e-3);
-            Camera {
-                eye,
-                target,
-                near,
-                far,
-                ..framed
-            }
-        }
+    let (direction, up) = direction(mesh, options);
+    let framing = Framing {
+        direction,
+        up,
+        lens,
+        aspect,
+        shadow: options.looks.casts_shadow(direction),
+    };
+    let framed = framing.camera(mesh)?;
+    let Some(View::FromTo(eye, target)) = options.camera else {
+        return Ok(framed);
+    };
+    // The same depths, seen from the eye that was asked for.
+    let moved = (framed.eye - eye).dot(direction.normalize());
+    let far = (framed.far + moved).max(f64::MIN_POSITIVE);
+    let near = (framed.near + moved).max(far * 1e-3);
+    Ok(Camera {
+        eye,
+        target,
+        near,
+        far,
+        ..framed
     })
+}
+
+/// A quarter of a pixel where points come nearest to the eye.
+fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
+    let mesh = Mesh::new(points.to_vec(), Vec::new());
+    let camera = camera(&mesh, options).ok()?;
+    let along = (camera.target - camera.eye).try_normalize()?;
+    let depths = points.iter().map(|&p| (p - camera.eye).dot(along));
+    let nearest = depths.fold(f64::INFINITY, f64::min).max(camera.near);
+    let pixel = camera.pixel_size(nearest, options.size.height);
+    let extent = |axis: DVec3| {
+        let along = points.iter().map(|p| p.dot(axis));
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        high - low
+    };
+    let side = extent(DVec3::X).max(extent(DVec3::Y)).max(extent(DVec3::Z));
+    // Nobody waits for a mesh finer than that because the eye is inside.
+    let tolerance = (pixel / 4.0).clamp(side * 1e-6, side * 1e-2);
+    (tolerance > 0.0).then_some(tolerance)
 }
 
 /// The picture as the bytes of a PNG file. A single picture uses up the mesh.
@@ -278,7 +314,7 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     let Size { width, height } = options.size;
     let camera = product.stage("frame", |product| camera(&product.mesh, options))?;
     let looks = &options.looks;
-    let mut render = looks.render_options();
+    let mut render = looks.render_options((camera.target - camera.eye).normalize_or_zero());
     if let Some(background) = options.background {
         render.background = background;
     }
@@ -316,19 +352,20 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     let mut renderer = Renderer::default();
     let mut image = Image::default();
     let stats = product.stage("draw", |_| {
-        renderer.draw(&scene, &view, width, height, &render, &mut image)
+        renderer.draw_shown(
+            &scene,
+            &view,
+            width,
+            height,
+            &render,
+            looks.show(),
+            &mut image,
+        )
     })?;
     if looks.stats {
         eprint!("{stats}");
     }
-    let shown = match looks.show {
-        Show::Color => image,
-        Show::Depth => depth_image(&renderer.depth_buffer()),
-        Show::Normals => normal_image(&renderer.normal_buffer(&scene, &view)),
-        Show::Surfaces => id_image(&renderer.surface_buffer(&scene)),
-        Show::Occlusion => occlusion_image(&renderer.ambient_occlusion(&scene, &view)),
-    };
-    product.stage("encode", |_| shown.to_png())
+    product.stage("encode", |_| image.to_png())
 }
 
 /// Speed of a turntable.
