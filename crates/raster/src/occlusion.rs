@@ -244,9 +244,10 @@ fn without_pattern(grid: &Grid, raw: &[f32]) -> Vec<f32> {
             let columns = x.saturating_sub(2)..(x + 2).min(width);
             let (mut sum, mut count) = (0.0, 0.0);
             for line in lines.clone() {
-                for k in line * width + columns.start..line * width + columns.end {
-                    if grid.samples[k].depth > 0.0 {
-                        sum += raw[k];
+                let here = line * width + columns.start..line * width + columns.end;
+                for (open, sample) in raw[here.clone()].iter().zip(&grid.samples[here]) {
+                    if sample.depth > 0.0 {
+                        sum += open;
                         count += 1.0;
                     }
                 }
