@@ -9,7 +9,7 @@ use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::interpolate::weights_at;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::section::Section;
 use crate::tile::{TILE, decode};
 use crate::viewport::Viewport;
@@ -109,7 +109,7 @@ impl Renderer {
     /// The index into [`csg::Mesh::surfaces`] that each pixel of the last
     /// frame shows; `None` also for a mesh without surfaces.
     #[must_use]
-    pub fn surface_buffer(&self, scene: &Scene) -> Buffer<Option<u32>> {
+    pub fn surface_buffer(&self, scene: &Prepared) -> Buffer<Option<u32>> {
         self.buffer(|sample, _, _| {
             let (triangle, _) = sample?;
             scene.triangle_surfaces.get(triangle as usize).copied()
@@ -120,7 +120,7 @@ impl Renderer {
     /// last frame, which showed `scene` in `view`; zero where there is
     /// nothing.
     #[must_use]
-    pub fn normal_buffer(&self, scene: &Scene, view: &View) -> Buffer<Vec3> {
+    pub fn normal_buffer(&self, scene: &Prepared, view: &View) -> Buffer<Vec3> {
         let matrix = FrameMatrix::new(view, scene.centre, self.width, self.height);
         self.buffer(|_, x, y| {
             let normal = |(number, _): (i32, f32)| {
@@ -141,7 +141,7 @@ impl Renderer {
     /// What lies under the pixel in column `x` and row `y` of the last frame,
     /// which showed `scene` in `view`.
     #[must_use]
-    pub fn pick(&self, scene: &Scene, view: &View, x: u32, y: u32) -> Option<Pick> {
+    pub fn pick(&self, scene: &Prepared, view: &View, x: u32, y: u32) -> Option<Pick> {
         let (triangle, depth) = self.sample(x, y)?;
         let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let viewport = Viewport::of_image(self.width, self.height);

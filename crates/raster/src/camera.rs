@@ -119,6 +119,47 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A camera at `eye` that looks at `target`: upright (Z upwards, or Y where
+    /// it looks along Z), with the default lens, from a thousandth of the
+    /// distance to infinity.
+    #[must_use]
+    pub fn looking_at(eye: DVec3, target: DVec3) -> Self {
+        let direction = target - eye;
+        let upright = direction.truncate() != glam::DVec2::ZERO;
+        Self {
+            eye,
+            target,
+            up: if upright { DVec3::Z } else { DVec3::Y },
+            lens: Lens::DEFAULT,
+            near: direction.length() * 1e-3,
+            far: f64::INFINITY,
+        }
+    }
+
+    /// Sets what is upwards in the picture.
+    #[must_use]
+    pub fn up(self, up: DVec3) -> Self {
+        Self { up, ..self }
+    }
+
+    /// Sets the lens; a parallel one sees to a thousand times the target's
+    /// distance where the far plane was infinitely far.
+    #[must_use]
+    pub fn lens(self, lens: Lens) -> Self {
+        let far = match lens {
+            Lens::Perspective { .. } => self.far,
+            _ if self.far.is_finite() => self.far,
+            _ => self.eye.distance(self.target) * 1e3,
+        };
+        Self { lens, far, ..self }
+    }
+
+    /// Sets the distances of the near and the far plane.
+    #[must_use]
+    pub fn depths(self, near: f64, far: f64) -> Self {
+        Self { near, far, ..self }
+    }
+
     /// World to eye coordinates.
     #[must_use]
     pub fn world_to_eye(&self) -> DMat4 {

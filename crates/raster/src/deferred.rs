@@ -19,7 +19,7 @@ use crate::interpolate::{
 };
 use crate::light::Source;
 use crate::options::RenderOptions;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::section::Caps;
 use crate::shade::{Incident, Interpolation, Material, phong};
 use crate::simd::math::pow;
@@ -30,7 +30,7 @@ use crate::tile::{NO_TRIANGLE, decode};
 
 /// All that shading needs to know about a frame.
 pub(crate) struct ShadeContext<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
     materials: Vec<Material>,
     ambient: Vec3,
@@ -43,11 +43,14 @@ pub(crate) struct ShadeContext<'a> {
     /// on where it is seen.
     pub positional: bool,
     pub caps: Caps,
+    /// Whether surfaces have textures, and whether some are seen through.
+    textured: bool,
+    pub transparent: bool,
 }
 
 impl<'a> ShadeContext<'a> {
     pub fn new(
-        scene: &'a Scene,
+        scene: &'a Prepared,
         view: &View,
         matrix: &'a FrameMatrix,
         options: &RenderOptions,
@@ -68,11 +71,12 @@ impl<'a> ShadeContext<'a> {
         let positional = sources
             .iter()
             .any(|(s, _)| matches!(s, Source::Position(_)));
-        let of_surface =
-            |color: &Option<Color>| Material::of_color(color.unwrap_or(options.default_color));
-        let mut materials: Vec<_> = scene.colors.iter().map(of_surface).collect();
+        let looks = scene.looks.iter();
+        let mut materials: Vec<_> = looks.map(|look| look.material(options)).collect();
+        let textured = scene.looks.iter().any(|look| look.texture.is_some());
+        let transparent = scene.is_transparent(options);
         // Where all are alike, nobody need look which one it is.
-        if materials.iter().all(|material| *material == materials[0]) {
+        if !textured && materials.iter().all(|material| *material == materials[0]) {
             materials.truncate(1);
         }
         Self {
@@ -85,8 +89,10 @@ impl<'a> ShadeContext<'a> {
             centred: options.anti_aliasing.samples().len() == 1,
             // Of solids cut open, backs are seen where a silhouette passes exactly
             // through a sample, as near as the front.
-            two_sided: options.two_sided || !scene.sections.is_empty(),
-            positional,
+            two_sided: options.two_sided || !scene.sections.is_empty() || transparent,
+            positional: positional || textured,
+            textured,
+            transparent,
             caps: Caps::new(&scene.sections, matrix),
         }
     }
@@ -102,6 +108,28 @@ impl<'a> ShadeContext<'a> {
             .triangle_surfaces
             .get(triangle)
             .map_or(last, |&surface| (surface as usize).min(last))
+    }
+
+    /// How opaque a triangle is.
+    pub fn opacity(&self, triangle: usize) -> f32 {
+        self.materials[self.material(triangle)].opacity
+    }
+
+    /// A material with its texture's colour at a point.
+    fn textured(&self, material: usize, point: DVec3) -> Material {
+        let plain = self.materials[material];
+        let look = self.scene.looks.get(material).and_then(|look| look.texture);
+        match look {
+            Some((texture, to_part, finish)) => {
+                let at = to_part.transform_point3(point + self.scene.centre);
+                let color = Color::from_linear(texture.color(at).to_array());
+                Material {
+                    opacity: plain.opacity,
+                    ..Material::new(color, finish)
+                }
+            }
+            None => plain,
+        }
     }
 
     /// The material that the pixels of a job share, or [`MIXED`].
@@ -173,8 +201,10 @@ impl<'a> ShadeContext<'a> {
             intensity: self.ambient,
         }];
         let lights = self.lights.iter();
-        incident.extend(lights.map(|&(source, intensity)| source.at(point, viewer, intensity)));
-        phong(&self.materials[material], &incident, normal, viewer)
+        incident
+            .extend(lights.map(|&(source, intensity)| source.at(point, normal, viewer, intensity)));
+        let material = self.textured(material, point);
+        phong(&material, &incident, normal, viewer)
     }
 }
 
@@ -331,7 +361,8 @@ fn materials<S: Lanes>(
     job: &Job,
     fragments: &Fragments,
 ) -> Materials<S> {
-    if let Some(m) = context.materials.get(fragments.material) {
+    let shared = context.materials.get(fragments.material);
+    if let Some(m) = shared.filter(|_| !context.textured) {
         return Materials {
             ambient: splat(s, m.ambient),
             diffuse: splat(s, m.diffuse),
@@ -340,16 +371,21 @@ fn materials<S: Lanes>(
         };
     }
     let mut lanes = [[0f32; LANES]; 10];
-    let mut last = (NO_TRIANGLE, &context.materials[0]);
+    let mut last = (NO_TRIANGLE, 0);
     for (k, &index) in job.triangles.iter().enumerate() {
         if index != last.0 {
             let own = match decode(index) {
                 (triangle, None) => context.material(triangle),
                 (_, Some(_)) => context.cap_material(),
             };
-            last = (index, &context.materials[own]);
+            last = (index, own);
         }
-        let m = last.1;
+        let m = if context.textured {
+            let [x, y, z] = fragments.point.map(|lanes| f64::from(lanes[k]));
+            context.textured(last.1, DVec3::new(x, y, z))
+        } else {
+            context.materials[last.1]
+        };
         let values = [m.ambient, m.diffuse, m.specular].map(|v| v.to_array());
         for (lane, value) in lanes.iter_mut().zip(values.as_flattened()) {
             lane[k] = *value;
@@ -392,7 +428,15 @@ fn light<S: Lanes>(
         n_v = n_v * sign;
     }
     let material = materials(s, context, job, fragments);
-    let ambient = splat(s, context.ambient);
+    let mut ambient = splat(s, context.ambient);
+    for &(source, ground) in &context.lights {
+        if let Source::Halves(up, sky) = source {
+            let up = dot::<S>(normal, splat(s, up.as_vec3())) * normal_length;
+            let share = (one + up) * s.f(0.5);
+            let (ground, more) = (splat(s, ground), splat(s, sky - ground));
+            ambient = triple!(|K| ambient[K] + (ground[K] + more[K] * share));
+        }
+    }
     let mut colour = triple!(|K| material.ambient[K] * ambient[K]);
     for &(source, intensity) in &context.lights {
         let (n_l, l_v) = match source {
@@ -414,7 +458,7 @@ fn light<S: Lanes>(
                 )
             }
             Source::Viewer => (n_v, one),
-            Source::Everywhere => continue,
+            Source::Everywhere | Source::Halves(..) => continue,
         };
         let lit = zero.lt(n_l);
         if lit.bits() & job.wanted == 0 {

@@ -10,7 +10,7 @@ use crate::image::Image;
 use crate::line::{Drawn, LineLayers, project_polyline};
 use crate::normals::CREASE_ANGLE;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::silhouette::draw_silhouettes;
 
 /// What happens to the hidden parts of edges.
@@ -67,7 +67,7 @@ const HIDDEN_OPACITY: f32 = 0.45;
 /// Draws the edges of a scene over its picture.
 pub(crate) fn draw_edges(
     renderer: &Renderer,
-    scene: &Scene,
+    scene: &Prepared,
     matrix: &FrameMatrix,
     options: &EdgeOptions,
     image: &mut Image,
@@ -117,7 +117,7 @@ pub(crate) fn draw_edges(
 }
 
 /// For each vertex the first one at the same position.
-fn weld(scene: &Scene) -> Vec<u32> {
+fn weld(scene: &Prepared) -> Vec<u32> {
     let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();
     (0..scene.positions.len() as u32)
         .map(|index| {
@@ -133,7 +133,7 @@ fn weld(scene: &Scene) -> Vec<u32> {
 /// vertices: edges that do not join exactly two triangles, that join two
 /// surfaces (unless flat), or two normals more than [`CREASE_ANGLE`] apart.
 /// Vertices at the same position count as one. O(n log n).
-pub(crate) fn find_feature_edges(scene: &Scene) -> Vec<Vec<u32>> {
+pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
     let welded = weld(scene);
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
     let kept = scene.triangles.iter().take(scene.kept_triangles);

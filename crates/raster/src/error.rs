@@ -111,6 +111,9 @@ pub enum RasterError {
         /// Height of the picture.
         height: u32,
     },
+    /// There can be no such file.
+    #[error("cannot write the picture: {0}")]
+    File(#[from] std::io::Error),
     /// The PNG encoder or the file system refused.
     #[error("cannot write the PNG: {0}")]
     Png(#[from] png::EncodingError),

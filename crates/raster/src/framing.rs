@@ -4,7 +4,7 @@ use glam::{DVec3, DVec4};
 
 use crate::camera::{Camera, Frame, Lens};
 use crate::ground::SHADOW_SPREAD;
-use crate::scene::{combine_finite, finite_bounds};
+use crate::prepared::{combine_finite, finite_bounds};
 use crate::{Mesh, RasterError};
 
 /// The standard views of mechanical drawing (third-angle names), Z up: the

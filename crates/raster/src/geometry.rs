@@ -12,10 +12,11 @@ use glam::{DVec3, DVec4};
 use crate::clip::{ClipVertex, clip_polygon};
 use crate::cluster::{CLUSTER_VERTICES, Cluster};
 use crate::cull::hidden;
+use crate::deferred::ShadeContext;
 use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::set_up::{
     MOST_PIXELS, RasterCorners, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
 };
@@ -41,6 +42,8 @@ pub(crate) struct Bins {
     pub records: Vec<Record>,
     /// For each tile, indices into `records`.
     pub tiles: Vec<Vec<u32>>,
+    /// The same of triangles that are seen through.
+    pub transparent: Vec<Vec<u32>>,
     /// For each tile, pixels of triangles too small to be worth a record.
     pub pixels: Vec<Vec<PixelOfTriangle>>,
     /// Pixels on their way to one tile: mostly many in a row are for the same.
@@ -58,6 +61,8 @@ impl Bins {
         self.records.clear();
         self.tiles.iter_mut().for_each(Vec::clear);
         self.tiles.resize_with(tiles, Vec::new);
+        self.transparent.iter_mut().for_each(Vec::clear);
+        self.transparent.resize_with(tiles, Vec::new);
         self.pixels.iter_mut().for_each(Vec::clear);
         self.pixels.resize_with(tiles, Vec::new);
         self.run.resize(RUN, PixelOfTriangle::default());
@@ -101,11 +106,14 @@ pub(crate) struct Facing {
 }
 
 impl Facing {
-    /// Back faces show where they are asked for, or the solid is cut open.
-    pub fn of(scene: &Scene, options: &RenderOptions) -> Self {
+    /// Back faces show where they are asked for, or the solid is cut open, or
+    /// seen through.
+    pub fn of(scene: &Prepared, options: &RenderOptions) -> Self {
         Self {
             front: true,
-            back: !options.cull_back_faces || !scene.sections.is_empty(),
+            back: !options.cull_back_faces
+                || !scene.sections.is_empty()
+                || scene.is_transparent(options),
         }
     }
 }
@@ -113,7 +121,7 @@ impl Facing {
 /// What all clusters of a frame share.
 #[derive(Clone, Copy)]
 pub(crate) struct GeometryContext<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
     pub facing: Facing,
     pub tiles: &'a [Tile],
@@ -121,6 +129,9 @@ pub(crate) struct GeometryContext<'a> {
     pub columns: usize,
     /// First and last sub-pixel position of a sample in its pixel.
     pub sample_range: [i32; 2],
+    /// Where some triangles are seen through: how they are shaded; and whether
+    /// the backs of the others are left out.
+    pub transparent: Option<(&'a ShadeContext<'a>, bool)>,
 }
 
 impl GeometryContext<'_> {

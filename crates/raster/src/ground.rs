@@ -12,7 +12,7 @@ use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::options::RenderOptions;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 
 /// Width and height of the shadow's own picture.
 const SIZE: u32 = 256;
@@ -81,7 +81,7 @@ struct Shadow {
 }
 
 impl Shadow {
-    fn of(scene: &Scene) -> Result<Self, RasterError> {
+    fn of(scene: &Prepared) -> Result<Self, RasterError> {
         let (low, high) = scene.bounds();
         let size = (high - low).max_element().max(f64::MIN_POSITIVE);
         let middle = low + (high - low) / 2.0;
@@ -155,14 +155,14 @@ fn transpose(values: &[f32]) -> Vec<f32> {
 }
 
 /// The height of the ground relative to a scene's centre: its lowest point.
-pub(crate) fn ground_height(scene: &Scene) -> f64 {
+pub(crate) fn ground_height(scene: &Prepared) -> f64 {
     scene.low.z - scene.centre.z
 }
 
 /// Puts the shadow that a scene casts on the plane through its lowest point
 /// under the picture. Nothing happens for a viewer below that plane.
 pub(crate) fn draw_ground_shadow(
-    scene: &Scene,
+    scene: &Prepared,
     view: &View,
     image: &mut Image,
 ) -> Result<(), RasterError> {

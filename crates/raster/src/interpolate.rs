@@ -443,7 +443,7 @@ mod tests {
     use super::*;
     use crate::camera::View;
     use crate::options::RenderOptions;
-    use crate::scene::Scene;
+    use crate::prepared::Prepared;
     use crate::simd::{Kernel, Level};
     use crate::smooth::ClusterView;
     use crate::tile::BLOCK;
@@ -493,7 +493,7 @@ mod tests {
             });
             let mut mesh = Mesh::new(positions.to_vec(), vec![[0, 1, 2]]);
             mesh.corner_normals = vec![normals.map(|n| Vec3::from_array(n).normalize())];
-            let scene = Scene::new(&mesh);
+            let scene = Prepared::new(&mesh);
             let matrix = FrameMatrix::new(&view, scene.centre, SIZE, SIZE);
             let options = RenderOptions::default();
             let context = ShadeContext::new(&scene, &view, &matrix, &options);

@@ -1,24 +1,24 @@
 //! The projection and Z-buffer pipeline: from a [`Mesh`] and a camera to a
 //! picture.
 //!
-//! ```
-//! use raster::{Camera, Lens, RenderOptions, StandardView, render};
+//! ```no_run
+//! use raster::{RenderOptions, Scene};
 //! # use glam::DVec3;
-//! # let mesh = csg::Mesh::new(
+//! # let part = csg::Mesh::new(
 //! #     vec![DVec3::X, DVec3::Y, DVec3::Z],
 //! #     vec![[0, 1, 2]],
 //! # );
-//! let (width, height) = (64, 48);
-//! let aspect = f64::from(width) / f64::from(height);
-//! let camera = Camera::standard(&mesh, StandardView::Iso, Lens::DEFAULT, aspect)?;
-//! let image = render(&mesh, &camera.view(width, height)?, width, height, &RenderOptions::default())?;
-//! let file = image.to_png()?;
-//! # assert!(!file.is_empty());
+//! let scene = Scene::new().add(part);
+//! let options = RenderOptions::presentation().size(640, 480);
+//! let image = scene.render(&scene.camera(&options)?, &options)?;
+//! image.save("part.png")?;
 //! # Ok::<(), raster::RasterError>(())
 //! ```
 //!
-//! To draw a mesh more than once, keep a [`Scene`] and a [`Renderer`]; what a
-//! frame did and did not have to do is in its [`Stats`].
+//! A [`Scene`] has [`Part`]s, each a mesh with its places, colour,
+//! [`Finish`], [`Material`] or [`Texture`], and [`Light`]s. To draw it more
+//! than once, [`Scene::prepare`] it and keep a [`Renderer`]; what a frame did
+//! and did not have to do is in its [`Stats`].
 //!
 //! # A tour of the pipeline
 //!
@@ -130,7 +130,7 @@
 //!
 //! # How the fast pipeline works
 //!
-//! 1. A [`Scene`] holds the mesh in single precision around its centre, cut
+//! 1. A [`Prepared`] scene holds all meshes in single precision around its centre, cut
 //!    into clusters of at most 256 triangles.
 //! 2. Clusters outside the view volume, facing away or behind what is drawn
 //!    are left out whole; the others are taken front to back in a few
@@ -172,11 +172,14 @@ mod image;
 mod interpolate;
 mod light;
 mod line;
+mod look;
 mod normals;
 mod occlusion;
 mod options;
+mod part;
 mod pipeline;
 mod png_file;
+mod prepared;
 pub mod projection;
 mod reference;
 mod resolve;
@@ -191,8 +194,10 @@ mod silhouette;
 mod simd;
 mod smooth;
 mod stats;
+mod texture;
 mod tile;
 pub mod transform;
+mod transparent;
 mod triad;
 pub mod view_reference;
 mod viewpoint;
@@ -209,14 +214,17 @@ pub use light::Light;
 pub use normals::{CREASE_ANGLE, corner_normals};
 pub use occlusion::occlusion_image;
 pub use options::{AntiAliasing, RenderOptions};
+pub use part::Part;
 pub use pipeline::{Renderer, render};
+pub use prepared::Prepared;
 pub use reference::render_reference;
 pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
 pub use series::{contact_sheet, turntable, turntable_camera, write_apng};
-pub use shade::{Interpolation, Material};
+pub use shade::{Finish, Interpolation, Material};
 pub use show::Show;
 pub use simd::Level;
 pub use stats::Stats;
+pub use texture::{Mapping, Texture};
 pub use viewpoint::clear_view;
 pub use viewport::{Viewport, YAxis};

@@ -30,6 +30,19 @@ pub enum Light {
         /// Intensity per channel.
         intensity: Vec3,
     },
+    /// From a sky above and a ground below, which fill half of what a surface
+    /// sees each: ambient light that depends on the normal. A surface whose
+    /// normal is at an angle t to `up` receives the share (1 + cos t) / 2 of the
+    /// sky's light and the rest of the ground's, which is exact for two
+    /// uniform half-spheres.
+    Environment {
+        /// Upwards, in world coordinates; of any length but zero.
+        up: DVec3,
+        /// The sky's light per channel.
+        sky: Vec3,
+        /// The ground's light per channel.
+        ground: Vec3,
+    },
     /// From the viewer, whatever the view.
     Head {
         /// Intensity per channel.
@@ -71,6 +84,9 @@ impl Light {
 pub(crate) enum Source {
     /// Everywhere.
     Everywhere,
+    /// Half of it from the side of this unit direction, with the light given,
+    /// and half from the other.
+    Halves(DVec3, Vec3),
     /// The unit direction towards it.
     Direction(DVec3),
     Position(DVec3),
@@ -83,6 +99,9 @@ impl Light {
         let direction = |towards: DVec3| towards.try_normalize().map(Source::Direction);
         match *self {
             Self::Ambient { .. } => Some(Source::Everywhere),
+            Self::Environment { up, sky, .. } => {
+                up.try_normalize().map(|up| Source::Halves(up, sky))
+            }
             Self::Directional { towards, .. } => direction(towards),
             Self::Camera { towards, .. } => {
                 direction(view.world_to_eye().inverse().transform_vector3(towards))
@@ -92,7 +111,7 @@ impl Light {
         }
     }
 
-    /// Its intensity per channel.
+    /// Its intensity per channel; of an environment that of the ground.
     #[must_use]
     pub fn intensity(&self) -> Vec3 {
         match *self {
@@ -101,14 +120,22 @@ impl Light {
             | Self::Camera { intensity, .. }
             | Self::Point { intensity, .. }
             | Self::Head { intensity } => intensity,
+            Self::Environment { ground, .. } => ground,
         }
     }
 }
 
 impl Source {
-    /// Its light at a point, given the unit direction towards the viewer.
-    pub fn at(self, point: DVec3, viewer: Vec3, intensity: Vec3) -> Incident {
+    /// Its light at a point, given unit normal and direction to the viewer.
+    pub fn at(self, point: DVec3, normal: Vec3, viewer: Vec3, intensity: Vec3) -> Incident {
         let towards = match self {
+            Self::Halves(up, sky) => {
+                let share = (1.0 + normal.dot(up.as_vec3())) / 2.0;
+                return Incident {
+                    towards: Vec3::ZERO,
+                    intensity: intensity.lerp(sky, share),
+                };
+            }
             Self::Everywhere => Vec3::ZERO,
             Self::Direction(towards) => towards.as_vec3(),
             Self::Position(position) => (position - point).normalize_or_zero().as_vec3(),

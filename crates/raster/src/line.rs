@@ -15,7 +15,7 @@ use crate::clip::clip_segment;
 use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::tile::decode;
 
 /// The coverage of some lines or points, in 0..=1 for each pixel.
@@ -200,7 +200,7 @@ impl LineLayers {
 #[derive(Clone, Copy)]
 pub(crate) struct Drawn<'a> {
     pub renderer: &'a Renderer,
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
 }
 

@@ -17,7 +17,7 @@ use crate::frame::FrameMatrix;
 use crate::ground::{Ground, ground_height};
 use crate::image::Image;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::viewport::Viewport;
 
 /// Samples around each pixel.
@@ -158,12 +158,12 @@ impl Renderer {
     /// is to light from everywhere: 1 open, 0 hidden; 1 where there is
     /// nothing. Cost: about 20 ns a pixel and thread.
     #[must_use]
-    pub fn ambient_occlusion(&self, scene: &Scene, view: &View) -> Buffer<f32> {
+    pub fn ambient_occlusion(&self, scene: &Prepared, view: &View) -> Buffer<f32> {
         self.occlusion(scene, view, false)
     }
 
     /// The same; with a ground that hides light as well.
-    pub(crate) fn occlusion(&self, scene: &Scene, view: &View, on_ground: bool) -> Buffer<f32> {
+    pub(crate) fn occlusion(&self, scene: &Prepared, view: &View, on_ground: bool) -> Buffer<f32> {
         let (width, height) = (self.width, self.height);
         if width == 0 || height == 0 {
             return Buffer::default();
@@ -186,7 +186,7 @@ impl Renderer {
 }
 
 /// The openness of each sample, with the pattern of its spiral.
-fn raw_openness(grid: &Grid, matrix: &FrameMatrix, scene: &Scene) -> Vec<f32> {
+fn raw_openness(grid: &Grid, matrix: &FrameMatrix, scene: &Prepared) -> Vec<f32> {
     let (low, high) = scene.bounds();
     let whole = ((high - low).length() * RADIUS).max(f64::MIN_POSITIVE);
     // Pixels a unit of length, times W.

@@ -140,7 +140,7 @@ impl Shader<'_> {
         let color = surface
             .and_then(|surface| surface.color)
             .unwrap_or(self.options.default_color);
-        let material = Material::of_color(color);
+        let material = Material::new(color, self.options.finish);
         let normals = self.normals[index].map(Vec3::as_dvec3);
         let mix = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
         let rgb = match self.options.interpolation {
@@ -169,7 +169,7 @@ impl Shader<'_> {
             .iter()
             .filter_map(|light| {
                 let source = light.source(self.view)?;
-                Some(source.at(point, viewer.as_vec3(), light.intensity()))
+                Some(source.at(point, normal.as_vec3(), viewer.as_vec3(), light.intensity()))
             })
             .collect();
         phong(material, &lights, normal.as_vec3(), viewer.as_vec3())

@@ -24,7 +24,7 @@ use crate::RasterError;
 use crate::deferred::ShadeContext;
 use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
-use crate::scene::{Scene, finite_bounds};
+use crate::prepared::{Prepared, finite_bounds};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
 
 /// Most section planes at once.
@@ -49,7 +49,7 @@ pub(crate) struct Section {
     pub hatch: DVec3,
 }
 
-impl Scene {
+impl Prepared {
     /// Makes a mesh ready with parts of it cut away. Triangles are numbered
     /// after cutting: first those kept, then those that are not but still
     /// decide where caps are. For caps to be whole, a view's far plane must be

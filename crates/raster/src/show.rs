@@ -9,7 +9,7 @@ use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::options::{AntiAliasing, RenderOptions};
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::stats::Stats;
 
 /// What a picture shows.
@@ -39,7 +39,7 @@ impl Renderer {
     #[allow(clippy::too_many_arguments, reason = "those of `draw`")]
     pub fn draw_shown(
         &mut self,
-        scene: &Scene,
+        scene: &Prepared,
         view: &View,
         width: u32,
         height: u32,

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::frame::FrameMatrix;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 
 /// An edge, and the triangles on both of its sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,7 +19,7 @@ pub(crate) struct SharedEdge {
 
 /// Calls `segment` for each edge of the silhouette.
 pub(crate) fn draw_silhouettes(
-    scene: &Scene,
+    scene: &Prepared,
     matrix: &FrameMatrix,
     mut segment: impl FnMut(DVec3, DVec3),
 ) {
@@ -43,7 +43,7 @@ pub(crate) fn draw_silhouettes(
 }
 
 /// The edges that two triangles share. O(n log n).
-pub(crate) fn find_shared_edges(scene: &Scene) -> Vec<SharedEdge> {
+pub(crate) fn find_shared_edges(scene: &Prepared) -> Vec<SharedEdge> {
     let mut edges: Vec<[u32; 3]> = scene.triangles[..scene.kept_triangles]
         .par_iter()
         .enumerate()

@@ -5,8 +5,8 @@ mod common;
 use csg::Mesh;
 use glam::{DMat3, DVec3};
 use raster::{
-    AntiAliasing, EdgeOptions, Framing, HiddenEdges, Image, Lens, RenderOptions, Renderer, Scene,
-    SectionPlane, Show, StandardView, clear_view,
+    AntiAliasing, EdgeOptions, Framing, HiddenEdges, Image, Lens, Prepared, RenderOptions,
+    Renderer, SectionPlane, Show, StandardView, clear_view,
 };
 
 const SIZE: u32 = 160;
@@ -45,7 +45,14 @@ fn shadows_are_framed() {
                 options.ground_shadow = shadow;
                 let mut image = Image::default();
                 Renderer::default()
-                    .draw(&Scene::new(&mesh), &view, SIZE, SIZE, &options, &mut image)
+                    .draw(
+                        &Prepared::new(&mesh),
+                        &view,
+                        SIZE,
+                        SIZE,
+                        &options,
+                        &mut image,
+                    )
                     .unwrap();
                 image
             };
@@ -75,7 +82,7 @@ fn shadows_darken_backgrounds() {
     options.ground_shadow = true;
     options.background = csg::Color::from_srgb([1.0; 3]);
     let mut image = Image::default();
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     Renderer::default()
         .draw(&scene, &view, SIZE, SIZE, &options, &mut image)
         .unwrap();
@@ -162,7 +169,7 @@ fn other_outputs_are_smoothed() {
         .camera(&mesh)
         .unwrap();
     let view = camera.view(SIZE, SIZE).unwrap();
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     for show in [Show::Depth, Show::Normals, Show::Surfaces, Show::Occlusion] {
         let partial = [AntiAliasing::None, AntiAliasing::Msaa4, AntiAliasing::Msaa8].map(|mode| {
             let mut options = RenderOptions::default();
@@ -207,7 +214,14 @@ fn many_hidden_lines_are_faint() {
             options.edges = Some(edges);
             let mut image = Image::default();
             Renderer::default()
-                .draw(&Scene::new(&mesh), &view, SIZE, SIZE, &options, &mut image)
+                .draw(
+                    &Prepared::new(&mesh),
+                    &view,
+                    SIZE,
+                    SIZE,
+                    &options,
+                    &mut image,
+                )
                 .unwrap();
             image
         };

@@ -4,7 +4,7 @@ mod common;
 
 use csg::Mesh;
 use glam::DVec3;
-use raster::{Camera, Image, Interpolation, Lens, RenderOptions, Renderer, Scene};
+use raster::{Camera, Image, Interpolation, Lens, Prepared, RenderOptions, Renderer};
 
 const SIZE: u32 = 260;
 
@@ -20,7 +20,7 @@ fn picture(mesh: &Mesh, options: &RenderOptions) -> Image {
     let view = camera.view(SIZE, SIZE).unwrap();
     let mut image = Image::default();
     Renderer::default()
-        .draw(&Scene::new(mesh), &view, SIZE, SIZE, options, &mut image)
+        .draw(&Prepared::new(mesh), &view, SIZE, SIZE, options, &mut image)
         .unwrap();
     image
 }

@@ -4,8 +4,8 @@ mod common;
 
 use glam::{DVec3, Vec3};
 use raster::{
-    Camera, EdgeOptions, Image, Interpolation, Lens, Light, RasterError, RenderOptions, Renderer,
-    Scene, StandardView, hidden_surface::DepthBuffer, render, render_reference,
+    Camera, EdgeOptions, Image, Interpolation, Lens, Light, Prepared, RasterError, RenderOptions,
+    Renderer, StandardView, hidden_surface::DepthBuffer, render, render_reference,
 };
 
 fn camera() -> Camera {
@@ -71,7 +71,7 @@ fn every_mistake_of_a_camera_has_its_error() {
 
 #[test]
 fn a_view_for_other_proportions_is_refused() {
-    let scene = Scene::new(&common::cuboid(DVec3::ZERO, DVec3::ONE));
+    let scene = Prepared::new(&common::cuboid(DVec3::ZERO, DVec3::ONE));
     let view = camera().view(64, 48).unwrap();
     let mut image = Image::default();
     let mut draw = |width, height| {
@@ -89,7 +89,7 @@ fn a_view_for_other_proportions_is_refused() {
 
 #[test]
 fn lines_of_no_width_are_refused_and_wide_ones_are_drawn() {
-    let scene = Scene::new(&common::cuboid(DVec3::ZERO, DVec3::ONE));
+    let scene = Prepared::new(&common::cuboid(DVec3::ZERO, DVec3::ONE));
     let view = camera().view(64, 48).unwrap();
     let draw = |width: f64| {
         let mut options = RenderOptions::default();

@@ -4,7 +4,7 @@ mod common;
 
 use csg::Mesh;
 use glam::{DVec2, DVec3};
-use raster::{Camera, EdgeOptions, Image, Lens, RenderOptions, Renderer, Scene, Viewport};
+use raster::{Camera, EdgeOptions, Image, Lens, Prepared, RenderOptions, Renderer, Viewport};
 
 const SIZE: u32 = 200;
 
@@ -51,7 +51,7 @@ fn silhouettes_of_a_cone_reach_its_apex() {
     let (radius, height) = (1.0, 2.0);
     for (sides, rows) in [(12, 1), (30, 1), (30, 4)] {
         let mesh = cone(sides, rows, radius, height);
-        let scene = Scene::new(&mesh);
+        let scene = Prepared::new(&mesh);
         for turn in 0..17 {
             let around = DVec2::from_angle(0.37 * f64::from(turn)) * 6.0;
             let eye = around.extend(f64::from(turn % 5) * 0.6);

@@ -133,8 +133,8 @@ impl FromStr for Section {
                 })
             }
             None => text.split_once(':').and_then(|(normal, point)| {
-                let normal = super::render::point(normal).filter(|n| *n != DVec3::ZERO)?;
-                let point = super::render::point(point)?;
+                let normal = super::parse::point(normal).filter(|n| *n != DVec3::ZERO)?;
+                let point = super::parse::point(point)?;
                 Some(SectionPlane { normal, point })
             }),
         };

@@ -6,11 +6,13 @@ use std::str::FromStr;
 use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
-    Camera, Framing, Image, Lens, RasterError, Renderer, Scene, StandardView, clear_view,
+    Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView, clear_view,
     contact_sheet, turntable, turntable_camera, write_apng,
 };
 
+use super::lighting::Lighting;
 use super::looks::Looks;
+use super::parse::{color, point};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, Product, produce};
@@ -44,11 +46,23 @@ pub(crate) struct Options {
     /// at that angle from the picture's x axis
     #[arg(long, value_name = "KIND", default_value = "perspective", conflicts_with_all = ["orthographic", "fov"])]
     projection: Projection,
+    /// What is upwards in the picture, unless a standard view says so [default:
+    /// Z, or Y for a view along Z]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
+    up: Option<DVec3>,
+    /// Distance of the near plane from the eye: what is nearer is not drawn
+    #[arg(long, value_name = "DISTANCE")]
+    near: Option<f64>,
+    /// Distance of the far plane, likewise
+    #[arg(long, value_name = "DISTANCE")]
+    far: Option<f64>,
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
     #[arg(long, alias = "background-color", value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
     #[command(flatten)]
     looks: Looks,
+    #[command(flatten)]
+    lighting: Lighting,
     #[command(flatten)]
     mesher: MesherOptions,
 }
@@ -155,17 +169,9 @@ impl FromStr for View {
     }
 }
 
-/// Three finite numbers with commas between them.
-pub(super) fn point(text: &str) -> Option<DVec3> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|number| number.trim().parse())
-        .collect::<Result<_, _>>()
-        .ok()?;
-    let [x, y, z] = numbers[..] else {
-        return None;
-    };
-    Some(DVec3::new(x, y, z)).filter(|point| point.is_finite())
+fn vector(text: &str) -> Result<DVec3, String> {
+    let vector = point(text).filter(|vector| *vector != DVec3::ZERO);
+    vector.ok_or_else(|| "give a direction like 0,0,1".into())
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {
@@ -173,16 +179,6 @@ fn field_of_view(text: &str) -> Result<f64, String> {
         Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
         _ => Err("give an angle between 0 and 180 degrees".into()),
     }
-}
-
-fn color(text: &str) -> Result<Color, String> {
-    let fault = || "give six hexadecimal digits, like ffffff".to_owned();
-    if text.len() != 6 || !text.bytes().all(|b| b.is_ascii_hexdigit()) {
-        return Err(fault());
-    }
-    let value = u32::from_str_radix(text, 16).map_err(|_| fault())?;
-    let [_, r, g, b] = value.to_be_bytes();
-    Ok(Color::from_srgb([r, g, b].map(|c| f32::from(c) / 255.0)))
 }
 
 pub(crate) fn run(
@@ -257,7 +253,7 @@ fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
         (None, Projection::Oblique(..)) => return StandardView::Front.direction_and_up(),
         (None, _) => clear_view(mesh, &options.looks.sections()),
     };
-    (direction, up_for(direction))
+    (direction, options.up.unwrap_or_else(|| up_for(direction)))
 }
 
 /// The camera that sees the mesh as the options say.
@@ -272,20 +268,25 @@ fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
         shadow: options.looks.casts_shadow(direction),
     };
     let framed = framing.camera(mesh)?;
+    let depths = |camera: Camera| Camera {
+        near: options.near.unwrap_or(camera.near),
+        far: options.far.unwrap_or(camera.far),
+        ..camera
+    };
     let Some(View::FromTo(eye, target)) = options.camera else {
-        return Ok(framed);
+        return Ok(depths(framed));
     };
     // The same depths, seen from the eye that was asked for.
     let moved = (framed.eye - eye).dot(direction.normalize());
     let far = (framed.far + moved).max(f64::MIN_POSITIVE);
     let near = (framed.near + moved).max(far * 1e-3);
-    Ok(Camera {
+    Ok(depths(Camera {
         eye,
         target,
         near,
         far,
         ..framed
-    })
+    }))
 }
 
 /// A quarter of a pixel where points come nearest to the eye.
@@ -318,19 +319,24 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     if let Some(background) = options.background {
         render.background = background;
     }
+    options.lighting.apply(&mut render);
     let sections = looks.sections();
     let several = looks.sheet || looks.turntable.is_some();
     let view = camera.view(width, height)?;
     let scene = product.stage("prepare", |product| {
         if !sections.is_empty() {
-            Scene::with_sections(&product.mesh, &sections)
+            Prepared::with_sections(&product.mesh, &sections)
         } else if several {
-            Ok(Scene::new(&product.mesh))
+            Ok(Prepared::new(&product.mesh))
         } else {
             let mesh = std::mem::take(&mut product.mesh);
-            Ok(Scene::for_view(mesh, &view, width, height, &render))
+            Ok(Prepared::for_view(mesh, &view, width, height, &render))
         }
     })?;
+    let scene = match options.lighting.texture(&render) {
+        Some(texture) => scene.textured(texture),
+        None => scene,
+    };
     let (mesh, (lens, aspect)) = (&product.mesh, lens_and_aspect(options));
     if looks.sheet {
         return contact_sheet(mesh, &scene, lens, width, height, &render)?.to_png();
@@ -434,14 +440,6 @@ mod tests {
         assert_eq!("0.7,-30".parse(), Ok(Projection::Oblique(0.7, -30.0)));
         for faulty in ["", "fisheye", "1", "-1,30", "1,x", "nan,1", "1,inf"] {
             assert!(faulty.parse::<Projection>().is_err(), "{faulty}");
-        }
-    }
-
-    #[test]
-    fn colors() {
-        assert_eq!(color("ff0000"), Ok(Color::from_srgb([1.0, 0.0, 0.0])));
-        for faulty in ["", "fff", "gg0000", "+f0000", "ff00000"] {
-            assert!(color(faulty).is_err(), "{faulty}");
         }
     }
 }
