@@ -253,6 +253,9 @@ fn render_has_an_option_for_every_look() {
         "--plain --camera -1,1,-1 --up 1,0,0",
         "--plain --near 3.5",
         "--plain --far 3.5",
+        "--hidden-surface zbuffer",
+        "--hidden-surface wireframe",
+        "--show depth --depth-bits 12",
         "--plain --axes",
         "--plain --show depth",
         "--plain --show normals",
@@ -273,6 +276,13 @@ fn render_has_an_option_for_every_look() {
         assert!(!pictures.contains(&file), "{looks}");
         pictures.push(file);
     }
+    // Two ways that are right show the same.
+    let by_the_book = ["zbuffer", "scanline"].map(|way| {
+        let command = format!("render in.csg -o out.png --cells 16 --hidden-surface {way}");
+        succeeded(&folder.run(&command));
+        fs::read(folder.file("out.png")).expect("a file")
+    });
+    assert_eq!(by_the_book[0], by_the_book[1]);
     // The look that needs no options is made of three that have one each.
     let all = "--plain --edges --ambient-occlusion --shadow";
     succeeded(&folder.run(&format!(

@@ -1,6 +1,6 @@
 //! From a camera to a [`View`]: the two matrices the pipeline works with.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4};
 
 use crate::RasterError;
 use crate::projection::{self, Window};
@@ -134,6 +134,16 @@ impl Camera {
             near: direction.length() * 1e-3,
             far: f64::INFINITY,
         }
+    }
+
+    /// A camera at `eye` that has been turned from where it looks along -Z, Y
+    /// upwards: by the columns of a rotation, such as that of
+    /// [`Euler`](crate::transform::Euler) angles. It looks at a point at that
+    /// distance.
+    #[must_use]
+    pub fn turned(eye: DVec3, rotation: DMat3, distance: f64) -> Self {
+        let target = eye - rotation.z_axis * distance;
+        Self::looking_at(eye, target).up(rotation.y_axis)
     }
 
     /// Sets what is upwards in the picture.

@@ -2,8 +2,13 @@
 
 use std::str::FromStr;
 
+use csg::{Color, Mesh};
 use glam::DVec3;
-use raster::{AntiAliasing, EdgeOptions, HiddenEdges, Interpolation, RenderOptions, SectionPlane};
+use raster::hidden_surface::{DepthBuffer, HiddenSurface, Painter, ScanLine};
+use raster::{
+    AntiAliasing, EdgeOptions, HiddenEdges, Image, Interpolation, RasterError, RenderOptions,
+    SectionPlane, View, render_reference, wireframe_reference,
+};
 
 /// Options for looks.
 #[derive(Debug, clap::Args)]
@@ -53,6 +58,14 @@ pub(super) struct Looks {
     /// What the picture shows
     #[arg(long, value_enum, default_value_t = Show::Color)]
     show: Show,
+    /// Find hidden surfaces slowly and by the book, to show how: faces alone
+    #[arg(long, value_enum, value_name = "WAY", conflicts_with_all = ["show", "section", "sheet", "turntable"])]
+    pub(super) hidden_surface: Option<HiddenSurfaces>,
+    /// With `--show depth`: the depth buffer's integers, of so many bits, as a grey
+    /// PNG; 0 is near
+    #[arg(long, value_name = "BITS", requires = "show",
+          value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(super) depth_bits: Option<u32>,
     /// Four views on one sheet instead of one
     #[arg(long, conflicts_with_all = ["turntable", "show"])]
     pub(super) sheet: bool,
@@ -89,6 +102,53 @@ enum Smoothing {
     Supersample2,
     /// Drawn at four times the size each way
     Supersample4,
+}
+
+/// Ways to find hidden surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum HiddenSurfaces {
+    /// A depth buffer
+    Zbuffer,
+    /// Triangles from far to near, each over the others: wrong where they cut
+    /// each other
+    Painter,
+    /// A depth buffer of one row at a time
+    Scanline,
+    /// Not at all: edges alone, clipped by outcodes (Cohen–Sutherland)
+    Wireframe,
+}
+
+impl HiddenSurfaces {
+    /// Draws a mesh, smoothed by drawing it larger as far as the options ask.
+    pub(super) fn draw(
+        self,
+        mesh: &Mesh,
+        view: &View,
+        [width, height]: [u32; 2],
+        options: &RenderOptions,
+    ) -> Result<Image, RasterError> {
+        let scale = match options.anti_aliasing {
+            AntiAliasing::None => 1,
+            AntiAliasing::Supersample(n) => n,
+            _ => 2,
+        };
+        let [w, h] = [width, height].map(|side| side.saturating_mul(scale));
+        let reference =
+            |way: &mut dyn HiddenSurface| render_reference(mesh, view, w, h, options, way);
+        let image = match self {
+            Self::Zbuffer => {
+                let pixels = w.min(raster::MAX_SIZE) as usize * h.min(raster::MAX_SIZE) as usize;
+                reference(&mut DepthBuffer::new(pixels))
+            }
+            Self::Painter => reference(&mut Painter),
+            Self::Scanline => reference(&mut ScanLine::new(w)),
+            Self::Wireframe => {
+                let color = Color::from_linear([0.01; 3]);
+                wireframe_reference(mesh, view, w, h, color, options.background)
+            }
+        };
+        Ok(image?.shrink(scale))
+    }
 }
 
 /// What a picture shows.

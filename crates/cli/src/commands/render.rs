@@ -7,7 +7,7 @@ use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
     Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView, clear_view,
-    contact_sheet, turntable, turntable_camera, write_apng,
+    contact_sheet, integer_depth_png, turntable, turntable_camera, write_apng,
 };
 
 use super::lighting::Lighting;
@@ -323,6 +323,12 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     let sections = looks.sections();
     let several = looks.sheet || looks.turntable.is_some();
     let view = camera.view(width, height)?;
+    if let Some(way) = looks.hidden_surface {
+        let image = product.stage("draw", |product| {
+            way.draw(&product.mesh, &view, [width, height], &render)
+        })?;
+        return image.to_png();
+    }
     let scene = product.stage("prepare", |product| {
         if !sections.is_empty() {
             Prepared::with_sections(&product.mesh, &sections)
@@ -370,6 +376,9 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     })?;
     if looks.stats {
         eprint!("{stats}");
+    }
+    if let Some(bits) = looks.depth_bits {
+        return integer_depth_png(&renderer.integer_depth_buffer(bits), bits);
     }
     product.stage("encode", |_| image.to_png())
 }
