@@ -10,6 +10,8 @@ mod deviation;
 mod error;
 mod field;
 mod files;
+#[path = "../../../tests/judge/mod.rs"]
+mod judge;
 mod measure;
 mod memory;
 mod peers;

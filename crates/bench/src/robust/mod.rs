@@ -1,11 +1,18 @@
 //! Is every mesh manifold, resolved or not, wherever and however large the
 //! solid is?
 
+mod classes;
+mod table;
+mod trial;
+
 use std::path::PathBuf;
+use std::time::Duration;
 
 use csg::{Mesher, Program};
 use rayon::prelude::*;
 
+use self::classes::Class;
+use self::table::Trials;
 use crate::poses::{Pose, pose};
 use crate::random_tree::{Position, random_tree};
 use crate::scenes;
@@ -51,12 +58,28 @@ pub struct Options {
     /// a Python that has it and numpy
     #[arg(long)]
     python: Option<PathBuf>,
+    /// Trees of these classes alone, each meshed to the tolerance (0.01 unless given) and
+    /// judged in a process of its own; prints a table
+    #[arg(long, value_enum, value_delimiter = ',', conflicts_with_all = ["general", "aligned", "python"])]
+    class: Vec<Class>,
+    /// With classes: seconds after which a process is ended
+    #[arg(long, default_value_t = 30.0)]
+    limit: f64,
+    /// With classes: a folder for the trees that fail, as scene files
+    #[arg(long)]
+    write: Option<PathBuf>,
+    /// Be the process that meshes and judges one tree
+    #[arg(long, hide = true, requires = "class")]
+    alone: bool,
 }
 
 /// Prints every failure, with what it takes to repeat it, and a summary.
 pub fn run(options: &Options) {
     /// Of circles, where manifold3d tells the volume of a tree.
     const SEGMENTS: u32 = 32;
+    if !options.class.is_empty() {
+        return by_classes(options);
+    }
     let tally = Tally::new(options.python.as_deref().map(Judge::start));
     if !options.trees_only {
         for name in &options.scenes {
@@ -100,6 +123,22 @@ pub fn run(options: &Options) {
             tally.add(&case, &mesher);
         });
     tally.print();
+}
+
+/// Judges trees of classes.
+fn by_classes(options: &Options) {
+    let tolerance = options.tolerance.unwrap_or(0.01);
+    if options.alone {
+        return trial::alone(options.class[0], options.seed, tolerance);
+    }
+    table::run(&Trials {
+        classes: options.class.clone(),
+        seed: options.seed,
+        count: options.trees,
+        tolerance,
+        limit: Duration::from_secs_f64(options.limit.clamp(0.0, 1e6)),
+        write: options.write.clone(),
+    });
 }
 
 /// Meshes a scene at every grid in the poses asked for.

@@ -1,0 +1,165 @@
+//! One random solid meshed and judged, in a process of its own: whatever it does there,
+//! the others go on.
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use csg::{Meshed, Mesher, Program, Report, Solid};
+use serde_json::{Value, json};
+use stereotomy::io::scene;
+
+use super::classes::Class;
+use crate::judge::{self, Case, Tree, is_seen};
+
+/// What became of a solid.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Of processor time for meshing, with the mesher's own check.
+    pub seconds: f64,
+    /// What the mesher says was settled for, each kind once.
+    pub reported: Vec<String>,
+    /// What it could not tell on the way there.
+    pub undecided: Vec<String>,
+    /// Whether surfaces were moved or merged.
+    pub moved: bool,
+    /// Why there is no mesh, though the solid is not empty.
+    pub refused: Option<String>,
+    /// Whether it was ended before it had an answer.
+    pub ended: bool,
+    /// What is wrong with the mesh.
+    pub faults: Vec<String>,
+}
+
+/// Meshes a solid and judges the mesh, on one thread, and prints the outcome.
+pub fn alone(class: Class, seed: u64, tolerance: f64) {
+    let solid = class.solid(seed);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let outcome = pool
+        .expect("a thread")
+        .install(|| outcome(&solid, seed, tolerance));
+    let Outcome {
+        seconds,
+        reported,
+        undecided,
+        moved,
+        refused,
+        faults,
+        ended: _,
+    } = outcome;
+    println!(
+        "{}",
+        json!({
+            "seconds": seconds, "reported": reported, "undecided": undecided,
+            "moved": moved, "refused": refused, "faults": faults,
+        })
+    );
+}
+
+fn outcome(solid: &Solid, seed: u64, tolerance: f64) -> Outcome {
+    let start = cpu_time::ThreadTime::now();
+    let program = Program::lower(solid);
+    let made = program.and_then(|program| Mesher::new().tolerance(tolerance).mesh(&program));
+    let seconds = start.elapsed().as_secs_f64();
+    let Meshed { mesh, report, .. } = match made {
+        Ok(meshed) => meshed,
+        Err(error) => {
+            let refused = is_seen(solid, seed).then(|| error.to_string());
+            return Outcome {
+                seconds,
+                refused,
+                ..Outcome::default()
+            };
+        }
+    };
+    let tree = Tree::new(solid);
+    let verdict = judge::judge(&Case {
+        tree: &tree,
+        mesh: &mesh,
+        tolerance,
+        unseen: report.moved.map_or(0.0, |moved| 2.0 * moved.distance),
+        seed,
+    });
+    Outcome {
+        seconds,
+        reported: reported(&report, tolerance),
+        undecided: report.undecided.iter().map(ToString::to_string).collect(),
+        moved: report.moved.is_some(),
+        refused: None,
+        ended: false,
+        faults: verdict.faults,
+    }
+}
+
+fn reported(report: &Report, tolerance: f64) -> Vec<String> {
+    let mut words: Vec<String> = report.fallbacks.iter().map(ToString::to_string).collect();
+    let deviation = report.deviation.unwrap_or_default();
+    if words.is_empty() && deviation > tolerance {
+        words.push(format!("a deviation of {deviation}"));
+    }
+    words
+}
+
+/// The same by a process of its own, which ends after some time at the latest.
+pub fn apart(class: Class, seed: u64, tolerance: f64, limit: Duration) -> Outcome {
+    let start = Instant::now();
+    let name = clap::ValueEnum::to_possible_value(&class).expect("a name");
+    let mut child = Command::new(std::env::current_exe().expect("this program"))
+        .args(["robust", "--alone", "--class", name.get_name()])
+        .args(["--seed", &seed.to_string()])
+        .args(["--tolerance", &tolerance.to_string()])
+        .env("RAYON_NUM_THREADS", "1")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("this program again");
+    let mut output = child.stdout.take().expect("its output");
+    let failed = |ended: bool, words: String| Outcome {
+        seconds: start.elapsed().as_secs_f64(),
+        refused: Some(words),
+        ended,
+        ..Outcome::default()
+    };
+    let status = loop {
+        match child.try_wait().expect("a process") {
+            Some(status) => break status,
+            None if start.elapsed() > limit => {
+                // It may be over by now.
+                let _ = child.kill();
+                let _ = child.wait();
+                return failed(true, format!("no answer in {limit:?}"));
+            }
+            None => std::thread::sleep(Duration::from_millis(2)),
+        }
+    };
+    let mut text = String::new();
+    let read = output.read_to_string(&mut text);
+    let value: Value = match serde_json::from_str(text.trim()) {
+        Ok(value) if read.is_ok() => value,
+        _ => return failed(false, format!("ended with {status}")),
+    };
+    let words = |name: &str| -> Vec<String> {
+        let list = value[name].as_array().into_iter().flatten();
+        list.filter_map(|word| word.as_str().map(str::to_owned))
+            .collect()
+    };
+    Outcome {
+        seconds: value["seconds"].as_f64().unwrap_or_default(),
+        reported: words("reported"),
+        undecided: words("undecided"),
+        moved: value["moved"] == true,
+        refused: value["refused"].as_str().map(str::to_owned),
+        ended: false,
+        faults: words("faults"),
+    }
+}
+
+/// Stores a solid as a scene file.
+pub fn write(class: Class, seed: u64, folder: &Path) {
+    let name = format!("{class:?}-{seed}.csg").to_lowercase();
+    let text = scene::write(&class.solid(seed)).expect("of nodes that scenes have");
+    let written = fs::create_dir_all(folder).and_then(|()| fs::write(folder.join(name), text));
+    written.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+}
