@@ -262,15 +262,19 @@ impl Boundary {
 }
 
 /// Whether the curve in which two surfaces meet runs at a point the way it does at the
-/// ends of a chord of it. So it does all along a branch; if the surfaces touch at an
-/// end, nothing is known.
+/// ends of a chord of it. So it does all along a branch; where the surfaces touch, or
+/// nearly, nothing is known.
 fn runs_along(surfaces: [&Surface; 2], at: DVec3, [a, b]: [DVec3; 2]) -> bool {
+    /// Of the sine of the surfaces' angle and the cosine to the chord.
+    const CLEARLY: f64 = 1e-6;
+    let direction = (b - a).normalize_or_zero();
     let way = |at: DVec3| {
-        let [g, h] = surfaces.map(|s| s.gradient(at));
-        g.cross(h).dot(b - a)
+        let [g, h] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
+        let along = g.cross(h).dot(direction);
+        f64::from(i8::from(along > CLEARLY) - i8::from(along < -CLEARLY))
     };
-    let (before, after) = (way(a), way(b));
-    before * after <= 0.0 || before * way(at) > 0.0
+    let (before, here, after) = (way(a), way(at), way(b));
+    before != after || before * here >= 0.0
 }
 
 /// For each of two surfaces, next to a point of both, the point on its other side, across

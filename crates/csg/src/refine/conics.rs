@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::Goal;
 use super::chains::Course;
 use super::curves::on_curve;
-use super::round::Round;
+use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
 use crate::net::solve;
 use crate::program::{Surface, eigen_symmetric};
@@ -123,8 +123,6 @@ impl Conic {
     /// Into how many chords a unit of the parameter of a long ellipse is to be cut, for
     /// these to be near to it on the rays from its centre; 0 for others.
     fn at_ends(&self, t: f64, tolerance: f64) -> f64 {
-        /// The longest half axis by the shortest: tunes only the number of chords.
-        const LEAST_ASPECT: f64 = 6.0;
         let Curve::Ellipse { center, a, b } = self.curve else {
             return 0.0;
         };

@@ -13,6 +13,10 @@ use smallvec::SmallVec;
 
 use crate::program::{Surface, eigen_symmetric};
 
+/// The longest half axis by the shortest, from which on it counts as long: tunes only the
+/// number of triangles.
+pub(super) const LEAST_ASPECT: f64 = 6.0;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shape {
     /// x² + y² + z² = 1.
@@ -40,8 +44,6 @@ pub(super) struct Round {
 impl Round {
     /// None for all others: triangles on these are good as they are.
     pub fn of(surface: &Surface) -> Option<Self> {
-        /// The longest half axis by the shortest: tunes only the number of triangles.
-        const LEAST_ASPECT: f64 = 6.0;
         if surface.is_plane() {
             return None;
         }
