@@ -1,11 +1,12 @@
 //! Colours that tell a number or a name, and their legend.
 
 use csg::{Color, Mesh, MeshSurface};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use crate::dimension::written;
 use crate::image::Image;
 use crate::lettering::Lettering;
+use crate::prepared::Prepared;
 use crate::resolve::encode;
 
 /// What colours tell.
@@ -78,13 +79,17 @@ impl ColorBy {
     /// stand for. O(n) for n triangles; thickness O(n log n), or more where
     /// triangles lie together.
     pub fn apply(self, mesh: &mut Mesh) -> Legend {
+        // Where colours change there need not be an edge.
+        if mesh.feature_edges.is_empty() {
+            mesh.feature_edges = Prepared::new(mesh).feature_edges().to_vec();
+        }
         match self {
             Self::Surface => by_surface(mesh),
             Self::Part => {
                 let parts = connected_parts(mesh);
                 by_number(mesh, &parts, |k| format!("part {}", k + 1))
             }
-            Self::Draft => by_value(mesh, "draft [°]", Some([-90.0, 90.0]), |mesh, t| {
+            Self::Draft => by_value(mesh, "draft (°)", Some([-90.0, 90.0]), |mesh, t| {
                 Some(unit_normal(mesh, t)?.z.clamp(-1.0, 1.0).asin().to_degrees())
             }),
             Self::Curvature => by_value(mesh, "curvature", None, curvature),
@@ -209,7 +214,7 @@ fn unit_normal(mesh: &Mesh, triangle: usize) -> Option<DVec3> {
 /// The greatest change of normals along a triangle's sides, by their length.
 fn curvature(mesh: &Mesh, triangle: usize) -> Option<f64> {
     let corners = corners(mesh, triangle)?;
-    let normals = mesh.corner_normals.get(triangle)?.map(|n| n.as_dvec3());
+    let normals = mesh.corner_normals.get(triangle)?.map(Vec3::as_dvec3);
     let change = |i: usize, j: usize| {
         let length = corners[i].distance(corners[j]);
         (length > 0.0).then(|| normals[i].distance(normals[j]) / length)

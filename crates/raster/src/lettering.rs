@@ -9,9 +9,23 @@ use crate::line::{Layer, Segment};
 
 /// The strokes of a letter: points of polylines, as digits x and y, parted by
 /// spaces.
-fn strokes(letter: char) -> &'static str {
+fn strokes(letter: char, units: bool) -> &'static str {
+    // Small letters where units have them.
+    let small = match letter {
+        _ if !units => "",
+        'm' => "0004 03142320 23344340",
+        'c' => "4334140301103041",
+        'i' => "2024 2526",
+        'n' => "0004 0314344340",
+        'f' => "36262520 1434",
+        't' => "26213041 1434",
+        _ => "",
+    };
+    if !small.is_empty() {
+        return small;
+    }
     match letter.to_ascii_uppercase() {
-        '0' => "100105163645413010",
+        '0' | 'O' => "100105163645413010",
         '1' => "042620 1030",
         '2' => "05163645440040",
         '3' => "0516364544334241301001 1333",
@@ -35,7 +49,6 @@ fn strokes(letter: char) -> &'static str {
         'L' => "060040",
         'M' => "0006234640",
         'N' => "00064046",
-        'O' => "100105163645413010",
         'P' => "00063645443303",
         'Q' => "100105163645413010 2240",
         'R' => "00063645443303 2340",
@@ -98,9 +111,12 @@ impl Lettering<'_> {
     pub fn draw_on(&self, layer: &mut Layer) {
         let unit = self.height / CAPITAL;
         let width = (self.height / 8.0).clamp(1.0, 6.0);
+        let units = self
+            .text
+            .starts_with(|c: char| c.is_ascii_digit() || c == '-');
         for (number, letter) in self.text.chars().enumerate() {
             let left = self.at + DVec2::X * (number as f64 * ADVANCE * unit);
-            for line in lines(strokes(letter)) {
+            for line in lines(strokes(letter, units)) {
                 for pair in line.windows(2) {
                     let [a, b] = [pair[0], pair[1]]
                         .map(|p: DVec2| (left + DVec2::new(p.x, -p.y) * unit).extend(0.0));

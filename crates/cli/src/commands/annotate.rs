@@ -1,5 +1,6 @@
 //! Options for what is written into a picture: dimensions, a scale, legends.
 
+use std::borrow::Cow;
 use std::str::FromStr;
 
 use csg::{LengthUnit, Mesh};
@@ -77,6 +78,13 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The least and the greatest corner of a box around a mesh.
+fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
+    let first = mesh.positions.first().copied().unwrap_or_default();
+    let points = mesh.positions.iter();
+    points.fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
+}
+
 /// How a unit is written.
 fn symbol(unit: LengthUnit) -> &'static str {
     match unit {
@@ -93,6 +101,30 @@ impl Annotations {
     /// Whether a mesh is needed whose triangles are connected.
     pub(super) fn needs_connections(&self) -> bool {
         self.explode.is_some() || self.color_by.is_some()
+    }
+
+    /// What a camera must see: the model, or the box around it with room for its
+    /// dimensions.
+    pub(super) fn framed<'a>(&self, mesh: &'a Mesh) -> Cow<'a, Mesh> {
+        /// By how much larger than the box.
+        const ROOM: f64 = 1.2;
+        if self.dimension.is_empty() {
+            return Cow::Borrowed(mesh);
+        }
+        let (low, high) = bounds(mesh);
+        let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+        let corner = |k: usize| {
+            let sign = |axis: usize| if k >> axis & 1 == 0 { -ROOM } else { ROOM };
+            middle + half * DVec3::new(sign(0), sign(1), sign(2))
+        };
+        let points = mesh.positions.iter().copied();
+        let points = points.chain((0..8).map(corner)).collect();
+        Cow::Owned(Mesh::new(points, mesh.triangles.clone()))
+    }
+
+    /// The part of the picture's width that the model may take beside a legend.
+    pub(super) fn share(&self) -> f64 {
+        if self.color_by.is_some() { 0.68 } else { 1.0 }
     }
 
     /// Moves parts apart and colours faces, as the options say.
@@ -122,10 +154,7 @@ impl Annotations {
         for measured in &self.dimension {
             match measured {
                 Measured::Box => {
-                    let first = mesh.positions.first().copied().unwrap_or_default();
-                    let wider =
-                        |(low, high): (DVec3, DVec3), p: &DVec3| (low.min(*p), high.max(*p));
-                    let (low, high) = mesh.positions.iter().fold((first, first), wider);
+                    let (low, high) = bounds(mesh);
                     found.extend(Dimension::of_box(low, high, view, width, height));
                 }
                 Measured::Between(one, other) => {

@@ -267,6 +267,8 @@ fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
 /// The camera that sees the mesh as the options say.
 fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
     let (lens, aspect) = lens_and_aspect(options);
+    let aspect = aspect * options.annotations.share();
+    let mesh = &*options.annotations.framed(mesh);
     let (direction, up) = direction(mesh, options);
     let framing = Framing {
         direction,
