@@ -190,10 +190,9 @@ pub(crate) fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let extension = options.output.extension().and_then(|e| e.to_str());
-    if !output::is_stream(&options.output)
-        && !extension.is_some_and(|e| e.eq_ignore_ascii_case("png"))
-        && !(options.looks.turntable.is_some() && is_gif(&options.output))
-    {
+    let is_png = extension.is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let is_animation = options.looks.turntable.is_some() && is_gif(&options.output);
+    if !(output::is_stream(&options.output) || is_png || is_animation) {
         let cause = format!(
             "{}: pictures are written as .png, turntables as .gif as well",
             options.output.display()
