@@ -104,9 +104,9 @@ fn scale_bars_have_round_lengths() {
     }
 }
 
-fn range(legend: Legend) -> [f64; 2] {
+fn range(legend: &Legend) -> [f64; 2] {
     match legend {
-        Legend::Range { low, high, .. } => [low, high],
+        Legend::Range { low, high, .. } => [*low, *high],
         Legend::Names(_) => panic!("no range"),
     }
 }
@@ -114,7 +114,7 @@ fn range(legend: Legend) -> [f64; 2] {
 #[test]
 fn curvature_of_a_ball_is_one_by_its_radius() {
     let mut ball = common::icosphere(DVec3::ZERO, 4.0, 3);
-    let [low, high] = range(ColorBy::Curvature.apply(&mut ball));
+    let [low, high] = range(&ColorBy::Curvature.apply(&mut ball));
     assert!(
         (low - 0.25).abs() < 1e-5 && (high - 0.25).abs() < 1e-5,
         "{low} {high}"
@@ -125,7 +125,7 @@ fn curvature_of_a_ball_is_one_by_its_radius() {
 fn thickness_is_the_way_through() {
     let sides = DVec3::new(1.0, 2.0, 3.0);
     let mut mesh = common::cuboid(DVec3::ZERO, sides);
-    let [low, high] = range(ColorBy::Thickness.apply(&mut mesh));
+    let [low, high] = range(&ColorBy::Thickness.apply(&mut mesh));
     assert_eq!([low, high], [1.0, 3.0]);
     let color = |side: usize| mesh.surfaces[mesh.triangle_surfaces[2 * side] as usize].color;
     let wanted = |length: f64| Some(ramp((length - 1.0) / 2.0));
@@ -144,14 +144,14 @@ fn thickness_is_the_way_through() {
         normals.swap(1, 2);
     }
     let mut shell = common::merge(outside, &inside);
-    let [low, high] = range(ColorBy::Thickness.apply(&mut shell));
+    let [low, high] = range(&ColorBy::Thickness.apply(&mut shell));
     assert!(low > 0.19 && high < 0.21, "{low} {high}");
 }
 
 #[test]
 fn draft_is_how_faces_lean() {
     let mut mesh = common::cuboid(DVec3::ZERO, DVec3::ONE);
-    assert_eq!(range(ColorBy::Draft.apply(&mut mesh)), [-90.0, 90.0]);
+    assert_eq!(range(&ColorBy::Draft.apply(&mut mesh)), [-90.0, 90.0]);
     let color = |side: usize| mesh.surfaces[mesh.triangle_surfaces[2 * side] as usize].color;
     assert_eq!(color(5), Some(ramp(1.0)));
     assert_eq!(color(4), Some(ramp(0.0)));
