@@ -188,7 +188,7 @@
 //! [`render_reference`] is the pipeline by the book, which the fast one is
 //! tested against.
 //!
-#![doc = include_str!("../docs/pictures.md")]
+#![doc = include_str!(concat!(env!("OUT_DIR"), "/pictures.md"))]
 
 mod blend;
 mod buffers;
