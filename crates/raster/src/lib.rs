@@ -188,7 +188,7 @@
 //! [`render_reference`] is the pipeline by the book, which the fast one is
 //! tested against.
 //!
-#![doc = include_str!("../docs/pictures.md")]
+#![doc = include_str!(concat!(env!("OUT_DIR"), "/pictures.md"))]
 
 mod blend;
 mod buffers;
@@ -196,22 +196,27 @@ mod camera;
 pub mod clip;
 mod cluster;
 pub mod cohen_sutherland;
+mod color_map;
 mod corners;
 mod cull;
 mod deferred;
+mod dimension;
 mod edges;
 mod error;
 mod euler;
+mod explode;
 mod fill;
 pub mod fixed;
 mod frame;
 mod framing;
 mod geometry;
+mod gif_file;
 mod ground;
 mod hatch;
 pub mod hidden_surface;
 mod image;
 mod interpolate;
+mod lettering;
 mod light;
 mod line;
 mod look;
@@ -238,6 +243,7 @@ mod simd;
 mod smooth;
 mod stats;
 mod texture;
+mod thickness;
 mod tile;
 pub mod transform;
 mod transparent;
@@ -248,10 +254,14 @@ pub mod viewport;
 
 pub use buffers::{Buffer, Pick, depth_image, id_image, integer_depth_png, normal_image};
 pub use camera::{Camera, Frame, Lens, View, look_at};
+pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
+pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written};
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
+pub use explode::exploded;
 pub use framing::{Framing, StandardView};
+pub use gif_file::write_gif;
 pub use image::Image;
 pub use light::Light;
 pub use normals::{CREASE_ANGLE, corner_normals};
@@ -263,7 +273,7 @@ pub use prepared::Prepared;
 pub use reference::{render_reference, wireframe_reference};
 pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
-pub use series::{contact_sheet, turntable, turntable_camera, write_apng};
+pub use series::{ProjectionAngle, contact_sheet, ink_on, turntable, turntable_camera, write_apng};
 pub use shade::{Finish, Interpolation, Material};
 pub use show::Show;
 pub use simd::Level;
