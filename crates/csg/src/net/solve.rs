@@ -80,7 +80,8 @@ pub(crate) fn sharp_common_point(
         let (step, residual) = step_by(surfaces, found.point, precise_distance);
         found.residual = residual;
         // Nothing, or too far to be what rounding did.
-        if step == DVec3::ZERO || !(step.length_squared() <= reach * reach) {
+        let square = step.length_squared();
+        if square == 0.0 || square.is_nan() || square > reach * reach {
             break;
         }
         found.point += step;
