@@ -129,10 +129,12 @@ pub(super) fn divide(
             farthest,
         });
     }
-    if let Some(course) = OnConic::new(surfaces, &vertices, goal, precision) {
+    let sides = [chain[0], mesh.twin(chain[0])];
+    let rounds = sides.map(|side| mesh.region(side).round.as_ref());
+    if let Some(course) = OnConic::new(surfaces, &vertices, rounds, goal, precision) {
         return divide_course(&course, &vertices, goal);
     }
-    let course = Stretches::new(surfaces, &vertices, goal, precision)?;
+    let course = Stretches::new(surfaces, &vertices, rounds, goal, precision)?;
     divide_course(&course, &vertices, goal)
 }
 

@@ -83,6 +83,7 @@ impl Conic {
     pub fn through(
         surfaces: [&Surface; 2],
         vertices: &[DVec3],
+        is_long: bool,
         precision: f64,
     ) -> Option<(Self, Vec<f64>)> {
         let [a, b] = surfaces;
@@ -102,7 +103,8 @@ impl Conic {
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
         conics.find_map(|conic| {
             let blur = |at: DVec3| {
-                let blurs = surfaces.iter().map(|s| solve::blur(s, at));
+                let blurs = surfaces.iter().filter(|_| is_long);
+                let blurs = blurs.map(|s| solve::blur(s, at));
                 blurs.fold(precision, f64::max)
             };
             let stops = conic.parameters(vertices, |at| ON_CONIC * blur(at))?;
@@ -178,6 +180,8 @@ impl Conic {
 pub(super) struct OnConic<'a> {
     surfaces: [&'a Surface; 2],
     conic: Conic,
+    /// Whether rounding moves one of the surfaces farther than coordinates tell.
+    is_long: bool,
     precision: f64,
     /// The parameters of the vertices.
     stops: Vec<f64>,
@@ -196,14 +200,15 @@ impl<'a> OnConic<'a> {
     pub fn new(
         surfaces: [&'a Surface; 2],
         vertices: &[DVec3],
+        rounds: [Option<&Round>; 2],
         goal: &Goal,
         precision: f64,
     ) -> Option<Self> {
         /// Between two places, in radians or what comes near it.
         const STEP: f64 = 0.2;
         const MOST_STEPS: f64 = 256.0;
-        let (conic, stops) = Conic::through(surfaces, vertices, precision)?;
-        let rounds = surfaces.map(Round::of);
+        let is_long = rounds.iter().any(Option::is_some);
+        let (conic, stops) = Conic::through(surfaces, vertices, is_long, precision)?;
         let (from, to) = (stops[0], stops[stops.len() - 1]);
         let is_even = conic.is_circle() && goal.angle.is_none();
         let count = if is_even {
@@ -217,7 +222,7 @@ impl<'a> OnConic<'a> {
             let t = from + f64::from(i) * step;
             let along = conic.curve.direction(t);
             let for_distance = (conic.bend / (8.0 * goal.tolerance * along.length())).sqrt();
-            let rounds = rounds.iter().flatten();
+            let rounds = rounds.iter().copied().flatten();
             let on_rounds =
                 rounds.map(|r| r.chords_along(conic.curve.at(t), along, goal.tolerance));
             let for_distance = on_rounds.fold(for_distance, f64::max);
@@ -242,6 +247,7 @@ impl<'a> OnConic<'a> {
         (total.is_finite() && total > 0.0).then_some(Self {
             surfaces,
             conic,
+            is_long,
             precision,
             stops,
             step,
@@ -252,8 +258,9 @@ impl<'a> OnConic<'a> {
 
     fn point(&self, t: f64) -> Option<DVec3> {
         let point = self.conic.curve.at(t);
-        let blurs = self.surfaces.map(|s| solve::blur(s, point));
-        let blur = blurs[0].max(blurs[1]);
+        let blurs = self.surfaces.iter().filter(|_| self.is_long);
+        let blurs = blurs.map(|s| solve::blur(s, point));
+        let blur = blurs.fold(0.0, f64::max);
         let is_on = |s: &Surface| {
             let limit = self.precision * self.precision * s.gradient(point).length_squared();
             s.value(point).powi(2) <= limit
@@ -395,7 +402,7 @@ mod tests {
             let surfaces = surfaces(solids);
             let pair = [&surfaces[0], &surfaces[1]];
             let vertices = along(pair, &near);
-            let course = OnConic::new(pair, &vertices, &goal, 1e-12);
+            let course = OnConic::new(pair, &vertices, [None; 2], &goal, 1e-12);
             let course = course.unwrap_or_else(|| panic!("case {case}: no conic"));
             let chords = course.chords().ceil();
             assert!(chords > 10.0, "case {case}: {chords}");
@@ -433,6 +440,6 @@ mod tests {
         let surfaces = surfaces([Solid::infinite_cylinder(1.0), thin]);
         let pair = [&surfaces[0], &surfaces[1]];
         let vertices = along(pair, &[[0.5, 0.9, 0.1], [0.0, 1.0, 0.5]]);
-        assert!(Conic::through(pair, &vertices, 1e-12).is_none());
+        assert!(Conic::through(pair, &vertices, false, 1e-12).is_none());
     }
 }

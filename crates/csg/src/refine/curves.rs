@@ -58,10 +58,11 @@ impl<'a> Stretches<'a> {
     pub fn new(
         surfaces: [&'a Surface; 2],
         vertices: &[DVec3],
+        rounds: [Option<&Round>; 2],
         goal: &Goal,
         precision: f64,
     ) -> Option<Self> {
-        let stretch = |w: &[DVec3]| Stretch::new(surfaces, w[0], w[1], goal, precision);
+        let stretch = |w: &[DVec3]| Stretch::new(surfaces, [w[0], w[1]], rounds, goal, precision);
         vertices
             .windows(2)
             .map(stretch)
@@ -115,8 +116,8 @@ impl<'a> Stretch<'a> {
     /// `None` where the curve could not be followed.
     fn new(
         surfaces: [&'a Surface; 2],
-        from: DVec3,
-        to: DVec3,
+        [from, to]: [DVec3; 2],
+        rounds: [Option<&Round>; 2],
         goal: &Goal,
         precision: f64,
     ) -> Option<Self> {
@@ -142,7 +143,6 @@ impl<'a> Stretch<'a> {
         // At an apex there is no gradient.
         let middle = from.midpoint(to);
         let least = surfaces.map(|s| 1e-3 * s.gradient(middle).length());
-        let rounds = surfaces.map(Round::of);
         for (i, density) in densities.iter_mut().enumerate() {
             let at = stretch.points[i];
             let is_apex = (0..2).any(|k| surfaces[k].gradient(at).length() < least[k]);
@@ -151,7 +151,7 @@ impl<'a> Stretch<'a> {
                 .unwrap_or_else(|| stretch.bends_about(i));
             let for_distance = (curvature / (8.0 * goal.tolerance)).sqrt();
             let tangent = stretch.direction(i);
-            let on_rounds = rounds.iter().flatten();
+            let on_rounds = rounds.iter().copied().flatten();
             let on_rounds = on_rounds.map(|r| r.chords_along(at, tangent, goal.tolerance));
             let for_distance = on_rounds.fold(for_distance, f64::max);
             let for_angle = goal.angle.map_or(0.0, |angle| turn / angle);

@@ -81,24 +81,20 @@ pub(super) fn faces_in(surface: &Surface, region: &Region, corners: [DVec3; 3]) 
 
 /// 1 if a triangle that has an area faces along its surface's gradient next to its middle,
 /// -1 if against it; else 0.
+#[inline(always)]
 pub(super) fn facing(surface: &Surface, round: Option<&Round>, corners: [DVec3; 3]) -> f64 {
     let corners = placed(round, corners);
-    let along = normal(corners).map_or(0.0, |_| along_gradient(surface, round, corners));
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let along = normal(corners).map_or(0.0, |n| n.dot(gradient(surface, round, middle)));
     f64::from(i8::from(along > 0.0) - i8::from(along < 0.0))
 }
 
 /// How much of a triangle faces out, with a sign, in units of no meaning.
 pub(super) fn outward_area(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
     let round = region.round.as_ref();
-    region.outward * along_gradient(surface, round, placed(round, corners))
-}
-
-/// The product of a triangle's normal and the gradient in its middle, as they are
-/// looked at.
-#[inline(always)]
-fn along_gradient(surface: &Surface, round: Option<&Round>, [p, q, r]: [DVec3; 3]) -> f64 {
-    let middle = (p + q + r) / 3.0;
-    (q - p).cross(r - p).dot(gradient(surface, round, middle))
+    let [p, q, r] = placed(round, corners);
+    let gradient = gradient(surface, round, (p + q + r) / 3.0);
+    region.outward * (q - p).cross(r - p).dot(gradient)
 }
 
 /// Twice the area times the unit normal, if there is an area.

@@ -32,8 +32,10 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
     let mut by_centre = f64::INFINITY;
     if plane.is_plane() {
-        let bound = of_chord_in_plane(plane, surface, p, q);
-        by_centre = from_centre(plane, surface, p, q) + off_plane(plane);
+        let (bound, turns_fast) = of_chord_in_plane(plane, surface, p, q);
+        if turns_fast {
+            by_centre = from_centre(plane, surface, p, q) + off_plane(plane);
+        }
         if bound < f64::INFINITY {
             return by_centre.min(bound + off_plane(plane));
         }
@@ -68,8 +70,9 @@ fn across_curve(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
 /// The same in a plane, to which the chord and the way from it are held: there
 /// it is the distance to a conic. Along the chord f = 4 m λ μ plus what it is at
 /// the ends, with m = f in its middle, λ + μ = 1 and the slope s λ + t μ at least
-/// (√s λ + √t μ)² >= 4 √(s t) λ μ.
-fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
+/// (√s λ + √t μ)² >= 4 √(s t) λ μ. And whether the gradient turns so fast that this is
+/// far too large.
+fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> (f64, bool) {
     let gradients = [p, q].map(|at| {
         let gradient = surface.gradient(at);
         let along = gradient - gradient.dot(plane.linear) * plane.linear;
@@ -81,13 +84,18 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     let middle = 0.125 * surface.curvature_along(q - p).abs();
     let at_ends = surface.value(p).abs().max(surface.value(q).abs());
     let shrinkage = shrinkage(surface);
-    shrunk(|distance| {
+    let bound = shrunk(|distance| {
         let [s, t] = slopes.map(|slope| slope - shrinkage * distance);
         if s.min(t) <= 0.0 {
             return f64::INFINITY;
         }
         middle / (s * t).sqrt() + at_ends / s.min(t)
-    })
+    });
+    let steepest = gradients[0]
+        .length_squared()
+        .max(gradients[1].length_squared());
+    let least = slopes[0].min(slopes[1]).max(0.0);
+    (bound, 4.0 * least * least < steepest)
 }
 
 /// A bound for a chord of a long ellipse in a plane, on the rays from its centre: at its
