@@ -158,12 +158,16 @@ impl Boundary {
             })
             .collect();
         let known = splits.len();
-        for [one, other] in overlapping(edges.iter().map(|edge| edge.2)) {
+        let crosses = |one: usize, other: usize| {
             let [(first, ends, places), (second, others, other_places)] =
                 [one, other].map(|k| edges[k]);
-            if second != self.at(first).twin && cross(ends, places, others, other_places) {
-                splits.extend(self.split_between(scene, [first, second]));
-            }
+            second != self.at(first).twin && cross(ends, places, others, other_places)
+        };
+        let extents = edges
+            .iter()
+            .map(|(_, _, [a, b])| [a.x.min(b.x), a.x.max(b.x)]);
+        for pair in pairs_that_overlap(extents, crosses) {
+            splits.extend(self.split_between(scene, pair.map(|k| edges[k].0)));
         }
         if splits.len() > known {
             return;
@@ -288,16 +292,19 @@ fn opposite(surfaces: [&Surface; 2], at: DVec3, reach: f64) -> impl Iterator<Ite
     })
 }
 
-/// The pairs of edges whose extents along x overlap, by their numbers, in order.
-fn overlapping(edges: impl Iterator<Item = [DVec2; 2]>) -> Vec<[usize; 2]> {
-    let extent = |(k, [a, b]): (usize, [DVec2; 2])| (a.x.min(b.x), a.x.max(b.x), k);
-    let mut extents: Vec<(f64, f64, usize)> = edges.enumerate().map(extent).collect();
-    extents.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+/// The pairs of intervals that overlap and are wanted, by their numbers, in order.
+fn pairs_that_overlap(
+    intervals: impl Iterator<Item = [f64; 2]>,
+    is_wanted: impl Fn(usize, usize) -> bool,
+) -> Vec<[usize; 2]> {
+    let mut by_start: Vec<([f64; 2], usize)> = intervals.zip(0..).collect();
+    by_start.sort_unstable_by(|a, b| a.0[0].total_cmp(&b.0[0]));
     let mut pairs = Vec::new();
-    for (index, &(_, end, k)) in extents.iter().enumerate() {
-        let after = extents[index + 1..].iter();
-        let beside = after.take_while(|(start, _, _)| *start <= end);
-        pairs.extend(beside.map(|&(_, _, other)| [k.min(other), k.max(other)]));
+    for (index, &([_, end], k)) in by_start.iter().enumerate() {
+        let after = by_start[index + 1..].iter();
+        let beside = after.take_while(|([start, _], _)| *start <= end);
+        let beside = beside.map(|&(_, other)| [k.min(other), k.max(other)]);
+        pairs.extend(beside.filter(|&[one, other]| is_wanted(one, other)));
     }
     pairs.sort_unstable();
     pairs

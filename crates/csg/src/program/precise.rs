@@ -85,8 +85,7 @@ mod tests {
 
     #[test]
     fn values_are_those_of_rational_arithmetic() {
-        // 3 (x - 1)² - 2 (x - 1)(y - 2) + ... at points of few digits is exact in
-        // integers; the plain value is not.
+        // At points of few digits the value is a whole number of more than a double's.
         let mut random = Random(3);
         for _ in 0..500 {
             let mut digits = |count: u32| (random.unit() * 2f64.powi(count as i32)).floor() as i64;

@@ -62,6 +62,11 @@ impl Round {
             (None, None) => (Shape::Ball, 2),
             _ => return None,
         };
+        // A paraboloid has no value along its axis either, but a slope.
+        let slope = surface.linear.dot(axes[last]).abs();
+        if is_cylinder && slope > 4.0 * f64::EPSILON * surface.linear.length() {
+            return None;
+        }
         values.swap(last, 2);
         axes.swap(last, 2);
         let round = if shape == Shape::Ball { 3 } else { 2 };
