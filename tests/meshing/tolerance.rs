@@ -196,6 +196,8 @@ fn options_out_of_range_are_errors() {
         Mesher::new().tolerance(f64::NAN),
         Mesher::new().tolerance(0.1).angle(-1.0),
         Mesher::new().tolerance(0.1).draft(),
+        // Less than coordinates are rounded by.
+        Mesher::new().tolerance(1e-18),
     ] {
         assert!(matches!(
             mesher.mesh(&program),

@@ -144,6 +144,7 @@ impl<'a> Run<'a> {
             return Ok(Mesh::default());
         };
         report.bounds = Some(bounds);
+        self.check_tolerance(&bounds)?;
         let mesh = self.coarse_to_fine(bounds, report)?;
         if let Some(reached) = beyond {
             report.limits_reached.push(LimitReached {
@@ -152,6 +153,25 @@ impl<'a> Run<'a> {
             });
         }
         Ok(mesh)
+    }
+
+    /// An error for a tolerance that no coordinates can keep.
+    fn check_tolerance(&self, bounds: &Bounds) -> Result<(), Error> {
+        /// Points of surfaces are this exact, in roundings of the largest coordinate.
+        const ROUNDINGS: f64 = 64.0;
+        let Some(goal) = &self.goal else {
+            return Ok(());
+        };
+        let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let least = ROUNDINGS * f64::EPSILON * farthest;
+        if goal.tolerance < least && !evaluation::is_polyhedral(self.program) {
+            return Err(Error::InvalidOption(format!(
+                "a tolerance of {:e}: coordinates of up to {farthest} are rounded by more; \
+                 give at least {least:.1e}, or move the solid to the origin",
+                goal.tolerance
+            )));
+        }
+        Ok(())
     }
 
     /// The exact boundary of planes; none where it could not be closed.
