@@ -53,7 +53,12 @@ pub fn run(options: &Options) {
             };
             let command = |smoothing: &str| {
                 let mut command = Command::new(&csg);
-                command.arg("render").arg(&input).arg("-o").arg(&picture);
+                command
+                    .arg("render")
+                    .arg("--plain")
+                    .arg(&input)
+                    .arg("-o")
+                    .arg(&picture);
                 command.args(["--size", size, "--anti-aliasing", smoothing]);
                 command
             };

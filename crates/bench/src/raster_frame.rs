@@ -22,7 +22,7 @@ use cpu_time::ProcessTime;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, Image, Lens, Level, Light, RenderOptions, Renderer, Scene, View,
+    AntiAliasing, Camera, Image, Lens, Level, Light, Prepared, RenderOptions, Renderer, View,
 };
 
 /// The allocator of the `csg` command, for all that runs in this process.
@@ -119,7 +119,7 @@ fn main() {
             continue;
         };
         let prepared = Instant::now();
-        let scene = Scene::new(&mesh);
+        let scene = Prepared::new(&mesh);
         let prepared = prepared.elapsed();
         let mut renderer = Renderer::with_level(level);
         let mut image = Image::default();

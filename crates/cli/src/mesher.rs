@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use csg::{LengthUnit, Limits, Mesh, Mesher, Program, Report};
+use glam::DVec3;
 
 use crate::failure::Failure;
 use crate::input::Subject;
@@ -19,8 +20,9 @@ pub(crate) struct MesherOptions {
     pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes [default, without cells, their size or a smallest
-    /// feature: a thousandth of the solid's longest side; the boundary of a solid
-    /// bounded by planes alone is exact]
+    /// feature: a thousandth of the solid's longest side, or for a picture a
+    /// quarter of a pixel where the solid is nearest to the eye; the boundary of a
+    /// solid bounded by planes alone is exact]
     #[arg(long, value_name = "DISTANCE", conflicts_with = "draft")]
     pub(crate) tolerance: Option<f64>,
     /// With a tolerance, the largest angle in degrees that a surface may turn
@@ -166,6 +168,8 @@ pub(crate) struct Product {
     pub(crate) mesh: Mesh,
     /// Of the mesher; `None` for a mesh that was read from a file.
     pub(crate) report: Option<Report>,
+    /// The tolerance that the mesh keeps, where that was chosen for it.
+    pub(crate) tolerance: Option<f64>,
     /// Seconds of each stage so far.
     pub(crate) seconds: Vec<(&'static str, f64)>,
 }
@@ -180,12 +184,22 @@ impl Product {
     }
 }
 
+/// The tolerance that a model within these points needs, if they say.
+pub(crate) type Needs<'a> = dyn Fn(&[DVec3]) -> Option<f64> + 'a;
+
+/// Nothing is needed but what the options say.
+pub(crate) fn no_needs(_: &[DVec3]) -> Option<f64> {
+    None
+}
+
 /// Reads the subject and meshes it if it is a solid; `check` says whether
-/// the mesher is to check what it made.
+/// the mesher is to check what it made. Where the options leave the tolerance
+/// open, it is what `needs` says.
 pub(crate) fn produce(
     subject: impl FnOnce() -> Result<Subject, Failure>,
     options: &MesherOptions,
     check: bool,
+    needs: &Needs,
     progress: &Progress,
 ) -> Result<Product, Failure> {
     let start = Instant::now();
@@ -223,18 +237,47 @@ pub(crate) fn produce(
             if options.draft {
                 mesher = mesher.draft();
             }
-            let meshed = mesher.mesh(&program)?;
+            let mut tolerance = None;
+            if options.tolerance.is_none() && options.is_to_tolerance() {
+                tolerance = within(&program).and_then(|corners| needs(&corners));
+            }
+            let mesh = |tolerance: Option<f64>| match tolerance {
+                Some(tolerance) => mesher.clone().tolerance(tolerance).mesh(&program),
+                None => mesher.mesh(&program),
+            };
+            // The box is larger than the solid, which may need less.
+            tolerance = tolerance.map(|tolerance| 0.7 * tolerance);
+            let mut meshed = mesh(tolerance)?;
             seconds.extend(&meshed.report.stages);
+            let needed = tolerance.and_then(|_| needs(&meshed.mesh.positions));
+            let is_exact = meshed.report.method == "polyhedral";
+            if needed.is_some() && needed < tolerance && !is_exact {
+                tolerance = needed;
+                meshed = mesh(tolerance)?;
+                seconds.extend(&meshed.report.stages);
+            }
             Ok(Product {
                 mesh: meshed.mesh,
                 report: Some(meshed.report),
+                tolerance,
                 seconds,
             })
         }
         Subject::Mesh(mesh) => Ok(Product {
             mesh,
             report: None,
+            tolerance: None,
             seconds,
         }),
     }
+}
+
+/// The corners of a box around a solid, if it is bounded and there at all.
+fn within(program: &Program) -> Option<Vec<DVec3>> {
+    let bounds = program.bounds().ok()??;
+    let corner = |k: usize| {
+        let pick = |axis: usize| [bounds.min, bounds.max][k >> axis & 1][axis];
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    Some((0..8).map(corner).collect())
 }

@@ -31,7 +31,7 @@ enum FileCommand {
         #[command(flatten)]
         input: Input,
         #[command(flatten)]
-        options: render::Options,
+        options: Box<render::Options>,
     },
     /// Measure the input
     Measure {
@@ -56,7 +56,7 @@ enum ModelCommand {
     /// Write meshes of the model
     Mesh(mesh::Options),
     /// Draw a picture of the model
-    Render(render::Options),
+    Render(Box<render::Options>),
     /// Measure the model
     Measure(measure::Options),
 }

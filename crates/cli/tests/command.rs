@@ -228,32 +228,45 @@ fn render_has_an_option_for_every_look() {
     let mut pictures = Vec::new();
     for looks in [
         "",
-        "--shading flat",
-        "--shading gouraud",
-        "--anti-aliasing none",
-        "--anti-aliasing msaa8",
-        "--anti-aliasing supersample2",
-        "--anti-aliasing supersample4",
-        "--edges",
-        "--edges --line-width 3",
-        "--hidden-edges",
-        "--wireframe",
-        "--points",
-        "--section -y=0",
-        "--section -y=0 --section 0,0,1:0,0,0.4",
-        "--ambient-occlusion",
-        "--shadow",
-        "--axes",
-        "--show depth",
-        "--show normals",
-        "--show surfaces",
-        "--show occlusion",
-        "--projection ortho",
-        "--projection cavalier",
-        "--projection cabinet",
-        "--fov 60",
-        "--background ff0000",
-        "--sheet",
+        "--plain",
+        "--plain --shading flat",
+        "--plain --shading gouraud",
+        "--plain --anti-aliasing none",
+        "--plain --anti-aliasing msaa8",
+        "--plain --anti-aliasing supersample2",
+        "--plain --anti-aliasing supersample4",
+        "--plain --edges",
+        "--plain --edges --line-width 3",
+        "--plain --hidden-edges",
+        "--plain --wireframe",
+        "--plain --points",
+        "--plain --section -y=0",
+        "--plain --section -y=0 --section 0,0,1:0,0,0.4",
+        "--plain --ambient-occlusion",
+        "--plain --shadow",
+        "--plain --material 0.5,0.5,0.8,4",
+        "--plain --light 1,0,0:ff8800",
+        "--plain --point-light 2,-2,3",
+        "--plain --ambient 800000",
+        "--plain --environment 4466ff:553311",
+        "--plain --checker 0.3",
+        "--plain --camera -1,1,-1 --up 1,0,0",
+        "--plain --near 3.5",
+        "--plain --far 3.5",
+        "--hidden-surface zbuffer",
+        "--hidden-surface wireframe",
+        "--show depth --depth-bits 12",
+        "--plain --axes",
+        "--plain --show depth",
+        "--plain --show normals",
+        "--plain --show surfaces",
+        "--plain --show occlusion",
+        "--plain --projection ortho",
+        "--plain --projection cavalier",
+        "--plain --projection cabinet",
+        "--plain --fov 60",
+        "--plain --background ff0000",
+        "--plain --sheet",
         "--turntable 3",
     ] {
         let command = format!("render in.csg -o out.png --size 120x90 --cells 16 {looks}");
@@ -263,6 +276,22 @@ fn render_has_an_option_for_every_look() {
         assert!(!pictures.contains(&file), "{looks}");
         pictures.push(file);
     }
+    // Two ways that are right show the same.
+    let by_the_book = ["zbuffer", "scanline"].map(|way| {
+        let command = format!("render in.csg -o out.png --cells 16 --hidden-surface {way}");
+        succeeded(&folder.run(&command));
+        fs::read(folder.file("out.png")).expect("a file")
+    });
+    assert_eq!(by_the_book[0], by_the_book[1]);
+    // The look that needs no options is made of three that have one each.
+    let all = "--plain --edges --ambient-occlusion --shadow";
+    succeeded(&folder.run(&format!(
+        "render in.csg -o out.png --size 120x90 --cells 16 {all}"
+    )));
+    assert_eq!(
+        fs::read(folder.file("out.png")).expect("a file"),
+        pictures[0]
+    );
     let output = folder.run("render in.csg -o out.png --cells 16 --stats");
     assert!(String::from_utf8_lossy(&succeeded(&output).stderr).contains("pixels shaded"));
     let message = failed(&folder.run("render in.csg -o out.png --section up"), 2);

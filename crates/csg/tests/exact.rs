@@ -168,3 +168,26 @@ fn what_is_too_thin_for_the_cells_is_reported() {
         assert!(!meshed.report.fallbacks.is_empty());
     }
 }
+
+/// Ry(heading) Rx(pitch) Rz(roll): corners of a box are where the matrices of the
+/// axes put them.
+#[test]
+fn rotate_euler_is_ry_rx_rz() {
+    let (h, p, r) = (0.5f64, -0.4f64, 1.1f64);
+    let at_once = mesh(&Solid::cuboid([2.0, 1.2, 0.6]).rotate_euler(h, p, r), 8);
+    let turn = |[a, b]: [f64; 2], angle: f64| {
+        let (sin, cos) = angle.sin_cos();
+        [a * cos - b * sin, a * sin + b * cos]
+    };
+    for corner in 0..8 {
+        let sign = |axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        let [x, y] = turn([sign(0), 0.6 * sign(1)], r);
+        let [y, z] = turn([y, 0.3 * sign(2)], p);
+        let [z, x] = turn([z, x], h);
+        let near = at_once.positions.iter();
+        let nearest = near
+            .map(|q| (q.x - x).abs() + (q.y - y).abs() + (q.z - z).abs())
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-9, "{corner}: {nearest}");
+    }
+}

@@ -3,16 +3,17 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::RasterError;
 use crate::camera::View;
 
 use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::interpolate::weights_at;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::section::Section;
 use crate::tile::{TILE, decode};
-use crate::viewport::Viewport;
+use crate::viewport::{Viewport, integer_depth};
 
 /// One value for each pixel, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,6 +93,16 @@ impl Renderer {
         self.buffer(|sample, _, _| sample.map_or(1.0, |(_, depth)| 1.0 - depth))
     }
 
+    /// The window depth of the last frame as numbers of so many bits (1..=32),
+    /// 0 near to 2^bits - 1 far ([`integer_depth`]).
+    #[must_use]
+    pub fn integer_depth_buffer(&self, bits: u32) -> Buffer<u32> {
+        self.buffer(|sample, _, _| {
+            let depth = sample.map_or(1.0, |(_, depth)| 1.0 - f64::from(depth));
+            integer_depth(depth, bits)
+        })
+    }
+
     /// The reversed depth of the last frame: 1 at the near plane, 0 at the
     /// far plane and where there is nothing; exact where window depth is
     /// rounded.
@@ -109,7 +120,7 @@ impl Renderer {
     /// The index into [`csg::Mesh::surfaces`] that each pixel of the last
     /// frame shows; `None` also for a mesh without surfaces.
     #[must_use]
-    pub fn surface_buffer(&self, scene: &Scene) -> Buffer<Option<u32>> {
+    pub fn surface_buffer(&self, scene: &Prepared) -> Buffer<Option<u32>> {
         self.buffer(|sample, _, _| {
             let (triangle, _) = sample?;
             scene.triangle_surfaces.get(triangle as usize).copied()
@@ -120,14 +131,14 @@ impl Renderer {
     /// last frame, which showed `scene` in `view`; zero where there is
     /// nothing.
     #[must_use]
-    pub fn normal_buffer(&self, scene: &Scene, view: &View) -> Buffer<Vec3> {
+    pub fn normal_buffer(&self, scene: &Prepared, view: &View) -> Buffer<Vec3> {
         let matrix = FrameMatrix::new(view, scene.centre, self.width, self.height);
         self.buffer(|_, x, y| {
             let normal = |(number, _): (i32, f32)| {
                 let (triangle, section) = decode(number);
                 let section: Option<&Section> = section.and_then(|k| scene.sections.get(k));
                 if let Some(section) = section {
-                    return Some(section.normal);
+                    return Some(section.normal.as_vec3());
                 }
                 let corners = scene.corners(triangle)?;
                 let [a, b, c] = scene.corner_normals(triangle)?;
@@ -141,7 +152,7 @@ impl Renderer {
     /// What lies under the pixel in column `x` and row `y` of the last frame,
     /// which showed `scene` in `view`.
     #[must_use]
-    pub fn pick(&self, scene: &Scene, view: &View, x: u32, y: u32) -> Option<Pick> {
+    pub fn pick(&self, scene: &Prepared, view: &View, x: u32, y: u32) -> Option<Pick> {
         let (triangle, depth) = self.sample(x, y)?;
         let position = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let viewport = Viewport::of_image(self.width, self.height);
@@ -152,6 +163,41 @@ impl Renderer {
             surface: scene.triangle_surfaces.get(triangle as usize).copied(),
         })
     }
+}
+
+/// Depths of so many bits as the bytes of a grey PNG of 16 bits, or of 8 where
+/// these are enough: the numbers themselves, the upper 16 of more.
+///
+/// # Errors
+/// [`RasterError::EmptyImage`] without pixels.
+pub fn integer_depth_png(depths: &Buffer<u32>, bits: u32) -> Result<Vec<u8>, RasterError> {
+    let (width, height) = (depths.width, depths.height);
+    if width == 0 || height == 0 {
+        return Err(RasterError::EmptyImage { width, height });
+    }
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    let deep = bits > 8;
+    encoder.set_depth(if deep {
+        png::BitDepth::Sixteen
+    } else {
+        png::BitDepth::Eight
+    });
+    let bytes: Vec<u8> = if deep {
+        let upper = |&v: &u32| (v >> bits.saturating_sub(16).min(16)) as u16;
+        depths
+            .values
+            .iter()
+            .flat_map(|v| upper(v).to_be_bytes())
+            .collect()
+    } else {
+        depths.values.iter().map(|&v| v as u8).collect()
+    };
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&bytes)?;
+    writer.finish()?;
+    Ok(file)
 }
 
 /// Depth as a grey picture: white near, dark far, between the least and the

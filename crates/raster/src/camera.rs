@@ -1,6 +1,6 @@
 //! From a camera to a [`View`]: the two matrices the pipeline works with.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4};
 
 use crate::RasterError;
 use crate::projection::{self, Window};
@@ -119,6 +119,57 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// A camera at `eye` that looks at `target`: upright (Z upwards, or Y where
+    /// it looks along Z), with the default lens, from a thousandth of the
+    /// distance to infinity.
+    #[must_use]
+    pub fn looking_at(eye: DVec3, target: DVec3) -> Self {
+        let direction = target - eye;
+        let upright = direction.truncate() != glam::DVec2::ZERO;
+        Self {
+            eye,
+            target,
+            up: if upright { DVec3::Z } else { DVec3::Y },
+            lens: Lens::DEFAULT,
+            near: direction.length() * 1e-3,
+            far: f64::INFINITY,
+        }
+    }
+
+    /// A camera at `eye` that has been turned from where it looks along -Z, Y
+    /// upwards: by the columns of a rotation, such as that of
+    /// [`Euler`](crate::transform::Euler) angles. It looks at a point at that
+    /// distance.
+    #[must_use]
+    pub fn turned(eye: DVec3, rotation: DMat3, distance: f64) -> Self {
+        let target = eye - rotation.z_axis * distance;
+        Self::looking_at(eye, target).up(rotation.y_axis)
+    }
+
+    /// Sets what is upwards in the picture.
+    #[must_use]
+    pub fn up(self, up: DVec3) -> Self {
+        Self { up, ..self }
+    }
+
+    /// Sets the lens; a parallel one sees to a thousand times the target's
+    /// distance where the far plane was infinitely far.
+    #[must_use]
+    pub fn lens(self, lens: Lens) -> Self {
+        let far = match lens {
+            Lens::Perspective { .. } => self.far,
+            _ if self.far.is_finite() => self.far,
+            _ => self.eye.distance(self.target) * 1e3,
+        };
+        Self { lens, far, ..self }
+    }
+
+    /// Sets the distances of the near and the far plane.
+    #[must_use]
+    pub fn depths(self, near: f64, far: f64) -> Self {
+        Self { near, far, ..self }
+    }
+
     /// World to eye coordinates.
     #[must_use]
     pub fn world_to_eye(&self) -> DMat4 {
@@ -162,10 +213,56 @@ impl Camera {
     /// The view of this camera in a picture of `width` x `height` pixels.
     ///
     /// # Errors
-    /// [`RasterError::SingularView`] where the camera cannot see (see there).
+    /// [`RasterError::EyeAtTarget`], [`RasterError::UpAlongView`],
+    /// [`RasterError::BadDepthRange`], [`RasterError::BadFieldOfView`] and
+    /// [`RasterError::BadWindow`] where the camera cannot see;
+    /// [`RasterError::SingularView`] beyond double precision.
     pub fn view(&self, width: u32, height: u32) -> Result<View, RasterError> {
+        self.check()?;
         let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
-        View::new(self.world_to_eye(), self.eye_to_clip(aspect))
+        let view = View::new(self.world_to_eye(), self.eye_to_clip(aspect))?;
+        Ok(View {
+            aspect: Some(aspect),
+            ..view
+        })
+    }
+
+    /// Says what is wrong with the camera, if anything is.
+    fn check(&self) -> Result<(), RasterError> {
+        let Self {
+            eye,
+            target,
+            up,
+            near,
+            far,
+            ..
+        } = *self;
+        let direction = target - eye;
+        if direction.try_normalize().is_none() {
+            return Err(RasterError::EyeAtTarget { eye, target });
+        }
+        let frame = Frame::right_handed(direction, up);
+        if !(frame.u.is_finite() && frame.v.is_finite()) {
+            return Err(RasterError::UpAlongView { up, direction });
+        }
+        let (nearest, farthest) = match self.lens {
+            Lens::Perspective { fov_y } => {
+                if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
+                    return Err(RasterError::BadFieldOfView { fov_y });
+                }
+                (f64::MIN_POSITIVE, f64::INFINITY)
+            }
+            Lens::Orthographic { height } | Lens::Oblique { height, .. } => {
+                if !(height > 0.0 && height.is_finite()) {
+                    return Err(RasterError::BadWindow { height });
+                }
+                (0.0, f64::MAX)
+            }
+        };
+        if !(near >= nearest && near < far && far <= farthest && near.is_finite()) {
+            return Err(RasterError::BadDepthRange { near, far });
+        }
+        Ok(())
     }
 }
 
@@ -177,6 +274,8 @@ pub struct View {
     eye_to_clip: DMat4,
     world_to_clip: DMat4,
     clip_to_world: DMat4,
+    /// Width by height of the picture that it is for, if it is for one.
+    aspect: Option<f64>,
 }
 
 impl View {
@@ -200,7 +299,28 @@ impl View {
             eye_to_clip,
             world_to_clip,
             clip_to_world,
+            aspect: None,
         })
+    }
+
+    /// Refuses a picture that the view would be stretched into.
+    pub(crate) fn check_size(&self, width: u32, height: u32) -> Result<(), RasterError> {
+        let fits = |aspect: f64| {
+            let wanted = aspect * f64::from(height);
+            // As good as the next whole pixel.
+            (wanted - f64::from(width)).abs() <= 1.0
+                || (f64::from(width) / aspect - f64::from(height)).abs() <= 1.0
+        };
+        match self.aspect {
+            Some(aspect) if width > 0 && height > 0 && !fits(aspect) => {
+                Err(RasterError::OtherAspect {
+                    aspect,
+                    width,
+                    height,
+                })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// World to eye coordinates.

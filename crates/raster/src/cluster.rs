@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Most triangles in a cluster.
@@ -26,16 +26,18 @@ pub(crate) struct Cluster {
     pub first_vertex: u32,
     pub vertices: u32,
     /// Bounding sphere.
-    pub centre: Vec3,
-    pub radius: f32,
+    pub centre: DVec3,
+    pub radius: f64,
     /// Normals are within the cone about `axis` of half-angle asin(`sine`);
     /// sine is above 1 where there is no such cone.
-    pub axis: Vec3,
-    pub sine: f32,
+    pub axis: DVec3,
+    pub sine: f64,
     /// Whether the corners at each vertex share their normal.
     pub smooth: bool,
     /// Bits of the section planes that it lies beyond.
     pub beyond: u8,
+    /// A mean of log2 of its triangles' longest sides.
+    scale: f64,
 }
 
 impl Cluster {
@@ -57,6 +59,8 @@ pub(crate) struct Clusters {
     /// x, y, z and 0 of all clusters' vertices, and zeros after them, so that
     /// every cluster's part can be taken for a full one.
     pub vertices: Vec<[f32; 4]>,
+    /// The same of what single precision leaves of them; or empty.
+    pub remainders: Vec<[f32; 4]>,
     /// For each triangle the numbers of its vertices within the cluster.
     pub local: Vec<[u8; 4]>,
 }
@@ -66,7 +70,13 @@ impl Clusters {
     /// vertex out of range or not finite become points, which are not drawn.
     /// `groups` are numbers of consecutive triangles, all of them together;
     /// no cluster has triangles of two groups.
-    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]], groups: &[usize]) -> Self {
+    /// `remainders` is empty, or what single precision leaves of each position.
+    pub fn new(
+        positions: &[Vec3],
+        remainders: &[Vec3],
+        triangles: &[[u32; 3]],
+        groups: &[usize],
+    ) -> Self {
         let finite = positions.par_chunks(BLOCK);
         let all_finite = finite.all(|chunk| chunk.iter().all(|p| p.is_finite()));
         // (Whether a vertex is there is asked often; where it is, seldom.)
@@ -106,7 +116,16 @@ impl Clusters {
         blocks
             .par_iter_mut()
             .zip(split(&mut all_vertices, lengths.iter().copied()))
-            .for_each(|(block, vertices)| block.finish(positions, &local, vertices));
+            .for_each(|(block, vertices)| {
+                block.finish(positions, remainders, &local, vertices);
+            });
+        let mut all_remainders = Vec::new();
+        if !remainders.is_empty() {
+            all_remainders = bytemuck::zeroed_vec(all_vertices.len());
+            for block in &blocks {
+                block.copy(remainders, &mut all_remainders);
+            }
+        }
         let mut all = Vec::with_capacity(clusters);
         for block in &blocks {
             all.extend_from_slice(&block.clusters);
@@ -114,8 +133,19 @@ impl Clusters {
         Self {
             clusters: all,
             vertices: all_vertices,
+            remainders: all_remainders,
             local,
         }
+    }
+
+    /// Whether some clusters' triangles are so small beside the box around all
+    /// that rounding to single precision may be seen.
+    pub fn are_tiny(&self, low: DVec3, high: DVec3) -> bool {
+        /// Rounding is then a millionth of a side, or less.
+        const SHARE: f64 = 1.0 / 4096.0;
+        let size = (high - low).max_element() / 2.0;
+        let smallest = self.clusters.iter().map(|cluster| cluster.scale);
+        smallest.fold(f64::INFINITY, f64::min) < (size * SHARE).log2()
     }
 }
 
@@ -182,12 +212,13 @@ impl Block {
             triangles: (end - first) as u32,
             first_vertex: 0,
             vertices: (self.members.len() - first_member) as u32,
-            centre: Vec3::ZERO,
+            centre: DVec3::ZERO,
             radius: 0.0,
-            axis: Vec3::ZERO,
+            axis: DVec3::ZERO,
             sine: 2.0,
             smooth: false,
             beyond: 0,
+            scale: f64::INFINITY,
         });
     }
 
@@ -197,7 +228,13 @@ impl Block {
     }
 
     /// Copies the vertices to where they belong, and bounds each cluster.
-    fn finish(&mut self, positions: &[Vec3], local: &[[u8; 4]], vertices: &mut [[f32; 4]]) {
+    fn finish(
+        &mut self,
+        positions: &[Vec3],
+        remainders: &[Vec3],
+        local: &[[u8; 4]],
+        vertices: &mut [[f32; 4]],
+    ) {
         let mut members = &self.members[..];
         let mut at = 0;
         let mut points = Vec::with_capacity(CLUSTER_VERTICES);
@@ -211,20 +248,75 @@ impl Block {
                 *to = point.extend(0.0).to_array();
             }
             at += cluster.padded_vertices();
-            (cluster.centre, cluster.radius) = bounding_sphere(&points);
+            // Relative to one of them, where they are near each other beside
+            // their distance from the origin.
+            let mut origin = Vec3::ZERO;
+            if !remainders.is_empty() {
+                origin = points.first().copied().unwrap_or_default();
+                for (point, &v) in points.iter_mut().zip(own) {
+                    *point = (*point - origin) + remainders[v as usize];
+                }
+            }
+            let (centre, radius) = bounding_sphere(&points);
+            cluster.centre = centre.as_dvec3() + origin.as_dvec3();
+            // (Rounding of the positions, where remainders are left out.)
+            cluster.radius = f64::from(radius) + cluster.centre.length() * 1e-7;
             let first = cluster.first_triangle as usize;
             normals.clear();
+            let mut scale = Scale::default();
             normals.extend(
                 local[first..first + cluster.triangles as usize]
                     .iter()
                     .filter_map(|&[a, b, c, _]| {
                         let at = |v: u8| points.get(usize::from(v)).copied();
-                        let (a, b, c) = (at(a)?, at(b)?, at(c)?);
-                        (b - a).cross(c - a).try_normalize()
+                        let (pa, pb, pc) = (at(a)?, at(b)?, at(c)?);
+                        let (u, v) = (pb - pa, pc - pa);
+                        if a != b {
+                            scale.add(u.length_squared().max(v.length_squared()));
+                        }
+                        u.cross(v).try_normalize()
                     }),
             );
             (cluster.axis, cluster.sine) = normal_cone(&normals);
+            cluster.scale = scale.mean();
         }
+    }
+
+    /// Copies what belongs to the vertices to the rows of all clusters.
+    fn copy(&self, values: &[Vec3], rows: &mut [[f32; 4]]) {
+        let mut members = &self.members[..];
+        for cluster in &self.clusters {
+            let (own, rest) = members.split_at(cluster.vertices as usize);
+            members = rest;
+            let rows = &mut rows[cluster.first_vertex as usize..];
+            for (to, &v) in rows.iter_mut().zip(own) {
+                *to = values[v as usize].extend(0.0).to_array();
+            }
+        }
+    }
+}
+
+/// A mean of the binary logarithms of lengths, to a half: exponents cost
+/// nothing, and a few slivers among many triangles do not matter.
+#[derive(Default)]
+struct Scale {
+    sum: i64,
+    count: i64,
+}
+
+impl Scale {
+    /// Adds the square of a length. Zero has the least exponent.
+    fn add(&mut self, squared: f32) {
+        let exponent = i64::from(squared.to_bits() >> 23 & 0xff) - 127;
+        self.sum += exponent;
+        self.count += 1;
+    }
+
+    fn mean(&self) -> f64 {
+        if self.count == 0 {
+            return f64::INFINITY;
+        }
+        self.sum as f64 / self.count as f64 / 2.0
     }
 }
 
@@ -243,7 +335,7 @@ fn bounding_sphere(points: &[Vec3]) -> (Vec3, f32) {
 
 /// The axis of a cone of unit normals and the sine of its half-angle, above 1
 /// where it is (nearly) a half-space or more.
-fn normal_cone(normals: &[Vec3]) -> (Vec3, f32) {
+fn normal_cone(normals: &[Vec3]) -> (DVec3, f64) {
     let axis = normals.iter().sum::<Vec3>().normalize_or_zero();
     let cosine = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
     let sine = if cosine > 0.1 {
@@ -252,7 +344,7 @@ fn normal_cone(normals: &[Vec3]) -> (Vec3, f32) {
     } else {
         2.0
     };
-    (axis, sine)
+    (axis.as_dvec3(), f64::from(sine))
 }
 
 /// The numbers of vertices within a cluster: a hash table that fits the first

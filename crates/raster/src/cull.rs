@@ -1,7 +1,7 @@
 //! Culling of whole clusters: by the view volume, by the cone of their
 //! normals, and by hierarchical depth.
 
-use glam::{Vec3, Vec4};
+use glam::{DVec3, DVec4};
 
 use crate::cluster::Cluster;
 use crate::fixed::SUBPIXEL_BITS;
@@ -19,7 +19,7 @@ pub(crate) enum Visibility {
 
 /// A plane's distance from the centre of a sphere, and its greatest change
 /// within it.
-fn reach(row: Vec4, centre: Vec3, radius: f32) -> (f32, f32) {
+fn reach(row: DVec4, centre: DVec3, radius: f64) -> (f64, f64) {
     let normal = row.truncate();
     (normal.dot(centre) + row.w, normal.length() * radius)
 }
@@ -31,7 +31,7 @@ pub(crate) fn cluster_visibility(
     facing: Facing,
 ) -> Visibility {
     let [x, y, z, w] = matrix.rows;
-    let [half_x, half_y] = matrix.middle.map(|m| m as f32);
+    let [half_x, half_y] = matrix.middle.map(f64::from);
     let planes = [
         w * half_x + x,
         w * half_x - x,
@@ -76,7 +76,7 @@ pub(crate) fn cluster_visibility(
         } else {
             w_centre + w_change
         };
-    Visibility::Possible((nearest * 1.00001 + 1e-6).min(1.0))
+    Visibility::Possible((nearest * 1.00001 + 1e-6).min(1.0) as f32)
 }
 
 /// Whether hierarchical depth hides a cluster whose nearest depth is `depth`.
@@ -88,11 +88,11 @@ pub(crate) fn hidden(cluster: &Cluster, depth: f32, context: &GeometryContext) -
     if nearest_w <= 0.0 || depth >= 1.0 {
         return false;
     }
-    let range = |row: Vec4, axis: usize| {
+    let range = |row: DVec4, axis: usize| {
         let at = (row.truncate().dot(cluster.centre) + row.w) / w_centre;
         let (_, change) = reach(row - w * at, cluster.centre, cluster.radius);
         let spread = change / nearest_w + 2.0 * 256.0;
-        let tile = |v: f32| (v as i32).saturating_add(matrix.middle[axis]) >> (SUBPIXEL_BITS + 3);
+        let tile = |v: f64| (v as i32).saturating_add(matrix.middle[axis]) >> (SUBPIXEL_BITS + 3);
         (tile(at - spread), tile(at + spread))
     };
     let (x0, x1) = range(x, 0);

@@ -17,28 +17,20 @@ use crate::hatch::hatch;
 use crate::interpolate::{
     Cache, interpolate_few, interpolate_scattered, sample_positions, scattered,
 };
+use crate::light::Source;
 use crate::options::RenderOptions;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::section::Caps;
-use crate::shade::{Incident, Interpolation, Light, Material, phong};
+use crate::shade::{Incident, Interpolation, Material, phong};
 use crate::simd::math::pow;
 use crate::simd::vector::{Triple, Triple16, dot, inverse_sqrt, load, splat, store};
 use crate::simd::{FloatLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
 use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, decode};
 
-/// A light in the coordinates of one frame's scene.
-#[derive(Clone, Copy, Debug)]
-enum Source {
-    /// Unit direction towards it.
-    Direction(Vec3),
-    Position(Vec3),
-    Head,
-}
-
 /// All that shading needs to know about a frame.
 pub(crate) struct ShadeContext<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
     materials: Vec<Material>,
     ambient: Vec3,
@@ -51,47 +43,40 @@ pub(crate) struct ShadeContext<'a> {
     /// on where it is seen.
     pub positional: bool,
     pub caps: Caps,
+    /// Whether surfaces have textures, and whether some are seen through.
+    textured: bool,
+    pub transparent: bool,
 }
 
 impl<'a> ShadeContext<'a> {
     pub fn new(
-        scene: &'a Scene,
+        scene: &'a Prepared,
         view: &View,
         matrix: &'a FrameMatrix,
         options: &RenderOptions,
     ) -> Self {
         let mut ambient = Vec3::ZERO;
         let mut sources = Vec::new();
-        let eye_to_world = view.world_to_eye().inverse();
-        let unit = |v: DVec3| v.normalize_or_zero().as_vec3();
         for light in &options.lights {
-            match *light {
-                Light::Ambient { intensity } => ambient += intensity,
-                Light::Directional { towards, intensity } => {
-                    sources.push((Source::Direction(unit(towards)), intensity));
+            let intensity = light.intensity();
+            match light.source(view) {
+                Some(Source::Everywhere) => ambient += intensity,
+                Some(Source::Position(position)) => {
+                    sources.push((Source::Position(position - scene.centre), intensity));
                 }
-                Light::Camera { towards, intensity } => {
-                    let towards = eye_to_world.transform_vector3(towards);
-                    sources.push((Source::Direction(unit(towards)), intensity));
-                }
-                Light::Point {
-                    position,
-                    intensity,
-                } => {
-                    let position = (position - scene.centre).as_vec3();
-                    sources.push((Source::Position(position), intensity));
-                }
-                Light::Head { intensity } => sources.push((Source::Head, intensity)),
+                Some(source) => sources.push((source, intensity)),
+                None => {}
             }
         }
         let positional = sources
             .iter()
             .any(|(s, _)| matches!(s, Source::Position(_)));
-        let of_surface =
-            |color: &Option<Color>| Material::of_color(color.unwrap_or(options.default_color));
-        let mut materials: Vec<_> = scene.colors.iter().map(of_surface).collect();
+        let looks = scene.looks.iter();
+        let mut materials: Vec<_> = looks.map(|look| look.material(options)).collect();
+        let textured = scene.looks.iter().any(|look| look.texture.is_some());
+        let transparent = scene.is_transparent(options);
         // Where all are alike, nobody need look which one it is.
-        if materials.iter().all(|material| *material == materials[0]) {
+        if !textured && materials.iter().all(|material| *material == materials[0]) {
             materials.truncate(1);
         }
         Self {
@@ -104,8 +89,10 @@ impl<'a> ShadeContext<'a> {
             centred: options.anti_aliasing.samples().len() == 1,
             // Of solids cut open, backs are seen where a silhouette passes exactly
             // through a sample, as near as the front.
-            two_sided: options.two_sided || !scene.sections.is_empty(),
-            positional,
+            two_sided: options.two_sided || !scene.sections.is_empty() || transparent,
+            positional: positional || textured,
+            textured,
+            transparent,
             caps: Caps::new(&scene.sections, matrix),
         }
     }
@@ -121,6 +108,28 @@ impl<'a> ShadeContext<'a> {
             .triangle_surfaces
             .get(triangle)
             .map_or(last, |&surface| (surface as usize).min(last))
+    }
+
+    /// How opaque a triangle is.
+    pub fn opacity(&self, triangle: usize) -> f32 {
+        self.materials[self.material(triangle)].opacity
+    }
+
+    /// A material with its texture's colour at a point.
+    fn textured(&self, material: usize, point: DVec3) -> Material {
+        let plain = self.materials[material];
+        let look = self.scene.looks.get(material).and_then(|look| look.texture);
+        match look {
+            Some((texture, to_part, finish)) => {
+                let at = to_part.transform_point3(point + self.scene.centre);
+                let color = Color::from_linear(texture.color(at).to_array());
+                Material {
+                    opacity: plain.opacity,
+                    ..Material::new(color, finish)
+                }
+            }
+            None => plain,
+        }
     }
 
     /// The material that the pixels of a job share, or [`MIXED`].
@@ -146,7 +155,7 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The point of a cap at one pixel of a job.
-    pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> Vec3 {
+    pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> DVec3 {
         let sample = |axis: usize, within: i32| {
             let pixel = job.at[axis] as i32 + within;
             f64::from(pixel * SUBPIXELS + SUBPIXELS / 2 - self.matrix.middle[axis])
@@ -156,15 +165,15 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The colour of a cap at one point.
-    pub fn cap_colour(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        self.colour(self.cap_material(), point, normal)
+    pub fn cap_colour(&self, point: DVec3, normal: DVec3) -> Vec3 {
+        self.colour(self.cap_material(), point, normal.as_vec3())
     }
 
     /// The colours of a triangle's corners, for Gouraud shading.
     pub fn corner_colours(
         &self,
         triangle: usize,
-        corners: &[Vec3; 3],
+        corners: &[DVec3; 3],
         normals: &[Vec3; 3],
     ) -> [Vec3; 3] {
         let material = self.material(triangle);
@@ -172,16 +181,16 @@ impl<'a> ShadeContext<'a> {
     }
 
     /// The colour of a whole triangle, for flat shading.
-    pub fn flat_colour(&self, triangle: usize, [a, b, c]: &[Vec3; 3]) -> Vec3 {
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+    pub fn flat_colour(&self, triangle: usize, [a, b, c]: &[DVec3; 3]) -> Vec3 {
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
         self.colour(self.material(triangle), (a + b + c) / 3.0, normal)
     }
 
     /// The colour at one point, for the modes that shade per corner or per
     /// triangle.
-    fn colour(&self, material: usize, point: Vec3, normal: Vec3) -> Vec3 {
-        let viewer =
-            (self.matrix.viewer.truncate() - point * self.matrix.viewer.w).normalize_or_zero();
+    fn colour(&self, material: usize, point: DVec3, normal: Vec3) -> Vec3 {
+        let viewer = self.matrix.viewer.truncate() - point * self.matrix.viewer.w;
+        let viewer = viewer.normalize_or_zero().as_vec3();
         let normal = if self.two_sided && normal.dot(viewer) < 0.0 {
             -normal
         } else {
@@ -191,15 +200,11 @@ impl<'a> ShadeContext<'a> {
             towards: Vec3::ZERO,
             intensity: self.ambient,
         }];
-        incident.extend(self.lights.iter().map(|&(source, intensity)| Incident {
-            towards: match source {
-                Source::Direction(towards) => towards,
-                Source::Position(position) => (position - point).normalize_or_zero(),
-                Source::Head => viewer,
-            },
-            intensity,
-        }));
-        phong(&self.materials[material], &incident, normal, viewer)
+        let lights = self.lights.iter();
+        incident
+            .extend(lights.map(|&(source, intensity)| source.at(point, normal, viewer, intensity)));
+        let material = self.textured(material, point);
+        phong(&material, &incident, normal, viewer)
     }
 }
 
@@ -240,14 +245,26 @@ pub(crate) struct Fragments {
 /// A row of jobs and what is found for them. The work goes over the whole row
 /// in a few short passes: a processor overlaps the iterations of a short
 /// loop, but not those of one that is a thousand instructions long.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Batch {
     pub jobs: Vec<Job>,
     fragments: Vec<Fragments>,
     /// Colours, linear and not clamped.
     pub colours: Vec<Triple16>,
     pub cache: Cache,
-    corners: [Corners; AT_ONCE],
+    corners: Box<[Corners]>,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            jobs: Vec::new(),
+            fragments: Vec::new(),
+            colours: Vec::new(),
+            cache: Cache::default(),
+            corners: vec![Corners::default(); AT_ONCE].into(),
+        }
+    }
 }
 
 /// Jobs whose corners are fetched together, before any of them is
@@ -286,8 +303,10 @@ impl Kernel for InterpolateJobs<'_> {
     fn run<S: Lanes>(self, s: S) {
         let Self { context, batch } = self;
         // Lane by lane only where all is interpolated in the plain way.
-        let plain =
-            context.interpolation == Interpolation::Phong && context.scene.sections.is_empty();
+        let scene = context.scene;
+        let plain = context.interpolation == Interpolation::Phong
+            && scene.sections.is_empty()
+            && scene.remainders.is_empty();
         let by_lane = |job: &Job| plain && scattered(&job.triangles);
         let mut cluster = ClusterView::default();
         let fragments = batch.fragments.chunks_mut(AT_ONCE);
@@ -342,7 +361,8 @@ fn materials<S: Lanes>(
     job: &Job,
     fragments: &Fragments,
 ) -> Materials<S> {
-    if let Some(m) = context.materials.get(fragments.material) {
+    let shared = context.materials.get(fragments.material);
+    if let Some(m) = shared.filter(|_| !context.textured) {
         return Materials {
             ambient: splat(s, m.ambient),
             diffuse: splat(s, m.diffuse),
@@ -351,16 +371,21 @@ fn materials<S: Lanes>(
         };
     }
     let mut lanes = [[0f32; LANES]; 10];
-    let mut last = (NO_TRIANGLE, &context.materials[0]);
+    let mut last = (NO_TRIANGLE, 0);
     for (k, &index) in job.triangles.iter().enumerate() {
         if index != last.0 {
             let own = match decode(index) {
                 (triangle, None) => context.material(triangle),
                 (_, Some(_)) => context.cap_material(),
             };
-            last = (index, &context.materials[own]);
+            last = (index, own);
         }
-        let m = last.1;
+        let m = if context.textured {
+            let [x, y, z] = fragments.point.map(|lanes| f64::from(lanes[k]));
+            context.textured(last.1, DVec3::new(x, y, z))
+        } else {
+            context.materials[last.1]
+        };
         let values = [m.ambient, m.diffuse, m.specular].map(|v| v.to_array());
         for (lane, value) in lanes.iter_mut().zip(values.as_flattened()) {
             lane[k] = *value;
@@ -403,19 +428,28 @@ fn light<S: Lanes>(
         n_v = n_v * sign;
     }
     let material = materials(s, context, job, fragments);
-    let ambient = splat(s, context.ambient);
+    let mut ambient = splat(s, context.ambient);
+    for &(source, ground) in &context.lights {
+        if let Source::Halves(up, sky) = source {
+            let up = dot::<S>(normal, splat(s, up.as_vec3())) * normal_length;
+            let share = (one + up) * s.f(0.5);
+            let (ground, more) = (splat(s, ground), splat(s, sky - ground));
+            ambient = triple!(|K| ambient[K] + (ground[K] + more[K] * share));
+        }
+    }
     let mut colour = triple!(|K| material.ambient[K] * ambient[K]);
     for &(source, intensity) in &context.lights {
         let (n_l, l_v) = match source {
             Source::Direction(towards) => {
-                let towards = splat(s, towards);
+                let towards = splat(s, towards.as_vec3());
                 (
                     dot::<S>(normal, towards) * normal_length,
                     dot::<S>(viewer, towards) * viewer_length,
                 )
             }
             Source::Position(position) => {
-                let (position, point) = (splat(s, position), load(s, &fragments.point));
+                let position = splat(s, position.as_vec3());
+                let point = load(s, &fragments.point);
                 let towards = triple!(|K| position[K] - point[K]);
                 let length = inverse_sqrt(s, dot::<S>(towards, towards));
                 (
@@ -423,7 +457,8 @@ fn light<S: Lanes>(
                     dot::<S>(viewer, towards) * (viewer_length * length),
                 )
             }
-            Source::Head => (n_v, one),
+            Source::Viewer => (n_v, one),
+            Source::Everywhere | Source::Halves(..) => continue,
         };
         let lit = zero.lt(n_l);
         if lit.bits() & job.wanted == 0 {

@@ -3,14 +3,15 @@
 use std::collections::HashMap;
 
 use csg::Color;
-use glam::Vec3;
+use glam::DVec3;
 
 use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::line::{Drawn, LineLayers, project_polyline};
 use crate::normals::CREASE_ANGLE;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
+use crate::silhouette::draw_silhouettes;
 
 /// What happens to the hidden parts of edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +22,9 @@ pub enum HiddenEdges {
     /// They are drawn dashed and lighter.
     Dash,
 }
+
+/// The widest line, in pixels.
+pub const MAX_LINE_WIDTH: f64 = 256.0;
 
 /// Which edges are drawn over the picture, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +41,7 @@ pub struct EdgeOptions {
     pub points: bool,
     /// What happens to hidden parts.
     pub hidden: HiddenEdges,
-    /// Line width in pixels.
+    /// Line width in pixels, above 0 and up to [`MAX_LINE_WIDTH`].
     pub width: f64,
     /// Colour of the lines.
     pub color: Color,
@@ -63,104 +67,74 @@ const HIDDEN_OPACITY: f32 = 0.45;
 /// Draws the edges of a scene over its picture.
 pub(crate) fn draw_edges(
     renderer: &Renderer,
-    scene: &Scene,
+    scene: &Prepared,
     matrix: &FrameMatrix,
     options: &EdgeOptions,
     image: &mut Image,
 ) {
-    let mut layers = LineLayers::new(image.width, image.height);
+    let dashed = options.hidden == HiddenEdges::Dash;
+    let mut layers = LineLayers::new(image.width, image.height, dashed);
     let width = options.width;
     let frame = Drawn {
         renderer,
         scene,
         matrix,
-        has_edges: true,
     };
-    let beside = Drawn {
-        has_edges: false,
-        ..frame
-    };
-    let mut draw = |frame: &Drawn, points: &[Vec3], width: f64| {
+    let mut draw = |points: &[DVec3], width: f64| {
         project_polyline(matrix, points.iter().copied(), |segment| {
-            layers.draw(frame, &segment, width);
+            layers.draw(&frame, &segment, width);
         });
     };
-    let corner = |v: u32| scene.positions.get(v as usize).copied();
     if options.features {
         for line in scene.feature_edges() {
-            let points: Vec<Vec3> = line.iter().filter_map(|&v| corner(v)).collect();
-            draw(&frame, &points, width);
+            let points: Vec<_> = line.iter().filter_map(|&v| scene.position(v)).collect();
+            draw(&points, width);
         }
     }
     if options.silhouettes {
-        silhouettes(scene, matrix, |a, b| draw(&beside, &[a, b], width));
+        draw_silhouettes(scene, matrix, |a, b| draw(&[a, b], width));
     }
     if options.wireframe {
         for index in 0..scene.kept_triangles {
             if let Some([a, b, c]) = scene.corners(index) {
-                draw(&frame, &[a, b, c, a], width);
+                draw(&[a, b, c, a], width);
             }
         }
     }
     if options.points {
-        for &p in &scene.positions[..scene.kept_vertices] {
-            draw(&frame, &[p, p], width * 3.0);
+        for p in (0..scene.kept_vertices as u32).filter_map(|v| scene.position(v)) {
+            draw(&[p, p], width * 3.0);
         }
     }
-    if options.hidden == HiddenEdges::Dash {
+    if let Some(hidden) = &mut layers.hidden {
+        hidden.thin();
         let faint = options
             .color
             .with_alpha(options.color.alpha * HIDDEN_OPACITY);
-        layers.hidden.composite(image, faint);
+        hidden.composite(image, faint);
     }
     layers.visible.composite(image, options.color);
 }
 
-/// Calls `segment` for each piece of the silhouette of smooth surfaces: where
-/// the interpolated normal is at right angles to the view (Hertzmann, Zorin,
-/// *Illustrating smooth surfaces*, SIGGRAPH 2000). Sharp silhouettes are
-/// feature edges.
-fn silhouettes(scene: &Scene, matrix: &FrameMatrix, mut segment: impl FnMut(Vec3, Vec3)) {
-    let kept = scene.normals.iter().take(scene.kept_triangles);
-    for (index, normals) in kept.enumerate() {
-        let Some(corners) = scene.corners(index) else {
-            continue;
-        };
-        let facing = |k: usize| {
-            let viewer = matrix.viewer.truncate() - corners[k] * matrix.viewer.w;
-            normals[k].dot(viewer.normalize_or_zero())
-        };
-        let g = [facing(0), facing(1), facing(2)];
-        let mut ends = [Vec3::ZERO; 2];
-        let mut count = 0;
-        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-            if (g[i] > 0.0) != (g[j] > 0.0) && count < 2 {
-                ends[count] = corners[i].lerp(corners[j], g[i] / (g[i] - g[j]));
-                count += 1;
-            }
-        }
-        if count == 2 {
-            segment(ends[0], ends[1]);
-        }
-    }
+/// For each vertex the first one at the same position.
+fn weld(scene: &Prepared) -> Vec<u32> {
+    let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();
+    (0..scene.positions.len() as u32)
+        .map(|index| {
+            // Adding zero makes -0 and 0 the same.
+            let p = scene.position(index).unwrap_or_default() + DVec3::ZERO;
+            let key = p.to_array().map(f64::to_bits);
+            *first_at.entry(key).or_insert(index)
+        })
+        .collect()
 }
 
 /// The feature edges of a mesh that brings none, each as a polyline of two
 /// vertices: edges that do not join exactly two triangles, that join two
 /// surfaces (unless flat), or two normals more than [`CREASE_ANGLE`] apart.
 /// Vertices at the same position count as one. O(n log n).
-pub(crate) fn find_feature_edges(scene: &Scene) -> Vec<Vec<u32>> {
-    let mut first_at: HashMap<[u32; 3], u32> = HashMap::new();
-    let welded: Vec<u32> = scene
-        .positions
-        .iter()
-        .enumerate()
-        .map(|(index, p)| {
-            // Adding zero makes -0 and 0 the same.
-            let key = (*p + Vec3::ZERO).to_array().map(f32::to_bits);
-            *first_at.entry(key).or_insert(index as u32)
-        })
-        .collect();
+pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
+    let welded = weld(scene);
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
     let kept = scene.triangles.iter().take(scene.kept_triangles);
     for (index, triangle) in kept.enumerate() {
@@ -180,7 +154,7 @@ pub(crate) fn find_feature_edges(scene: &Scene) -> Vec<Vec<u32>> {
         (b - a).cross(c - a).normalize_or_zero()
     };
     let surface = |triangle: u32| scene.triangle_surfaces.get(triangle as usize);
-    let crease = (CREASE_ANGLE as f32).cos();
+    let crease = CREASE_ANGLE.cos();
     edges
         .chunk_by(|a, b| a[..2] == b[..2])
         .filter(|group| match group {

@@ -52,7 +52,7 @@ impl Record {
     /// the first sample of each block, so that single precision adds no more
     /// than what changes within a block.
     #[inline(always)]
-    fn depth_at(&self, [x, y]: [i32; 2]) -> f64 {
+    pub fn depth_at(&self, [x, y]: [i32; 2]) -> f64 {
         let x = f64::from(x as f32 - self.anchor[0]);
         let y = f64::from(y as f32 - self.anchor[1]);
         self.z + (self.slope[0] * x + self.slope[1] * y)

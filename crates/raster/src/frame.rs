@@ -1,6 +1,6 @@
 //! The matrix of one frame, in the forms that the stages need.
 
-use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec3};
 
 use crate::camera::View;
 use crate::fixed::SUBPIXELS;
@@ -28,10 +28,10 @@ fn towards_viewer([x, y, _, w]: [DVec4; 4], viewer: DVec4) -> [Vec3; 3] {
 /// plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameMatrix {
-    /// The four rows, in single precision.
-    pub rows: [Vec4; 4],
-    /// The same before rounding.
-    pub precise: [DVec4; 4],
+    /// The scene's centre.
+    pub centre: DVec3,
+    /// The four rows.
+    pub rows: [DVec4; 4],
     /// The middle of the picture, in sub-pixels from its top left corner.
     pub middle: [i32; 2],
     pub width: u32,
@@ -39,7 +39,7 @@ pub(crate) struct FrameMatrix {
     /// 1, or -1 if the view mirrors: the sign of a front face's area.
     pub orientation: i32,
     /// Centre of projection relative to the scene's centre, homogeneous.
-    pub viewer: Vec4,
+    pub viewer: DVec4,
     /// The direction towards the viewer, of some length, from what the sample
     /// (x, y) shows: the first plus x times the second plus y times the third
     /// (sub-pixels from the middle of the picture).
@@ -56,13 +56,13 @@ impl FrameMatrix {
             DVec4::new(0.0, 0.0, -0.5, 0.0),
             DVec4::new(0.0, 0.0, 0.5, 1.0),
         );
-        let rows = (to_raster * from_scene).transpose();
-        let precise = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
+        let matrix = (to_raster * from_scene).transpose();
+        let rows = [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis];
         let viewer = view.centre_of_projection();
         let relative = viewer.truncate() - centre * viewer.w;
         Self {
-            rows: precise.map(DVec4::as_vec4),
-            precise,
+            centre,
+            rows,
             middle: [width, height].map(|side| side.cast_signed() * SUBPIXELS / 2),
             width,
             height,
@@ -71,31 +71,24 @@ impl FrameMatrix {
             } else {
                 -1
             },
-            viewer: relative.extend(viewer.w).as_vec4(),
-            towards_viewer: towards_viewer(precise, viewer),
+            viewer: relative.extend(viewer.w),
+            towards_viewer: towards_viewer(rows, viewer),
         }
     }
 
     /// One row applied to a point, in the order of operations that the vector
     /// code uses, so that both give the same bits.
     #[inline(always)]
-    pub fn row(&self, row: usize, p: Vec3) -> f32 {
+    pub fn row(&self, row: usize, p: DVec3) -> f64 {
         let r = self.rows[row];
-        (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
-    }
-
-    /// The same in double precision.
-    #[inline(always)]
-    pub fn precise_row(&self, row: usize, p: Vec3) -> f64 {
-        let (r, p) = (self.precise[row], p.as_dvec3());
         (r.x * p.x + r.y * p.y) + (r.z * p.z + r.w)
     }
 }
 
 impl FrameMatrix {
     /// OpenGL clip coordinates of a point relative to the scene's centre.
-    pub fn clip(&self, p: Vec3) -> DVec4 {
-        let [x, y, z, w] = [0, 1, 2, 3].map(|row| self.precise_row(row, p));
+    pub fn clip(&self, p: DVec3) -> DVec4 {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|row| self.row(row, p));
         let half = f64::from(SUBPIXELS) / 2.0;
         DVec4::new(
             x / (f64::from(self.width.max(1)) * half),

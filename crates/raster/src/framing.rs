@@ -3,7 +3,8 @@
 use glam::{DVec3, DVec4};
 
 use crate::camera::{Camera, Frame, Lens};
-use crate::scene::{combine_finite, finite_bounds};
+use crate::ground::SHADOW_SPREAD;
+use crate::prepared::{combine_finite, finite_bounds};
 use crate::{Mesh, RasterError};
 
 /// The standard views of mechanical drawing (third-angle names), Z up: the
@@ -77,77 +78,128 @@ impl StandardView {
 /// The share of the picture's height or width that a framed model may fill.
 const FILL: f64 = 0.9;
 
-impl Camera {
-    /// A camera that looks along `direction` and sees the whole of `mesh` as
-    /// large as possible, with a margin of 5% on the tightest sides. The
-    /// height of a parallel lens is replaced by the fitting one. Near and far
-    /// enclose the mesh's bounding sphere. O(vertices).
+/// How a camera is put so that it sees the whole of a model, as large as
+/// possible with a margin of 5% on the tightest sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Framing {
+    /// Along which the camera looks; any length but zero.
+    pub direction: DVec3,
+    /// Upwards in the picture; not along `direction`.
+    pub up: DVec3,
+    /// How it projects. The height of a parallel lens is replaced by the
+    /// fitting one.
+    pub lens: Lens,
+    /// Width of the picture by its height.
+    pub aspect: f64,
+    /// Whether the soft shadow on the ground
+    /// ([`RenderOptions::ground_shadow`](crate::RenderOptions)) is seen whole
+    /// as well.
+    pub shadow: bool,
+}
+
+/// What is framed: points, and their shadows.
+struct Subject<'a> {
+    points: &'a [DVec3],
+    centre: DVec3,
+    /// The ground's height, and how far a shadow spreads there.
+    ground: Option<(f64, f64)>,
+}
+
+impl Subject<'_> {
+    /// How far the subject reaches from its centre along some directions, of
+    /// any length.
+    fn reach(&self, directions: [DVec3; 4]) -> DVec4 {
+        let along = |p: DVec3| DVec4::from_array(directions.map(|d| d.dot(p - self.centre)));
+        let reach = |p: DVec3| match self.ground {
+            Some((height, spread)) => {
+                let around = directions.map(|d| d.truncate().length() * spread);
+                let shadow = along(p.truncate().extend(height)) + DVec4::from_array(around);
+                along(p).max(shadow)
+            }
+            None => along(p),
+        };
+        combine_finite(self.points, reach, DVec4::max).unwrap_or_default()
+    }
+
+    /// The radius of a sphere around the centre that holds all; of a single
+    /// point, as if it had a size.
+    fn radius(&self) -> f64 {
+        let squared = |p: DVec3| match self.ground {
+            Some((height, spread)) => {
+                let shadow = (p.truncate() - self.centre.truncate()).length() + spread;
+                let below = height - self.centre.z;
+                let squared = shadow * shadow + below * below;
+                squared.max(p.distance_squared(self.centre))
+            }
+            None => p.distance_squared(self.centre),
+        };
+        let square = combine_finite(self.points, squared, f64::max);
+        let radius = square.unwrap_or_default().sqrt();
+        if radius > 0.0 {
+            radius
+        } else {
+            self.centre.length().max(1.0) * 1e-3
+        }
+    }
+}
+
+impl Framing {
+    /// The camera that sees the whole of `mesh`. Near and far enclose a sphere
+    /// around it. O(vertices).
     ///
     /// # Errors
     /// [`RasterError::NothingToFrame`] for a mesh without finite vertices;
-    /// [`RasterError::SingularView`] if `direction` is zero or along `up`.
-    pub fn framing(
-        mesh: &Mesh,
-        direction: DVec3,
-        up: DVec3,
-        lens: Lens,
-        aspect: f64,
-    ) -> Result<Self, RasterError> {
+    /// [`RasterError::UpAlongView`] if `direction` is zero or along `up`.
+    pub fn camera(&self, mesh: &Mesh) -> Result<Camera, RasterError> {
+        self.camera_for(&mesh.positions)
+    }
+
+    /// The same of points.
+    pub(crate) fn camera_for(&self, points: &[DVec3]) -> Result<Camera, RasterError> {
+        let Self {
+            direction,
+            up,
+            lens,
+            aspect,
+            shadow,
+        } = *self;
         let frame = Frame::right_handed(direction, up);
         if !(frame.u.is_finite() && frame.v.is_finite() && frame.n.is_finite()) {
-            return Err(RasterError::SingularView);
+            return Err(RasterError::UpAlongView { up, direction });
         }
-        let points = &mesh.positions;
         let (low, high) = finite_bounds(points).ok_or(RasterError::NothingToFrame)?;
-        let centre = low + (high - low) / 2.0;
-        let square = combine_finite(points, |p| p.distance_squared(centre), f64::max);
-        let radius = square.unwrap_or_default().sqrt();
-        // A single point is framed as if it had a size.
-        let radius = if radius > 0.0 {
-            radius
-        } else {
-            centre.length().max(1.0) * 1e-3
+        let spread = (high - low).max_element() * SHADOW_SPREAD;
+        let subject = Subject {
+            points,
+            centre: low + (high - low) / 2.0,
+            ground: shadow.then_some((low.z, spread)),
         };
-        let local = |p: DVec3| {
-            let d = p - centre;
-            DVec3::new(d.dot(frame.u), d.dot(frame.v), d.dot(frame.n))
-        };
+        let (centre, radius) = (subject.centre, subject.radius());
+        let Frame { u, v, n } = frame;
         let (target, distance, lens) = match lens {
             Lens::Perspective { fov_y } => {
                 // Each side of the frustum is pushed outward until it touches
-                // the mesh; the eye then is where opposite sides meet.
+                // the subject; the eye then is where opposite sides meet.
                 let tan_y = (fov_y / 2.0).tan() * FILL;
                 let tan_x = tan_y * aspect;
-                let tangents = DVec4::new(tan_x, tan_x, tan_y, tan_y);
-                let reach = |p| {
-                    let q = local(p);
-                    DVec4::new(q.x, -q.x, q.y, -q.y) + tangents * q.z
-                };
-                let reach = combine_finite(points, reach, DVec4::max).unwrap_or_default();
+                let (x, y) = (n * tan_x, n * tan_y);
+                let reach = subject.reach([u + x, x - u, v + y, y - v]);
                 let distance = ((reach[0] + reach[1]) / (2.0 * tan_x))
                     .max((reach[2] + reach[3]) / (2.0 * tan_y))
                     .max(radius * 1e-3);
-                let shift = frame.u * ((reach[0] - reach[1]) / 2.0)
-                    + frame.v * ((reach[2] - reach[3]) / 2.0);
+                let shift = u * ((reach[0] - reach[1]) / 2.0) + v * ((reach[2] - reach[3]) / 2.0);
                 (centre + shift, distance, lens)
             }
             Lens::Orthographic { .. } | Lens::Oblique { .. } => {
-                let skew = match lens {
+                let (x, y) = match lens {
                     Lens::Oblique { ratio, angle, .. } => {
-                        (ratio * angle.cos(), ratio * angle.sin())
+                        (u - n * (ratio * angle.cos()), v - n * (ratio * angle.sin()))
                     }
-                    _ => (0.0, 0.0),
+                    _ => (u, v),
                 };
-                let drawn = |p| {
-                    let q = local(p);
-                    let drawn = DVec3::new(q.x - q.z * skew.0, q.y - q.z * skew.1, q.z);
-                    (drawn, drawn)
-                };
-                let wider = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-                let (low, high) = combine_finite(points, drawn, wider).unwrap_or_default();
-                let size = high - low;
-                let height = (size.y.max(size.x / aspect) / FILL).max(radius * 1e-3);
-                let middle = (low + high) / 2.0;
+                let reach = subject.reach([x, -x, y, -y]);
+                let (width, tall) = (reach[0] + reach[1], reach[2] + reach[3]);
+                let height = (tall.max(width / aspect) / FILL).max(radius * 1e-3);
                 let lens = match lens {
                     Lens::Oblique { ratio, angle, .. } => Lens::Oblique {
                         height,
@@ -156,19 +208,16 @@ impl Camera {
                     },
                     _ => Lens::Orthographic { height },
                 };
-                (
-                    centre + frame.u * middle.x + frame.v * middle.y,
-                    3.0 * radius,
-                    lens,
-                )
+                let shift = u * ((reach[0] - reach[1]) / 2.0) + v * ((reach[2] - reach[3]) / 2.0);
+                (centre + shift, 3.0 * radius, lens)
             }
         };
-        let eye = target + frame.n * distance;
+        let eye = target + n * distance;
         // The bounding sphere, seen along the view.
-        let depth = (centre - eye).dot(-frame.n);
+        let depth = (centre - eye).dot(-n);
         let far = depth + radius * 1.01;
         let near = (depth - radius * 1.01).max(far * 1e-3);
-        Ok(Self {
+        Ok(Camera {
             eye,
             target,
             up,
@@ -176,6 +225,30 @@ impl Camera {
             near,
             far,
         })
+    }
+}
+
+impl Camera {
+    /// A camera that looks along `direction` and sees the whole of `mesh`: see
+    /// [`Framing`].
+    ///
+    /// # Errors
+    /// Those of [`Framing::camera`].
+    pub fn framing(
+        mesh: &Mesh,
+        direction: DVec3,
+        up: DVec3,
+        lens: Lens,
+        aspect: f64,
+    ) -> Result<Self, RasterError> {
+        let framing = Framing {
+            direction,
+            up,
+            lens,
+            aspect,
+            shadow: false,
+        };
+        framing.camera(mesh)
     }
 
     /// [`Camera::framing`] along a standard view.
@@ -190,5 +263,16 @@ impl Camera {
     ) -> Result<Self, RasterError> {
         let (direction, up) = view.direction_and_up();
         Self::framing(mesh, direction, up, lens, aspect)
+    }
+
+    /// The side of a pixel of a picture so many pixels high, in model units,
+    /// at that distance from the eye along the view.
+    #[must_use]
+    pub fn pixel_size(&self, distance: f64, height: u32) -> f64 {
+        let window = match self.lens {
+            Lens::Perspective { fov_y } => 2.0 * (fov_y / 2.0).tan() * distance,
+            Lens::Orthographic { height } | Lens::Oblique { height, .. } => height,
+        };
+        window / f64::from(height.max(1))
     }
 }

@@ -12,10 +12,11 @@ use glam::{DVec3, DVec4};
 use crate::clip::{ClipVertex, clip_polygon};
 use crate::cluster::{CLUSTER_VERTICES, Cluster};
 use crate::cull::hidden;
+use crate::deferred::ShadeContext;
 use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::set_up::{
     MOST_PIXELS, RasterCorners, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
 };
@@ -41,6 +42,8 @@ pub(crate) struct Bins {
     pub records: Vec<Record>,
     /// For each tile, indices into `records`.
     pub tiles: Vec<Vec<u32>>,
+    /// The same of triangles that are seen through.
+    pub transparent: Vec<Vec<u32>>,
     /// For each tile, pixels of triangles too small to be worth a record.
     pub pixels: Vec<Vec<PixelOfTriangle>>,
     /// Pixels on their way to one tile: mostly many in a row are for the same.
@@ -58,6 +61,8 @@ impl Bins {
         self.records.clear();
         self.tiles.iter_mut().for_each(Vec::clear);
         self.tiles.resize_with(tiles, Vec::new);
+        self.transparent.iter_mut().for_each(Vec::clear);
+        self.transparent.resize_with(tiles, Vec::new);
         self.pixels.iter_mut().for_each(Vec::clear);
         self.pixels.resize_with(tiles, Vec::new);
         self.run.resize(RUN, PixelOfTriangle::default());
@@ -101,11 +106,14 @@ pub(crate) struct Facing {
 }
 
 impl Facing {
-    /// Back faces show where they are asked for, or the solid is cut open.
-    pub fn of(scene: &Scene, options: &RenderOptions) -> Self {
+    /// Back faces show where they are asked for, or the solid is cut open, or
+    /// seen through.
+    pub fn of(scene: &Prepared, options: &RenderOptions) -> Self {
         Self {
             front: true,
-            back: !options.cull_back_faces || !scene.sections.is_empty(),
+            back: !options.cull_back_faces
+                || !scene.sections.is_empty()
+                || scene.is_transparent(options),
         }
     }
 }
@@ -113,7 +121,7 @@ impl Facing {
 /// What all clusters of a frame share.
 #[derive(Clone, Copy)]
 pub(crate) struct GeometryContext<'a> {
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
     pub facing: Facing,
     pub tiles: &'a [Tile],
@@ -121,6 +129,9 @@ pub(crate) struct GeometryContext<'a> {
     pub columns: usize,
     /// First and last sub-pixel position of a sample in its pixel.
     pub sample_range: [i32; 2],
+    /// Where some triangles are seen through: how they are shaded; and whether
+    /// the backs of the others are left out.
+    pub transparent: Option<(&'a ShadeContext<'a>, bool)>,
 }
 
 impl GeometryContext<'_> {
@@ -219,7 +230,7 @@ fn splat_row<S: Lanes>(s: S, row: DVec4) -> [S::D; 4] {
 }
 
 /// A row applied to points: the order of operations of
-/// [`FrameMatrix::precise_row`].
+/// [`FrameMatrix::row`].
 #[inline(always)]
 fn apply<S: Lanes>(row: [S::D; 4], p: [S::D; 3]) -> S::D {
     (row[0] * p[0] + row[1] * p[1]) + (row[2] * p[2] + row[3])
@@ -237,10 +248,10 @@ fn transform<S: Lanes>(
 ) -> bool {
     let matrix = context.matrix;
     let rows = [
-        splat_row(s, matrix.precise[0]),
-        splat_row(s, matrix.precise[1]),
-        splat_row(s, matrix.precise[2]),
-        splat_row(s, matrix.precise[3]),
+        splat_row(s, matrix.rows[0]),
+        splat_row(s, matrix.rows[1]),
+        splat_row(s, matrix.rows[2]),
+        splat_row(s, matrix.rows[3]),
     ];
     let (zero, guard) = (s.f(0.0), s.f(GUARD));
     let mut any = false;
@@ -250,7 +261,11 @@ fn transform<S: Lanes>(
             return true;
         };
         let points = s.columns(points);
-        let p = triple!(|K| points[K].to_double());
+        let mut p = triple!(|K| points[K].to_double());
+        if let Some(rest) = lanes_at(&context.scene.cluster_remainders, from) {
+            let rest = s.columns(rest);
+            p = triple!(|K| p[K] + rest[K].to_double());
+        }
         let (dx, dy) = (apply::<S>(rows[0], p), apply::<S>(rows[1], p));
         let (dz, dw) = (apply::<S>(rows[2], p), apply::<S>(rows[3], p));
         let inverse = s.d(1.0) / dw;
@@ -345,13 +360,10 @@ fn clip_and_set_up(
 ) {
     bins.counts.clipped += 1;
     let (scene, matrix) = (context.scene, context.matrix);
-    let [a, b, c] = scene.triangles[triangle];
-    let at = |v: u32| scene.positions.get(v as usize).copied();
-    let (Some(a), Some(b), Some(c)) = (at(a), at(c), at(b)) else {
+    let Some([a, b, c]) = scene.corners(triangle) else {
         return;
     };
-    let corners =
-        [a, b, c].map(|p| DVec4::from_array([0, 1, 2, 3].map(|row| matrix.precise_row(row, p))));
+    let corners = [a, c, b].map(|p| DVec4::from_array([0, 1, 2, 3].map(|row| matrix.row(row, p))));
     if !corners.iter().all(|p| p.is_finite()) {
         return;
     }

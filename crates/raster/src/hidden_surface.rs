@@ -1,5 +1,5 @@
-//! Hidden surfaces, two ways behind one interface: the painter's algorithm
-//! and the depth buffer that replaces it.
+//! Hidden surfaces, three ways behind one interface: the painter's algorithm,
+//! the depth buffer that replaces it, and one row of it at a time.
 
 use crate::fixed::FixedPoint;
 
@@ -26,6 +26,15 @@ pub trait HiddenSurface {
     /// Whether a fragment replaces what is at a pixel (its index in the
     /// picture), given its window depth.
     fn accepts(&mut self, pixel: usize, depth: f64) -> bool;
+
+    /// Whether the picture is drawn row by row, all triangles in each, instead
+    /// of triangle by triangle.
+    fn is_by_rows(&self) -> bool {
+        false
+    }
+
+    /// Called before a row is drawn, where pictures are drawn row by row.
+    fn begin_row(&mut self) {}
 }
 
 /// Sorts triangles by the depth of their centroids and paints them back to
@@ -81,5 +90,47 @@ impl HiddenSurface for DepthBuffer {
             }
             _ => false,
         }
+    }
+}
+
+/// A depth buffer of a single row, used again for each: the scan-line z-buffer,
+/// O(width) memory. Triangles wait in a table until the row where they begin,
+/// and are active until the one where they end (Wylie, Romney, Evans, Erdahl,
+/// 1967; Foley et al., 15.6).
+#[derive(Clone, Debug)]
+pub struct ScanLine {
+    depth: Vec<f64>,
+}
+
+impl ScanLine {
+    /// For pictures so many pixels wide.
+    #[must_use]
+    pub fn new(width: u32) -> Self {
+        Self {
+            depth: vec![f64::INFINITY; width as usize],
+        }
+    }
+}
+
+impl HiddenSurface for ScanLine {
+    fn sort(&self, _triangles: &mut [WindowTriangle]) {}
+
+    fn accepts(&mut self, pixel: usize, depth: f64) -> bool {
+        let column = pixel % self.depth.len().max(1);
+        match self.depth.get_mut(column) {
+            Some(kept) if depth < *kept => {
+                *kept = depth;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn is_by_rows(&self) -> bool {
+        true
+    }
+
+    fn begin_row(&mut self) {
+        self.depth.fill(f64::INFINITY);
     }
 }

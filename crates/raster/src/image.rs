@@ -1,6 +1,9 @@
 //! Pictures in memory.
 
+use csg::Color;
 use rayon::prelude::*;
+
+use crate::blend::under;
 
 /// A picture: sRGB-encoded red, green and blue with straight opacity, 8 bits
 /// each, row by row from the top.
@@ -37,6 +40,45 @@ impl Image {
 }
 
 impl Image {
+    /// The picture at 1/n of its size like [`Image::shrink`], but averaged as
+    /// it is encoded: for pictures whose bytes are no light.
+    #[must_use]
+    pub fn shrink_encoded(&self, n: u32) -> Self {
+        let n = n.max(1);
+        let (width, height) = (self.width / n, self.height / n);
+        let mut small = Self::new(width, height, [0; 4]);
+        for y in 0..height {
+            for x in 0..width {
+                let mut sum = [0u32; 4];
+                for (dx, dy) in (0..n * n).map(|k| (k % n, k / n)) {
+                    let [r, g, b, a] = self.get(x * n + dx, y * n + dy).unwrap_or_default();
+                    for (sum, channel) in sum.iter_mut().zip([r, g, b]) {
+                        *sum += u32::from(channel) * u32::from(a);
+                    }
+                    sum[3] += u32::from(a);
+                }
+                let [r, g, b] = [sum[0], sum[1], sum[2]].map(|c| {
+                    let mean = (c + sum[3] / 2).checked_div(sum[3]);
+                    mean.unwrap_or_default() as u8
+                });
+                let index = y as usize * width as usize + x as usize;
+                small.pixels[index] = [r, g, b, ((sum[3] + n * n / 2) / (n * n)) as u8];
+            }
+        }
+        small
+    }
+
+    /// Puts a colour behind the picture.
+    pub(crate) fn put_behind(&mut self, color: Color) {
+        let encoded = crate::resolve::encode(color);
+        let pixels = self.pixels.par_iter_mut().with_min_len(1 << 14);
+        pixels.for_each(|pixel| match pixel[3] {
+            255 => {}
+            0 => *pixel = encoded,
+            _ => *pixel = under(*pixel, color, color.alpha),
+        });
+    }
+
     /// The picture at 1/n of its size: squares of n x n pixels averaged in
     /// linear light, weighted by opacity. A remainder at the right and bottom
     /// is dropped.

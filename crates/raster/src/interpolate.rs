@@ -16,7 +16,7 @@
 //! block's triangles only, so pictures do not depend on how work is shared
 //! out.
 
-use glam::{DVec2, DVec4, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 
 use crate::corners::Corners;
 use crate::deferred::{Fragments, Job, ShadeContext, shared};
@@ -79,7 +79,7 @@ struct Kept {
 
 /// The triangles of one tile met lately, in a small direct-mapped cache.
 #[derive(Clone, Debug)]
-pub(crate) struct Cache([Kept; KEPT]);
+pub(crate) struct Cache(Box<[Kept]>);
 
 impl Default for Cache {
     fn default() -> Self {
@@ -88,7 +88,8 @@ impl Default for Cache {
             material: 0,
             interpolant: Interpolant::Constant(Vec3::ZERO),
         };
-        Self([none; KEPT])
+        // (On the heap: threads that steal work put many of these on a stack.)
+        Self(vec![none; KEPT].into())
     }
 }
 
@@ -142,7 +143,7 @@ fn interpolant(context: &ShadeContext, triangle: usize, tile: [i32; 2]) -> Inter
         return Interpolant::Weighted {
             weights,
             values,
-            points: corners,
+            points: corners.map(DVec3::as_vec3),
         };
     }
     let sum = |w: [f32; 3]| (values[0] * w[0] + values[1] * w[1] + values[2] * w[2]).to_array();
@@ -162,9 +163,9 @@ fn interpolant(context: &ShadeContext, triangle: usize, tile: [i32; 2]) -> Inter
 const STEEP: f32 = 16.0;
 
 /// A point's X, Y and W in double precision.
-fn raster(matrix: &FrameMatrix, p: Vec3) -> (DVec2, f64) {
-    let p = p.as_dvec3().extend(1.0);
-    let row = |k: usize| DVec4::dot(matrix.precise[k], p);
+fn raster(matrix: &FrameMatrix, p: DVec3) -> (DVec2, f64) {
+    let p = p.extend(1.0);
+    let row = |k: usize| DVec4::dot(matrix.rows[k], p);
     (DVec2::new(row(0), row(1)), row(3))
 }
 
@@ -177,7 +178,7 @@ fn sample(matrix: &FrameMatrix, pixel: [i32; 2]) -> DVec2 {
 /// The linear weights of a triangle in a tile. Their origin is the pixel of
 /// the tile nearest to the first corner, so that the functions are not
 /// extended far beyond the triangle.
-fn linear_weights(matrix: &FrameMatrix, corners: &[Vec3; 3], tile: [i32; 2]) -> Weights {
+fn linear_weights(matrix: &FrameMatrix, corners: &[DVec3; 3], tile: [i32; 2]) -> Weights {
     let corners = corners.map(|p| raster(matrix, p));
     let (first, w) = corners[0];
     let near = if w > 0.0 { first / w } else { first };
@@ -212,7 +213,7 @@ fn linear_weights(matrix: &FrameMatrix, corners: &[Vec3; 3], tile: [i32; 2]) -> 
 
 /// The weights of a triangle's corners at the centre of one pixel, at least 0
 /// and of sum 1, in double precision.
-pub(crate) fn weights_at(matrix: &FrameMatrix, corners: [Vec3; 3], x: u32, y: u32) -> [f32; 3] {
+pub(crate) fn weights_at(matrix: &FrameMatrix, corners: [DVec3; 3], x: u32, y: u32) -> [f32; 3] {
     let here = sample(matrix, [x, y].map(u32::cast_signed));
     let corners = corners.map(|p| raster(matrix, p));
     let q = corners.map(|(p, w)| p - here * w);
@@ -383,9 +384,9 @@ pub(crate) fn interpolate_scattered<S: Lanes>(
         let p = position[K];
         [p[0].to_double(), p[1].to_double(), p[2].to_double()]
     });
-    let w = triple!(|K| row(s, matrix.precise[3], wide[K]));
-    let qx = triple!(|K| (row(s, matrix.precise[0], wide[K]) - x * w[K]).to_single());
-    let qy = triple!(|K| (row(s, matrix.precise[1], wide[K]) - y * w[K]).to_single());
+    let w = triple!(|K| row(s, matrix.rows[3], wide[K]));
+    let qx = triple!(|K| (row(s, matrix.rows[0], wide[K]) - x * w[K]).to_single());
+    let qy = triple!(|K| (row(s, matrix.rows[1], wide[K]) - y * w[K]).to_single());
     let b = [
         qx[1] * qy[2] - qy[1] * qx[2],
         qx[2] * qy[0] - qy[2] * qx[0],
@@ -416,17 +417,17 @@ fn cap<S: Lanes>(
     };
     let mut points = [[0f32; LANES]; 3];
     let mut lanes = here.bits();
-    let mut some = Vec3::ZERO;
+    let mut some = DVec3::ZERO;
     while lanes != 0 {
         let k = lanes.trailing_zeros() as usize % LANES;
         lanes &= lanes - 1;
         some = context.cap_point(job, section, k);
-        for (lane, value) in points.iter_mut().zip(some.to_array()) {
+        for (lane, value) in points.iter_mut().zip(some.as_vec3().to_array()) {
             lane[k] = value;
         }
     }
     let value = if context.interpolation == Interpolation::Phong {
-        plane.normal
+        plane.normal.as_vec3()
     } else {
         context.cap_colour(some, plane.normal)
     };
@@ -436,13 +437,13 @@ fn cap<S: Lanes>(
 #[cfg(test)]
 mod tests {
     use csg::Mesh;
-    use glam::{DMat3, DMat4, DVec3};
+    use glam::{DMat3, DMat4};
     use proptest::prelude::*;
 
     use super::*;
     use crate::camera::View;
     use crate::options::RenderOptions;
-    use crate::scene::Scene;
+    use crate::prepared::Prepared;
     use crate::simd::{Kernel, Level};
     use crate::smooth::ClusterView;
     use crate::tile::BLOCK;
@@ -492,12 +493,12 @@ mod tests {
             });
             let mut mesh = Mesh::new(positions.to_vec(), vec![[0, 1, 2]]);
             mesh.corner_normals = vec![normals.map(|n| Vec3::from_array(n).normalize())];
-            let scene = Scene::new(&mesh);
+            let scene = Prepared::new(&mesh);
             let matrix = FrameMatrix::new(&view, scene.centre, SIZE, SIZE);
             let options = RenderOptions::default();
             let context = ShadeContext::new(&scene, &view, &matrix, &options);
             let raster = [0, 1, 2].map(|k| {
-                let row = |row| matrix.precise_row(row, scene.positions[k]);
+                let row = |row| matrix.row(row, scene.positions[k].as_dvec3());
                 DVec3::new(row(0), row(1), row(3))
             });
             // In pixels: slivers have no precise attributes.

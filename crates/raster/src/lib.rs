@@ -1,24 +1,24 @@
 //! The projection and Z-buffer pipeline: from a [`Mesh`] and a camera to a
 //! picture.
 //!
-//! ```
-//! use raster::{Camera, Lens, RenderOptions, StandardView, render};
+//! ```no_run
+//! use raster::{RenderOptions, Scene};
 //! # use glam::DVec3;
-//! # let mesh = csg::Mesh::new(
+//! # let part = csg::Mesh::new(
 //! #     vec![DVec3::X, DVec3::Y, DVec3::Z],
 //! #     vec![[0, 1, 2]],
 //! # );
-//! let (width, height) = (64, 48);
-//! let aspect = f64::from(width) / f64::from(height);
-//! let camera = Camera::standard(&mesh, StandardView::Iso, Lens::DEFAULT, aspect)?;
-//! let image = render(&mesh, &camera.view(width, height)?, width, height, &RenderOptions::default())?;
-//! let file = image.to_png()?;
-//! # assert!(!file.is_empty());
+//! let scene = Scene::new().add(part);
+//! let options = RenderOptions::presentation().size(640, 480);
+//! let image = scene.render(&scene.camera(&options)?, &options)?;
+//! image.save("part.png")?;
 //! # Ok::<(), raster::RasterError>(())
 //! ```
 //!
-//! To draw a mesh more than once, keep a [`Scene`] and a [`Renderer`]; what a
-//! frame did and did not have to do is in its [`Stats`].
+//! A [`Scene`] has [`Part`]s, each a mesh with its places, colour,
+//! [`Finish`], [`Material`] or [`Texture`], and [`Light`]s. To draw it more
+//! than once, [`Scene::prepare`] it and keep a [`Renderer`]; what a frame did
+//! and did not have to do is in its [`Stats`].
 //!
 //! # A tour of the pipeline
 //!
@@ -128,9 +128,50 @@
 //!
 //! ![series]
 //!
+//! # Where the texts' formulas are
+//!
+//! Each is tested with the numbers that textbooks print, in `tests/textbook.rs`
+//! unless another file is named.
+//!
+//! | formula | here | test |
+//! | --- | --- | --- |
+//! | orthographic = scaling · translation | [`projection::box_scaling`], [`projection::orthographic_translation`] | `orthographic_is_scaling_times_translation` |
+//! | frustum = scaling · perspective · shear; m\[8\] | [`projection::frustum_to_box`], [`projection::shear_to_axis`] | `frustum_is_scaling_perspective_shear` |
+//! | symmetric frustum, from width and height, from the field of view | [`projection::symmetric_frustum`], [`projection::perspective`] | `symmetric_frustum_has_simple_rows` |
+//! | 90 degrees on 400 by 320 | [`projection::perspective`] | `ninety_degrees_on_400_by_320` |
+//! | x* = h x / (z + h); z* = z / (z + h), h z / (z + h), (z - h) / (z + h) | [`projection::one_point`], [`projection::perspective_depth`], [`projection::normalised_perspective_depth`] | `perspective_with_h` |
+//! | pinhole at distance d, w = z / d | [`projection::pinhole`] | `pinhole_with_d` |
+//! | row vectors: T, S, Rx, Ry, Rz | [`transform::for_row_vectors`] | `row_vectors_take_transposes` |
+//! | A = T R from C, D and V' (U = N × V, left-handed) | [`Frame::left_handed`] | `viewing_from_c_along_n` |
+//! | left-handed frames through projection and view | [`projection::left_handed`] | `left_handed_frames_give_the_same_picture` |
+//! | M_v = R_v T_v | [`look_at`] | `look_at_has_the_printed_rows` |
+//! | viewport as a matrix, z_max; depth range | [`Viewport::matrix`], [`viewport::depth_in_range`] | `viewport_is_a_matrix` |
+//! | depth as integers up to z_max | [`Renderer::integer_depth_buffer`] | `depths_are_integers_up_to_z_max` |
+//! | outcodes A to E | [`cohen_sutherland`] | `outcodes_a_to_e` |
+//! | homogeneous coordinates, their difference, points and directions | [`transform::cartesian`], [`transform::homogeneous_difference`] | `homogeneous_coordinates` |
+//! | shears and their inverses | [`transform::shear`] | `shears_and_their_inverses` |
+//! | rotation about (l, m, n), about any point | [`transform::rotation`] | `rotation_about_l_m_n` |
+//! | rotation from u to v, change of basis, scaling in a frame | [`transform::rotation_between`], [`transform::change_of_basis`], [`transform::scaling_in_frame`] | `rotation_from_u_to_v_and_changes_of_basis` |
+//! | E(h, p, r) = Ry Rx Rz, its inverse, gimbal lock | [`transform::Euler`] | `euler_transform_has_the_printed_elements` |
+//! | extraction in every order, either convention at the lock | [`transform::EulerOrder`], [`transform::GimbalLock`] | `euler_angles_in_every_order` |
+//! | Euler angles of a camera; of a solid | [`Camera::turned`]; `csg::Solid::rotate_euler` | `cameras_turn_by_euler_angles`; `rotate_euler_is_ry_rx_rz` in `csg` |
+//! | the array order of OpenGL | [`transform::opengl_array`] | `opengl_takes_columns` |
+//! | G = adj(M) transposed | [`transform::normal_matrix`] | `normals_take_the_adjugate`, `model_matrices_carry_points_and_normals` in `tests/scene.rs` |
+//! | M_c = M_p M_v M_m; parts with model matrices | [`View`], [`Part`] | `matrices_compose`, `tests/scene.rs` |
+//! | project; unproject(x, y, z_object) | [`Viewport::project`], [`Viewport::unproject_at_z`] | `unprojecting_to_a_plane_of_the_object` |
+//! | VRP, VPN, VUP, window, PRP, DOP | [`view_reference`] | `view_references_make_pictures` |
+//! | I = Ka Iamb + Σ (Kd Iin (L·N) + Ks Iin (R·V)^n), per channel, several lights | [`shade::phong`], [`Finish`], [`Light`] | `phong_with_the_printed_coefficients`, `materials_are_those_of_the_texts` in `tests/scene.rs` |
+//! | interpolation along edges and rows (za, zb, xa, xb, z*) | [`scanline`] | `scan_lines_interpolate_linearly` |
+//! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles` |
+//! | painter, depth buffer, scan-line depth buffer | [`hidden_surface`] | `the_painter_fails_and_depth_buffers_do_not`, `scan_line_buffers_draw_what_depth_buffers_draw` |
+//! | lines clipped before and after the division | [`wireframe_reference`] | `wireframes_are_clipped` |
+//!
+//! Where texts have misprints the formulas hold: the third row of the matrix for
+//! (z - h) / (z + h) has 1/h, not 2/h, and angles are atan2(y, x) with y first.
+//!
 //! # How the fast pipeline works
 //!
-//! 1. A [`Scene`] holds the mesh in single precision around its centre, cut
+//! 1. A [`Prepared`] scene holds all meshes in single precision around its centre, cut
 //!    into clusters of at most 256 triangles.
 //! 2. Clusters outside the view volume, facing away or behind what is drawn
 //!    are left out whole; the others are taken front to back in a few
@@ -149,6 +190,7 @@
 //!
 #![doc = include_str!("../docs/pictures.md")]
 
+mod blend;
 mod buffers;
 mod camera;
 pub mod clip;
@@ -159,6 +201,7 @@ mod cull;
 mod deferred;
 mod edges;
 mod error;
+mod euler;
 mod fill;
 pub mod fixed;
 mod frame;
@@ -169,12 +212,17 @@ mod hatch;
 pub mod hidden_surface;
 mod image;
 mod interpolate;
+mod light;
 mod line;
+mod look;
 mod normals;
 mod occlusion;
 mod options;
+mod part;
 mod pipeline;
 mod png_file;
+pub mod polygon_model;
+mod prepared;
 pub mod projection;
 mod reference;
 mod resolve;
@@ -184,31 +232,42 @@ mod section;
 mod series;
 mod set_up;
 pub mod shade;
+mod show;
+mod silhouette;
 mod simd;
 mod smooth;
 mod stats;
+mod texture;
 mod tile;
 pub mod transform;
+mod transparent;
 mod triad;
 pub mod view_reference;
+mod viewpoint;
 pub mod viewport;
 
-pub use buffers::{Buffer, Pick, depth_image, id_image, normal_image};
+pub use buffers::{Buffer, Pick, depth_image, id_image, integer_depth_png, normal_image};
 pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use csg::Mesh;
-pub use edges::{EdgeOptions, HiddenEdges};
+pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
-pub use framing::StandardView;
+pub use framing::{Framing, StandardView};
 pub use image::Image;
+pub use light::Light;
 pub use normals::{CREASE_ANGLE, corner_normals};
 pub use occlusion::occlusion_image;
 pub use options::{AntiAliasing, RenderOptions};
+pub use part::Part;
 pub use pipeline::{Renderer, render};
-pub use reference::render_reference;
+pub use prepared::Prepared;
+pub use reference::{render_reference, wireframe_reference};
 pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
 pub use series::{contact_sheet, turntable, turntable_camera, write_apng};
-pub use shade::{Interpolation, Light, Material};
+pub use shade::{Finish, Interpolation, Material};
+pub use show::Show;
 pub use simd::Level;
 pub use stats::Stats;
+pub use texture::{Mapping, Texture};
+pub use viewpoint::clear_view;
 pub use viewport::{Viewport, YAxis};

@@ -7,14 +7,15 @@
 //! and order does not matter, and the layer is put over the picture once.
 
 use csg::Color;
-use csg::color::{linear_to_srgb, srgb_to_linear};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
+use crate::blend::over;
 use crate::clip::clip_segment;
 use crate::frame::FrameMatrix;
 use crate::image::Image;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::tile::decode;
 
 /// The coverage of some lines or points, in 0..=1 for each pixel.
@@ -22,7 +23,7 @@ use crate::tile::decode;
 pub(crate) struct Layer {
     width: u32,
     height: u32,
-    coverage: Vec<f32>,
+    coverage: Vec<u8>,
 }
 
 /// Length of a dash and of the gap after it, in pixels.
@@ -42,14 +43,14 @@ impl Layer {
         Self {
             width,
             height,
-            coverage: vec![0.0; width as usize * height as usize],
+            coverage: vec![0; width as usize * height as usize],
         }
     }
 
     fn raise(&mut self, x: u32, y: u32, coverage: f64) {
         let at = y as usize * self.width as usize + x as usize;
         if let Some(value) = self.coverage.get_mut(at) {
-            *value = value.max(coverage as f32);
+            *value = (*value).max((coverage * 255.0).round() as u8);
         }
     }
 
@@ -117,54 +118,58 @@ impl Layer {
 
     /// Puts the layer in one colour over a picture.
     pub fn composite(&self, image: &mut Image, color: Color) {
-        for (pixel, &coverage) in image.pixels.iter_mut().zip(&self.coverage) {
-            if coverage > 0.0 {
-                *pixel = over(*pixel, color, coverage * color.alpha);
+        let pixels = image.pixels.par_iter_mut().with_min_len(1 << 14);
+        pixels.zip(&self.coverage).for_each(|(pixel, &coverage)| {
+            if coverage > 0 {
+                let alpha = f32::from(coverage) / 255.0 * color.alpha;
+                *pixel = over(*pixel, color, alpha);
+            }
+        });
+    }
+
+    /// Makes lines fainter where so many are that none can be told: the mean
+    /// coverage of a neighbourhood is held below a limit.
+    pub fn thin(&mut self) {
+        /// Half a side of the neighbourhood in pixels.
+        const REACH: usize = 12;
+        const LIMIT: f32 = 0.12;
+        let [width, height] = [self.width, self.height].map(|side| side as usize);
+        // Sums over all pixels above and to the left.
+        let mut sums = vec![0u64; (width + 1) * (height + 1)];
+        for (y, row) in self.coverage.chunks(width.max(1)).enumerate() {
+            let mut sum = 0;
+            for (x, &coverage) in row.iter().enumerate() {
+                sum += u64::from(coverage);
+                sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + sum;
             }
         }
+        let rows = self.coverage.par_chunks_mut(width.max(1)).enumerate();
+        rows.for_each(|(y, row)| {
+            let (top, bottom) = (y.saturating_sub(REACH), (y + REACH).min(height));
+            for (x, value) in row.iter_mut().enumerate().filter(|(_, v)| **v > 0) {
+                let (left, right) = (x.saturating_sub(REACH), (x + REACH).min(width));
+                let at = |y: usize, x: usize| sums[y * (width + 1) + x];
+                let sum = at(bottom, right) + at(top, left) - at(top, right) - at(bottom, left);
+                let mean = sum as f32 / 255.0 / ((bottom - top) * (right - left)) as f32;
+                let share = (LIMIT / mean.max(LIMIT)).powi(2);
+                *value = (f32::from(*value) * share).round() as u8;
+            }
+        });
     }
-}
-
-/// A colour of the given opacity over a pixel, blended in linear light.
-pub(crate) fn over(pixel: [u8; 4], color: Color, alpha: f32) -> [u8; 4] {
-    let below = f32::from(pixel[3]) / 255.0 * (1.0 - alpha);
-    let opacity = alpha + below;
-    let mut result = [0; 4];
-    for k in 0..3 {
-        let under = srgb_to_linear(f32::from(pixel[k]) / 255.0);
-        let mixed = (color.rgb[k] * alpha + under * below) / opacity.max(f32::MIN_POSITIVE);
-        result[k] = (linear_to_srgb(mixed.clamp(0.0, 1.0)) * 255.0).round() as u8;
-    }
-    result[3] = (opacity * 255.0).round() as u8;
-    result
-}
-
-/// A pixel over a colour of the given opacity.
-pub(crate) fn under(pixel: [u8; 4], color: Color, alpha: f32) -> [u8; 4] {
-    let above = f32::from(pixel[3]) / 255.0;
-    let below = alpha * (1.0 - above);
-    let opacity = above + below;
-    let mut result = [0; 4];
-    for k in 0..3 {
-        let top = srgb_to_linear(f32::from(pixel[k]) / 255.0);
-        let mixed = (top * above + color.rgb[k] * below) / opacity.max(f32::MIN_POSITIVE);
-        result[k] = (linear_to_srgb(mixed.clamp(0.0, 1.0)) * 255.0).round() as u8;
-    }
-    result[3] = (opacity * 255.0).round() as u8;
-    result
 }
 
 /// What is visible of a line, and what is hidden.
 pub(crate) struct LineLayers {
     pub visible: Layer,
-    pub hidden: Layer,
+    /// Only where it is wanted.
+    pub hidden: Option<Layer>,
 }
 
 impl LineLayers {
-    pub fn new(width: u32, height: u32) -> Self {
+    pub fn new(width: u32, height: u32, hidden: bool) -> Self {
         Self {
             visible: Layer::new(width, height),
-            hidden: Layer::new(width, height),
+            hidden: hidden.then(|| Layer::new(width, height)),
         }
     }
 
@@ -183,8 +188,10 @@ impl LineLayers {
         for (x, y, coverage) in seen {
             self.visible.raise(x, y, coverage);
         }
-        for (x, y, coverage) in dashes {
-            self.hidden.raise(x, y, coverage);
+        if let Some(hidden) = &mut self.hidden {
+            for (x, y, coverage) in dashes {
+                hidden.raise(x, y, coverage);
+            }
         }
     }
 }
@@ -193,22 +200,15 @@ impl LineLayers {
 #[derive(Clone, Copy)]
 pub(crate) struct Drawn<'a> {
     pub renderer: &'a Renderer,
-    pub scene: &'a Scene,
+    pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
-    /// Whether lines are edges of its triangles. Silhouettes are beside them, and may
-    /// be on triangles that face away.
-    pub has_edges: bool,
 }
 
 impl Drawn<'_> {
     /// Whether a point of the window on the surface of what is drawn is seen
     /// at a pixel that the line around it touches.
     fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
-        let of_edge = if self.has_edges {
-            self.shows_on_triangles(x, y, point)
-        } else {
-            None
-        };
+        let of_edge = self.shows_on_triangles(x, y, point);
         of_edge.unwrap_or_else(|| self.shows_nearby(x, y, point))
     }
 
@@ -300,7 +300,7 @@ fn plane_depth([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
 /// view volume.
 pub(crate) fn project_polyline(
     matrix: &FrameMatrix,
-    points: impl Iterator<Item = glam::Vec3>,
+    points: impl Iterator<Item = DVec3>,
     mut segment: impl FnMut(Segment),
 ) {
     let mut previous = None;

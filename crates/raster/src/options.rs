@@ -2,8 +2,10 @@
 
 use csg::Color;
 
-use crate::edges::EdgeOptions;
-use crate::shade::{Interpolation, Light, Material};
+use crate::RasterError;
+use crate::edges::{EdgeOptions, MAX_LINE_WIDTH};
+use crate::light::Light;
+use crate::shade::{Finish, Interpolation, Material};
 
 /// How jagged edges are smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,10 +63,16 @@ impl AntiAliasing {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RenderOptions {
+    /// Width in pixels, for what is told no other.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
     /// Colour behind the mesh; transparent by default.
     pub background: Color,
     /// Colour of surfaces that have none.
     pub default_color: Color,
+    /// How surfaces reflect that do not say so themselves.
+    pub finish: Finish,
     /// Lights of the scene.
     pub lights: Vec<Light>,
     /// Where the reflection model is evaluated.
@@ -85,11 +93,100 @@ pub struct RenderOptions {
     pub triad: bool,
 }
 
+impl RenderOptions {
+    /// What pictures to be shown to people look like: smooth, with edges,
+    /// ambient occlusion and a soft shadow. (The default has none of them.)
+    #[must_use]
+    pub fn presentation() -> Self {
+        Self {
+            anti_aliasing: AntiAliasing::Msaa4,
+            edges: Some(EdgeOptions::default()),
+            ambient_occlusion: true,
+            ground_shadow: true,
+            ..Self::default()
+        }
+    }
+
+    /// Sets the picture's width and height in pixels.
+    #[must_use]
+    pub fn size(mut self, width: u32, height: u32) -> Self {
+        (self.width, self.height) = (width, height);
+        self
+    }
+
+    /// Sets the colour behind the model.
+    #[must_use]
+    pub fn background(mut self, color: Color) -> Self {
+        self.background = color;
+        self
+    }
+
+    /// Sets the lights.
+    #[must_use]
+    pub fn lights(mut self, lights: impl IntoIterator<Item = Light>) -> Self {
+        self.lights = lights.into_iter().collect();
+        self
+    }
+
+    /// Sets how surfaces reflect that do not say so themselves.
+    #[must_use]
+    pub fn finish(mut self, finish: Finish) -> Self {
+        self.finish = finish;
+        self
+    }
+
+    /// Sets where the reflection model is evaluated.
+    #[must_use]
+    pub fn interpolation(mut self, interpolation: Interpolation) -> Self {
+        self.interpolation = interpolation;
+        self
+    }
+
+    /// Sets how jagged edges are smoothed.
+    #[must_use]
+    pub fn anti_aliasing(mut self, anti_aliasing: AntiAliasing) -> Self {
+        self.anti_aliasing = anti_aliasing;
+        self
+    }
+
+    /// Sets which edges are drawn over the picture.
+    #[must_use]
+    pub fn edges(mut self, edges: Option<EdgeOptions>) -> Self {
+        self.edges = edges;
+        self
+    }
+
+    /// The same without anything that is drawn over, under or into the faces.
+    #[must_use]
+    pub fn faces_only(&self) -> Self {
+        Self {
+            edges: None,
+            ambient_occlusion: false,
+            ground_shadow: false,
+            triad: false,
+            ..self.clone()
+        }
+    }
+
+    /// Refuses what cannot be drawn.
+    pub(crate) fn check(&self) -> Result<(), RasterError> {
+        match &self.edges {
+            Some(edges) if !(edges.width > 0.0 && edges.width <= MAX_LINE_WIDTH) => {
+                Err(RasterError::BadLineWidth { width: edges.width })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
+            width: 1024,
+            height: 768,
             background: Color::from_linear([0.0; 3]).with_alpha(0.0),
             default_color: Material::default_color(),
+            finish: Finish::default(),
             lights: Light::default_rig(),
             interpolation: Interpolation::Phong,
             cull_back_faces: true,

@@ -22,12 +22,13 @@ use crate::ground::draw_ground_shadow;
 use crate::image::Image;
 use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
+use crate::prepared::Prepared;
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
-use crate::scene::Scene;
 use crate::section::cap_tile;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
 use crate::tile::{TILE, TileBuffer, Tiles};
+use crate::transparent::{ResolveTransparent, collect};
 use crate::triad::draw_triad;
 
 /// Draws frames; keeps its working memory from one to the next.
@@ -45,7 +46,7 @@ pub struct Renderer {
 }
 
 /// Draws a mesh as seen by `view` into a picture of `width` x `height`
-/// pixels. To draw a mesh more than once, keep a [`Scene`] and a
+/// pixels. To draw a mesh more than once, keep a [`Prepared`] and a
 /// [`Renderer`].
 ///
 /// # Errors
@@ -58,7 +59,14 @@ pub fn render(
     options: &RenderOptions,
 ) -> Result<Image, RasterError> {
     let mut image = Image::default();
-    Renderer::default().draw(&Scene::new(mesh), view, width, height, options, &mut image)?;
+    Renderer::default().draw(
+        &Prepared::new(mesh),
+        view,
+        width,
+        height,
+        options,
+        &mut image,
+    )?;
     Ok(image)
 }
 
@@ -78,17 +86,32 @@ impl Renderer {
     ///
     /// # Errors
     /// [`RasterError::SizeTooLarge`] above [`MAX_SIZE`] pixels a side (of the
-    /// enlarged picture, for supersampling).
+    /// enlarged picture, for supersampling); [`RasterError::OtherAspect`] for a
+    /// camera's view of a picture of other proportions;
+    /// [`RasterError::BadLineWidth`].
     pub fn draw(
         &mut self,
-        scene: &Scene,
+        scene: &Prepared,
         view: &View,
         width: u32,
         height: u32,
         options: &RenderOptions,
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
+        // A shadow lies between the model and what is behind.
+        let backdrop = options.background;
+        let cleared = RenderOptions {
+            background: backdrop.with_alpha(0.0),
+            ..options.clone()
+        };
+        let behind = options.ground_shadow && backdrop.alpha > 0.0;
+        let options = if behind { &cleared } else { options };
         let scale = options.anti_aliasing.scale();
+        if width.max(height).saturating_mul(scale) > MAX_SIZE {
+            return Err(RasterError::SizeTooLarge { width, height });
+        }
+        view.check_size(width, height)?;
+        options.check()?;
         let stats = if scale == 1 {
             self.draw_plain(scene, view, width, height, options, image)?
         } else {
@@ -101,13 +124,16 @@ impl Renderer {
         (self.width, self.height, self.scale) = (width, height, scale);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         if options.ambient_occlusion {
-            darken(image, &self.ambient_occlusion(scene, view));
+            darken(image, &self.occlusion(scene, view, options.ground_shadow));
         }
         if options.ground_shadow {
             draw_ground_shadow(scene, view, image)?;
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
+        }
+        if behind {
+            image.put_behind(backdrop);
         }
         if options.triad {
             draw_triad(view, image);
@@ -117,16 +143,13 @@ impl Renderer {
 
     fn draw_plain(
         &mut self,
-        scene: &Scene,
+        scene: &Prepared,
         view: &View,
         width: u32,
         height: u32,
         options: &RenderOptions,
         image: &mut Image,
     ) -> Result<Stats, RasterError> {
-        if width.max(height) > MAX_SIZE {
-            return Err(RasterError::SizeTooLarge { width, height });
-        }
         image.width = width;
         image.height = height;
         let pixels = width as usize * height as usize;
@@ -141,7 +164,8 @@ impl Renderer {
         let rows = (height as usize).div_ceil(TILE);
         let samples = options.anti_aliasing.samples().len();
         let windings = !scene.sections.is_empty();
-        self.tiles.begin(columns * rows, samples, windings);
+        self.tiles
+            .begin(columns * rows, samples, windings, context.transparent);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
@@ -159,7 +183,7 @@ impl Renderer {
         for (number, &share) in sizes.iter().enumerate() {
             let (batch, later) = rest.split_at(share);
             rest = later;
-            self.set_up(scene, &matrix, facing, options, batch, columns);
+            self.set_up(&context, facing, options, batch, columns);
             let counts = if number + 1 < sizes.len() {
                 self.fill_tiles(columns, options)
             } else {
@@ -193,8 +217,7 @@ impl Renderer {
     /// Sets up the triangles of a batch of clusters, sorted into bins.
     fn set_up(
         &mut self,
-        scene: &Scene,
-        matrix: &FrameMatrix,
+        shading: &ShadeContext,
         facing: Facing,
         options: &RenderOptions,
         batch: &[(f32, u32)],
@@ -205,12 +228,15 @@ impl Renderer {
             _ => [128, 128],
         };
         let context = GeometryContext {
-            scene,
-            matrix,
+            scene: shading.scene,
+            matrix: shading.matrix,
             facing,
             tiles: &self.tiles.of_picture,
             columns,
             sample_range,
+            transparent: shading
+                .transparent
+                .then_some((shading, options.cull_back_faces)),
         };
         let (level, tiles) = (self.level, self.tiles.of_picture.len());
         let part = batch.len().div_ceil(self.bins.len()).max(1);
@@ -279,6 +305,23 @@ impl Renderer {
                 if !context.scene.sections.is_empty() {
                     cap_tile(&mut tile, origin, samples, context);
                 }
+                if tile
+                    .fragments
+                    .as_ref()
+                    .is_some_and(|found| !found.is_empty())
+                {
+                    counts.shaded = ResolveTransparent {
+                        context,
+                        tile: &mut tile,
+                        origin: origin.map(|v| v as usize),
+                        rows,
+                        background,
+                        scratch,
+                        samples,
+                    }
+                    .run(level);
+                    return counts;
+                }
                 counts.shaded = ResolveTile {
                     context,
                     tile: &tile,
@@ -315,8 +358,10 @@ impl Renderer {
 
 /// Whether there is anything to be filled into a tile.
 fn any_in(bins: &[Bins], tile: usize) -> bool {
-    bins.iter()
-        .any(|bins| !bins.tiles[tile].is_empty() || !bins.pixels[tile].is_empty())
+    bins.iter().any(|bins| {
+        let records = !bins.tiles[tile].is_empty() || !bins.transparent[tile].is_empty();
+        records || !bins.pixels[tile].is_empty()
+    })
 }
 
 /// The first pixel of a tile.
@@ -376,6 +421,17 @@ impl Kernel for FillTile<'_, '_> {
                 counts.any = true;
                 let record = &bins.records[entry as usize];
                 fill(s, self.tile, self.origin, record, self.samples, &mut counts);
+            }
+            let transparent = &bins.transparent[self.index];
+            if !transparent.is_empty() {
+                if !self.tile.tile.drawn {
+                    self.tile.begin(false);
+                }
+                counts.any = true;
+                let records = transparent
+                    .iter()
+                    .map(|&entry| &bins.records[entry as usize]);
+                collect(self.tile, self.origin, records, self.samples);
             }
         }
         counts

@@ -1,6 +1,7 @@
 //! PNG encoding.
 
 use std::io::Write;
+use std::path::Path;
 
 use crate::{Image, RasterError};
 
@@ -26,6 +27,17 @@ impl Image {
         let mut writer = encoder.write_header()?;
         writer.write_image_data(self.pixels.as_flattened())?;
         writer.finish()?;
+        Ok(())
+    }
+
+    /// Writes the picture as a PNG file.
+    ///
+    /// # Errors
+    /// As [`Image::write_png`]; [`RasterError::File`] if there can be no such
+    /// file.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), RasterError> {
+        let bytes = self.to_png()?;
+        std::fs::write(path, bytes)?;
         Ok(())
     }
 

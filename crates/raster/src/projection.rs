@@ -10,6 +10,8 @@
 //! | [`orthographic`], [`frustum`] | OpenGL 1.0 specification, 2.9.2 |
 //! | [`shear_to_axis`], [`scale_to_canonical`], [`normalised_perspective`] | Foley, van Dam, Feiner, Hughes, *Computer Graphics: Principles and Practice*, 2nd ed., 6.5 |
 //! | [`oblique`], [`cavalier`], [`cabinet`] | Foley et al., 6.1.2 and 6.5.4 |
+//! | [`orthographic_translation`], [`box_scaling`], [`frustum_to_box`] | the factors of both, as they are taught |
+//! | [`pinhole`], [`perspective_depth`], [`normalised_perspective_depth`] | Foley et al., 6.4 |
 //! | [`one_point`] | Rogers, Adams, *Mathematical Elements for Computer Graphics*, 2nd ed., 3-13 |
 //! | [`infinite_perspective`], [`reversed_z`] | Upchurch, Desbrun, *Tightening the precision of perspective rendering*, JGT 16(1), 2012 |
 
@@ -239,4 +241,82 @@ pub fn reversed_z(projection: DMat4) -> DMat4 {
     let rows = projection.transpose();
     let z = (rows.w_axis - rows.z_axis) / 2.0;
     DMat4::from_cols(rows.x_axis, rows.y_axis, z, rows.w_axis).transpose()
+}
+
+/// Second factor of [`orthographic`]: the translation that brings the middle
+/// of the box to the origin.
+#[must_use]
+pub fn orthographic_translation(window: &Window) -> DMat4 {
+    let middle = -(window.near + window.far) / 2.0;
+    DMat4::from_translation(-window.centre().extend(middle))
+}
+
+/// First factor of [`orthographic`], and of a perspective: the scaling of a
+/// centred box to the clip cube; z is turned round.
+#[must_use]
+pub fn box_scaling(window: &Window) -> DMat4 {
+    DMat4::from_scale(
+        2.0 / DVec3::new(
+            window.right - window.left,
+            window.top - window.bottom,
+            window.near - window.far,
+        ),
+    )
+}
+
+/// The perspective of textbooks between [`box_scaling`] and [`shear_to_axis`]:
+/// x* = -near x / z, y* = -near y / z, z* = -(far + near) / 2 - far near / z,
+/// which takes the (sheared) frustum to the box with the same planes.
+/// [`frustum`] is the product of the three; [`scale_to_canonical`] and
+/// [`normalised_perspective`] share out the factors otherwise.
+#[must_use]
+pub fn frustum_to_box(near: f64, far: f64) -> DMat4 {
+    DMat4::from_cols(
+        DVec4::X * near,
+        DVec4::Y * near,
+        DVec4::new(0.0, 0.0, (far + near) / 2.0, -1.0),
+        DVec4::new(0.0, 0.0, far * near, 0.0),
+    )
+}
+
+/// A pinhole at the origin and a screen at z = d: (x, y, z) is seen at
+/// (x d / z, y d / z, d), with w = z / d. Depth is lost, so that the matrix has
+/// no inverse. Left-handed (z into the picture) for d > 0; a screen behind the
+/// pinhole, d < 0, turns the picture round.
+#[must_use]
+pub fn pinhole(d: f64) -> DMat4 {
+    DMat4::from_cols(
+        DVec4::X,
+        DVec4::Y,
+        DVec4::new(0.0, 0.0, 1.0, 1.0 / d),
+        DVec4::ZERO,
+    )
+}
+
+/// Like [`one_point`], with *perspective depth* before it is normalised:
+/// x* = h x / (z + h), y* = h y / (z + h), z* = h z / (z + h), 0 on the picture
+/// plane and h at infinity; w = z / h + 1.
+#[must_use]
+pub fn perspective_depth(h: f64) -> DMat4 {
+    let mut matrix = DMat4::IDENTITY;
+    matrix.z_axis.w = 1.0 / h;
+    matrix
+}
+
+/// Like [`perspective_depth`], with depth normalised to -1..1:
+/// z* = (z - h) / (z + h), -1 on the picture plane and 1 at infinity. That is
+/// z' = z / h - 1 and w' = z / h + 1, so that the third row is (0, 0, 1/h, -1).
+#[must_use]
+pub fn normalised_perspective_depth(h: f64) -> DMat4 {
+    let mut matrix = perspective_depth(h);
+    (matrix.z_axis.z, matrix.w_axis.z) = (1.0 / h, -1.0);
+    matrix
+}
+
+/// A projection for eye coordinates in a left-handed frame (N along the view,
+/// [`Frame::left_handed`](crate::Frame::left_handed)): one for a right-handed
+/// frame, behind the mirroring of z.
+#[must_use]
+pub fn left_handed(projection: DMat4) -> DMat4 {
+    projection * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0))
 }

@@ -22,17 +22,17 @@ pub(crate) struct ResolveTile<'a, 'p> {
 /// Memory that goes from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
-    batch: Batch,
+    pub batch: Batch,
     /// For each job of the batch, the share of each pixel that it colours.
-    shares: Vec<[f32; LANES]>,
+    pub shares: Vec<[f32; LANES]>,
 }
 
 /// What is known of the 16 pixels of a block before they are encoded.
 #[derive(Clone, Copy, Default)]
-struct Block {
+pub(crate) struct Block {
     /// Its jobs in the batch.
-    first_job: usize,
-    jobs: usize,
+    pub first_job: usize,
+    pub jobs: usize,
     /// Bits of the pixels that triangles cover, at least in part.
     covered: u32,
     /// Whether there may be pixels of several triangles, or covered in part.
@@ -85,15 +85,15 @@ impl ResolveTile<'_, '_> {
 }
 
 /// Lists what is to be shaded in a row of blocks.
-struct FindJobs<'a> {
+pub(crate) struct FindJobs<'a> {
     /// The triangles of the tile, a plane for each sample.
-    numbers: &'a [OfPixels<i32>],
-    origin: [usize; 2],
+    pub numbers: &'a [OfPixels<i32>],
+    pub origin: [usize; 2],
     /// Number of the row in the tile.
-    by: usize,
-    blocks: &'a mut [Block],
-    batch: &'a mut Batch,
-    shares: &'a mut Vec<[f32; LANES]>,
+    pub by: usize,
+    pub blocks: &'a mut [Block],
+    pub batch: &'a mut Batch,
+    pub shares: &'a mut Vec<[f32; LANES]>,
 }
 
 impl Kernel for FindJobs<'_> {

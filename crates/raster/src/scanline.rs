@@ -7,6 +7,8 @@
 //! (exclusive): with the ends computed exactly, this is the top-left rule, and
 //! covers the same samples as the edge functions of [`fixed`](crate::fixed).
 
+use std::ops::Range;
+
 use crate::fixed::{FixedPoint, SUBPIXELS, doubled_area};
 
 /// Smallest k with sample k of a row or column at or after `position`: that
@@ -43,6 +45,25 @@ pub fn scan_convert<const N: usize>(
     values: [[f64; N]; 3],
     width: i32,
     height: i32,
+    span: impl FnMut(Span<N>),
+) {
+    scan_convert_rows(corners, values, width, 0..height, span);
+}
+
+/// The rows of samples that a triangle covers.
+#[must_use]
+pub fn rows_of(corners: [FixedPoint; 3]) -> Range<i32> {
+    let row = |y: i32| first_sample(i128::from(y), 1);
+    let [a, b, c] = corners.map(|corner| corner[1]);
+    row(a.min(b).min(c))..row(a.max(b).max(c))
+}
+
+/// [`scan_convert`] in some rows only.
+pub fn scan_convert_rows<const N: usize>(
+    corners: [FixedPoint; 3],
+    values: [[f64; N]; 3],
+    width: i32,
+    rows: Range<i32>,
     mut span: impl FnMut(Span<N>),
 ) {
     if doubled_area(corners) == 0 {
@@ -52,7 +73,7 @@ pub fn scan_convert<const N: usize>(
     order.sort_by_key(|&k| (corners[k][1], corners[k][0]));
     let [top, middle, bottom] = order;
     let row = |k: usize| first_sample(i128::from(corners[k][1]), 1);
-    for y in row(top).max(0)..row(bottom).min(height) {
+    for y in row(top).max(rows.start)..row(bottom).min(rows.end) {
         // The long edge, and the one of the two short ones at this row.
         let short = if y < row(middle) {
             (top, middle)

@@ -1,242 +1,219 @@
-//! A mesh made ready for drawing: single precision around its centre, cut
-//! into clusters.
-
-use std::sync::OnceLock;
+//! Scenes of several parts, and their pictures in one step.
 
 use csg::{Color, Mesh};
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
+use glam::{DMat3, DMat4, DVec3, Vec3};
 
-use crate::camera::View;
-use crate::cluster::{Cluster, Clusters};
-use crate::cull::{Visibility, cluster_visibility};
-use crate::error::MAX_SIZE;
-use crate::frame::FrameMatrix;
-use crate::geometry::Facing;
-use crate::normals::{CREASE_ANGLE, CornerNormals, corner_normals};
+use crate::RasterError;
+use crate::camera::{Camera, Lens};
+use crate::framing::Framing;
+use crate::image::Image;
+use crate::light::Light;
+use crate::look::SurfaceLook;
+use crate::normals::{CREASE_ANGLE, corner_normals};
 use crate::options::RenderOptions;
-use crate::section::Section;
+use crate::part::Part;
+use crate::pipeline::Renderer;
+use crate::prepared::Prepared;
+use crate::shade::{Finish, Material};
+use crate::transform::normal_matrix;
+use crate::viewpoint::clear_view;
 
-/// A mesh made ready for drawing, any number of times. Building one costs
-/// O(vertices + triangles); it does not refer to the mesh.
+/// Parts with their materials and places, and lights.
+///
+/// ```
+/// use raster::{Camera, Finish, Light, Part, RenderOptions, Scene};
+/// # use glam::DVec3;
+/// # use csg::{Color, Mesh};
+/// # let mesh = Mesh::new(vec![DVec3::X, DVec3::Y, DVec3::Z], vec![[0, 1, 2]]);
+/// let part = Part::new(mesh).at(DVec3::Z);
+/// let scene = Scene::new()
+///     .add(part)
+///     .color(Color::from_srgb([0.8, 0.4, 0.2]))
+///     .finish(Finish::new(0.5, 0.5, 0.8, 4.0));
+/// let camera = Camera::looking_at(DVec3::new(3.0, -4.0, 3.0), DVec3::ZERO);
+/// let image = scene.render(&camera, &RenderOptions::default().size(64, 48))?;
+/// # assert_eq!(image.width, 64);
+/// # Ok::<(), raster::RasterError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// All coordinates are relative to this point.
-    pub(crate) centre: DVec3,
-    pub(crate) low: DVec3,
-    pub(crate) high: DVec3,
-    /// The height of the lowest point, be it cut away or not.
-    pub(crate) lowest: f64,
-    pub(crate) positions: Vec<Vec3>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    /// Of the corners of each triangle, but see [`Scene::corner_normals`].
-    pub(crate) normals: Vec<[Vec3; 3]>,
-    /// Index into `colors` for each triangle, or empty: all 0.
-    pub(crate) triangle_surfaces: Vec<u32>,
-    /// The colour of each surface; the last one is for triangles without.
-    pub(crate) colors: Vec<Option<Color>>,
-    pub(crate) clusters: Vec<Cluster>,
-    /// x, y, z and 0 of each.
-    pub(crate) cluster_vertices: Vec<[f32; 4]>,
-    /// Their normals, where the cluster is smooth.
-    pub(crate) cluster_normals: Vec<[f32; 4]>,
-    /// The cluster of every so manieth triangle (see `cluster_view`).
-    pub(crate) cluster_starts: Vec<u32>,
-    /// For each triangle the numbers of its vertices within the cluster.
-    pub(crate) local: Vec<[u8; 4]>,
-    /// Planes that cut the mesh before it was made ready.
-    pub(crate) sections: Vec<Section>,
-    /// How many vertices and triangles they leave; those cut away, as far as
-    /// they matter for caps, come after them.
-    pub(crate) kept_vertices: usize,
-    pub(crate) kept_triangles: usize,
-    /// The mesh's feature edges, or those found when first asked for.
-    feature_edges: OnceLock<Vec<Vec<u32>>>,
+    parts: Vec<Part>,
+    lights: Vec<Light>,
 }
 
 impl Scene {
-    /// Makes a mesh ready. Triangles that name a vertex out of range, or one
-    /// that is not finite, keep their number but are never drawn. Missing
-    /// corner normals are computed (see [`corner_normals`]).
-    ///
-    /// Copies triangles and normals: where the mesh is not needed any more,
-    /// `Scene::from(mesh)` takes them over.
+    /// An empty scene.
     #[must_use]
-    pub fn new(mesh: &Mesh) -> Self {
-        let scene = Self::ungrouped(mesh, mesh.triangles.clone());
-        scene.with_normals(corner_normals(mesh, CREASE_ANGLE))
+    pub fn new() -> Self {
+        Self::default()
     }
 
-    /// A scene to be drawn with this view, at this size and with these options
-    /// only: corner normals are computed, or gathered, only where they may be
-    /// seen, which is about half of them. The picture is
-    /// that of [`Scene::new`].
+    /// Adds a part: a mesh, or a [`Part`] with its places and material.
     #[must_use]
-    pub fn for_view(
-        mut mesh: Mesh,
-        view: &View,
-        width: u32,
-        height: u32,
-        options: &RenderOptions,
-    ) -> Self {
-        // Silhouettes are looked for in faces that turn away, too.
-        let whole = options.edges.is_some();
-        let [width, height] =
-            [width, height].map(|side| side.saturating_mul(options.anti_aliasing.scale()));
-        if whole || width.max(height) > MAX_SIZE {
-            return Self::from(mesh);
-        }
-        let triangles = std::mem::take(&mut mesh.triangles);
-        let mut scene = Self::ungrouped(&mesh, triangles);
-        // The very test that the renderer makes.
-        let matrix = FrameMatrix::new(view, scene.centre, width, height);
-        let facing = Facing::of(&scene, options);
-        let seen = |cluster: &Cluster| {
-            let visibility = cluster_visibility(cluster, &matrix, facing);
-            matches!(visibility, Visibility::Possible(_))
-        };
-        if mesh.corner_normals.len() == scene.triangles.len() {
-            scene.normals = std::mem::take(&mut mesh.corner_normals);
-            scene.gather_normals(seen, None);
-            return scene;
-        }
-        mesh.triangles = std::mem::take(&mut scene.triangles);
-        let clusters = scene.clusters.iter().filter(|cluster| seen(cluster));
-        let ranges: Vec<_> = clusters.map(Cluster::range).collect();
-        let missing = CornerNormals::new(&mesh, CREASE_ANGLE, &ranges);
-        // (Zeros from the system; most are never touched.)
-        scene.normals = bytemuck::zeroed_vec(mesh.triangles.len());
-        scene.gather_normals(seen, Some(&missing));
-        scene.triangles = std::mem::take(&mut mesh.triangles);
-        scene
-    }
-
-    /// Makes a mesh ready, but for its normals.
-    fn ungrouped(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Self {
-        let all = triangles.len();
-        Self::without_normals(mesh, triangles, &[all])
-    }
-
-    /// The same with triangles in groups, of so many each, that share no
-    /// cluster.
-    pub(crate) fn without_normals(mesh: &Mesh, triangles: Vec<[u32; 3]>, groups: &[usize]) -> Self {
-        let (low, high) = finite_bounds(&mesh.positions).unwrap_or_default();
-        let centre = low / 2.0 + high / 2.0;
-        let positions: Vec<Vec3> = mesh
-            .positions
-            .par_iter()
-            .map(|&p| (p - centre).as_vec3())
-            .collect();
-        let surfaces = if mesh.triangle_surfaces.len() == triangles.len() {
-            let none = mesh.surfaces.len() as u32;
-            mesh.triangle_surfaces
-                .iter()
-                .map(|&surface| surface.min(none))
-                .collect()
-        } else {
-            Vec::new()
-        };
-        let mut colors: Vec<_> = if surfaces.is_empty() {
-            Vec::new()
-        } else {
-            mesh.surfaces.iter().map(|surface| surface.color).collect()
-        };
-        colors.push(None);
-        let Clusters {
-            clusters,
-            vertices,
-            local,
-        } = Clusters::new(&positions, &triangles, groups);
-        let scene = Self {
-            centre,
-            low,
-            high,
-            lowest: low.z,
-            kept_vertices: positions.len(),
-            kept_triangles: triangles.len(),
-            positions,
-            triangles,
-            triangle_surfaces: surfaces,
-            colors,
-            clusters,
-            cluster_vertices: vertices,
-            local,
-            ..Self::default()
-        };
-        if !mesh.feature_edges.is_empty() {
-            let _ = scene.feature_edges.set(mesh.feature_edges.clone());
-        }
-        scene
-    }
-
-    /// Adds the normals of all triangles' corners.
-    pub(crate) fn with_normals(mut self, normals: Vec<[Vec3; 3]>) -> Self {
-        self.normals = normals;
-        self.gather_normals(|_| true, None);
+    #[allow(clippy::should_implement_trait, reason = "no sum of two scenes")]
+    pub fn add(mut self, part: impl Into<Part>) -> Self {
+        self.parts.push(part.into());
         self
     }
 
-    /// The smallest box around all finite vertices, but for those cut away.
+    /// Changes the part added last; an empty scene stays as it is.
+    fn change(mut self, change: impl FnOnce(Part) -> Part) -> Self {
+        if let Some(part) = self.parts.pop() {
+            self.parts.push(change(part));
+        }
+        self
+    }
+
+    /// Gives the part added last a material ([`Part::material`]).
     #[must_use]
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        (self.low, self.high)
+    pub fn material(self, material: Material) -> Self {
+        self.change(|part| part.material(material))
     }
 
-    /// The corners of a triangle relative to the centre, unless it names a
-    /// vertex that is not there.
-    pub(crate) fn corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
-        let [a, b, c] = *self.triangles.get(triangle)?;
-        let at = |v: u32| self.positions.get(v as usize).copied();
-        Some([at(a)?, at(b)?, at(c)?])
-    }
-
-    /// Feature edges as polylines of vertex indices: the mesh's own, or those
-    /// found where it brings none.
+    /// Gives the part added last a colour ([`Part::color`]).
     #[must_use]
-    pub fn feature_edges(&self) -> &[Vec<u32>] {
-        self.feature_edges
-            .get_or_init(|| crate::edges::find_feature_edges(self))
+    pub fn color(self, color: Color) -> Self {
+        self.change(|part| part.color(color))
     }
 
-    /// Number of triangles, with those cut away that matter for caps.
+    /// Says how the part added last reflects ([`Part::finish`]).
     #[must_use]
-    pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+    pub fn finish(self, finish: Finish) -> Self {
+        self.change(|part| part.finish(finish))
     }
-}
 
-impl From<Mesh> for Scene {
-    /// [`Scene::new`], faster by the copies it need not make.
-    fn from(mut mesh: Mesh) -> Self {
-        let normals = if mesh.corner_normals.len() == mesh.triangles.len() {
-            std::mem::take(&mut mesh.corner_normals)
-        } else {
-            corner_normals(&mesh, CREASE_ANGLE)
+    /// Adds a light. Without any, those of the options shine.
+    #[must_use]
+    pub fn light(mut self, light: Light) -> Self {
+        self.lights.push(light);
+        self
+    }
+
+    /// The parts, in the order in which they were added.
+    #[must_use]
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// All parts in their places as one mesh; and for each of its surfaces what
+    /// it looks like.
+    #[must_use]
+    pub fn to_mesh(&self) -> Mesh {
+        self.baked().0
+    }
+
+    fn baked(&self) -> (Mesh, Vec<SurfaceLook>, Vec<u32>) {
+        let mut all = Mesh::default();
+        let (mut looks, mut ends) = (Vec::new(), Vec::new());
+        let with_edges = self
+            .parts
+            .iter()
+            .any(|part| !part.mesh.feature_edges.is_empty());
+        for part in &self.parts {
+            let mut own = (*part.mesh).clone();
+            own.corner_normals = corner_normals(&own, CREASE_ANGLE);
+            if with_edges && own.feature_edges.is_empty() {
+                own.feature_edges = Prepared::new(&own).feature_edges().to_vec();
+            }
+            for &model in &part.models {
+                append(&mut all, &own, model);
+                looks.extend(
+                    own.surfaces
+                        .iter()
+                        .map(|s| part.look.of_color(s.color, model)),
+                );
+                // For triangles without a surface.
+                looks.push(part.look.of_color(None, model));
+                all.surfaces.push(csg::MeshSurface::default());
+                ends.push(all.triangles.len() as u32);
+            }
+        }
+        (all, looks, ends)
+    }
+
+    /// The scene made ready to be drawn any number of times. Every place of a
+    /// part costs memory of its own.
+    #[must_use]
+    pub fn prepare(&self) -> Prepared {
+        let (mesh, looks, ends) = self.baked();
+        Prepared::from(mesh).with_looks(looks, ends)
+    }
+
+    /// A camera that sees the whole scene: isometric, turned where one face
+    /// would hide the rest, so that the shadow is seen where the options want
+    /// one.
+    ///
+    /// # Errors
+    /// [`RasterError::NothingToFrame`] for a scene without finite vertices.
+    pub fn camera(&self, options: &RenderOptions) -> Result<Camera, RasterError> {
+        let mesh = self.to_mesh();
+        let framing = Framing {
+            direction: clear_view(&mesh, &[]),
+            up: DVec3::Z,
+            lens: Lens::DEFAULT,
+            aspect: f64::from(options.width.max(1)) / f64::from(options.height.max(1)),
+            shadow: options.ground_shadow,
         };
-        let triangles = std::mem::take(&mut mesh.triangles);
-        Self::ungrouped(&mesh, triangles).with_normals(normals)
+        framing.camera(&mesh)
+    }
+
+    /// Draws the scene as a camera sees it. To draw it more than once,
+    /// [`prepare`](Self::prepare) it and keep a [`Renderer`].
+    ///
+    /// # Errors
+    /// Those of [`Camera::view`] and [`Renderer::draw`].
+    pub fn render(&self, camera: &Camera, options: &RenderOptions) -> Result<Image, RasterError> {
+        let (width, height) = (options.width, options.height);
+        let view = camera.view(width, height)?;
+        let mut options = options.clone();
+        if !self.lights.is_empty() {
+            options.lights.clone_from(&self.lights);
+        }
+        let mut image = Image::default();
+        let prepared = self.prepare();
+        Renderer::default().draw(&prepared, &view, width, height, &options, &mut image)?;
+        Ok(image)
     }
 }
 
-/// The smallest box around those points that are finite, if there is any.
-pub(crate) fn finite_bounds(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
-    combine_finite(points, |p| (p, p), |a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
-
-/// What is found for each finite point, combined: by an operation that gives
-/// the same in any order, such as a maximum.
-pub(crate) fn combine_finite<T: Send>(
-    points: &[DVec3],
-    of_point: impl Fn(DVec3) -> T + Sync,
-    combine: impl Fn(T, T) -> T + Send + Sync,
-) -> Option<T> {
-    /// Points per parallel task.
-    const CHUNK: usize = 1 << 14;
-    points
-        .par_chunks(CHUNK)
-        .filter_map(|chunk| {
-            let finite = chunk.iter().filter(|p| p.is_finite());
-            finite.map(|&p| of_point(p)).reduce(&combine)
-        })
-        .reduce_with(&combine)
+/// Adds a mesh, placed by a model matrix, to another: points by the matrix,
+/// normals by its [`normal_matrix`], triangles turned round where it mirrors.
+fn append(all: &mut Mesh, part: &Mesh, model: DMat4) {
+    let linear = DMat3::from_mat4(model);
+    let (normals, mirrors) = (normal_matrix(linear), linear.determinant() < 0.0);
+    let turn = |[a, b, c]: [u32; 3]| if mirrors { [a, c, b] } else { [a, b, c] };
+    let base = all.positions.len() as u32;
+    let placed = part.positions.iter().map(|&p| model.transform_point3(p));
+    all.positions.extend(placed);
+    let triangles = part.triangles.iter();
+    // (Vertices that are not there stay so.)
+    let moved = |v: u32| v.saturating_add(base);
+    let known = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < part.positions.len());
+    all.triangles.extend(triangles.map(|t| {
+        if known(t) {
+            turn(t.map(moved))
+        } else {
+            [u32::MAX; 3]
+        }
+    }));
+    let placed = |n: Vec3| (normals * n.as_dvec3()).normalize_or_zero().as_vec3();
+    let corners = part.corner_normals.iter();
+    all.corner_normals.extend(corners.map(|&[a, b, c]| {
+        let [b, c] = if mirrors { [c, b] } else { [b, c] };
+        [a, b, c].map(placed)
+    }));
+    let first = all.surfaces.len() as u32;
+    let none = part.surfaces.len() as u32;
+    if part.triangle_surfaces.len() == part.triangles.len() {
+        let own = part.triangle_surfaces.iter();
+        all.triangle_surfaces
+            .extend(own.map(|&s| first + s.min(none)));
+    } else {
+        let own = std::iter::repeat_n(first + none, part.triangles.len());
+        all.triangle_surfaces.extend(own);
+    }
+    all.surfaces.extend(part.surfaces.iter().cloned());
+    let lines = part.feature_edges.iter();
+    all.feature_edges
+        .extend(lines.map(|line| line.iter().map(|&v| moved(v)).collect()));
 }

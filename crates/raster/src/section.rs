@@ -18,13 +18,13 @@
 use std::collections::HashMap;
 
 use csg::Mesh;
-use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::RasterError;
 use crate::deferred::ShadeContext;
 use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
-use crate::scene::{Scene, finite_bounds};
+use crate::prepared::{Prepared, finite_bounds};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
 
 /// Most section planes at once.
@@ -43,13 +43,13 @@ pub struct SectionPlane {
 /// with points on the plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Section {
-    pub normal: Vec3,
-    pub offset: f32,
+    pub normal: DVec3,
+    pub offset: f64,
     /// Unit vector in the plane across the hatching.
-    pub hatch: Vec3,
+    pub hatch: DVec3,
 }
 
-impl Scene {
+impl Prepared {
     /// Makes a mesh ready with parts of it cut away. Triangles are numbered
     /// after cutting: first those kept, then those that are not but still
     /// decide where caps are. For caps to be whole, a view's far plane must be
@@ -92,9 +92,9 @@ impl Scene {
             let (u, v) = normal.any_orthonormal_pair();
             let hatch = if k % 2 == 0 { u + v } else { u - v };
             scene.sections.push(Section {
-                normal: normal.as_vec3(),
-                offset: normal.dot(plane.point - scene.centre) as f32,
-                hatch: hatch.normalize().as_vec3(),
+                normal,
+                offset: normal.dot(plane.point - scene.centre),
+                hatch: hatch.normalize(),
             });
         }
         Ok(scene)
@@ -290,7 +290,7 @@ impl CapPlane {
 
 impl Caps {
     pub fn new(sections: &[Section], matrix: &FrameMatrix) -> Self {
-        let [x, y, z, w] = matrix.rows.map(Vec4::as_dvec4);
+        let [x, y, z, w] = matrix.rows;
         let viewer = matrix.viewer;
         let planes: Vec<_> = sections
             .iter()
@@ -299,7 +299,7 @@ impl Caps {
                 if section.normal.dot(viewer.truncate()) <= section.offset * viewer.w {
                     return None;
                 }
-                let plane = section.normal.extend(-section.offset).as_dvec4();
+                let plane = section.normal.extend(-section.offset);
                 let to_window = DMat4::from_cols(x, y, w, plane).transpose();
                 let inverse = to_window.inverse();
                 inverse.is_finite().then_some(CapPlane {
@@ -322,14 +322,14 @@ impl Caps {
     }
 
     /// The point of a cap at a sample, relative to the scene's centre.
-    pub fn point(&self, plane: usize, x: f64, y: f64) -> Vec3 {
+    pub fn point(&self, plane: usize, x: f64, y: f64) -> DVec3 {
         self.planes
             .get(plane)
             .copied()
             .flatten()
-            .map_or(Vec3::ZERO, |plane| {
+            .map_or(DVec3::ZERO, |plane| {
                 let p = plane.at(x, y);
-                (p.truncate() / p.w).as_vec3()
+                p.truncate() / p.w
             })
     }
 
@@ -350,7 +350,7 @@ impl Caps {
             }
         }
         let (depth, plane, p) = last.filter(|(depth, ..)| *depth <= 1.0)?;
-        let behind = |s: &Section| s.normal.extend(-s.offset).as_dvec4().dot(p) <= 0.0;
+        let behind = |s: &Section| s.normal.extend(-s.offset).dot(p) <= 0.0;
         let exits = sections.iter().zip(&self.planes);
         let kept = exits
             .filter(|(_, entry)| entry.is_none())

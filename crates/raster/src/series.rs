@@ -10,7 +10,7 @@ use crate::framing::StandardView;
 use crate::image::Image;
 use crate::options::RenderOptions;
 use crate::pipeline::Renderer;
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 use crate::{MAX_SIZE, RasterError};
 
 /// Draws `frames` pictures of a scene while the camera goes once round it,
@@ -19,7 +19,7 @@ use crate::{MAX_SIZE, RasterError};
 /// # Errors
 /// Those of [`Camera::view`] and [`Renderer::draw`].
 pub fn turntable(
-    scene: &Scene,
+    scene: &Prepared,
     camera: &Camera,
     frames: u32,
     width: u32,
@@ -139,7 +139,7 @@ pub fn write_apng(
 /// Those of [`Camera::standard`] and [`Renderer::draw`].
 pub fn contact_sheet(
     mesh: &Mesh,
-    scene: &Scene,
+    scene: &Prepared,
     lens: Lens,
     width: u32,
     height: u32,

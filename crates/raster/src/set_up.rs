@@ -200,7 +200,8 @@ pub(crate) fn set_up_triangles<S: Lanes>(
             slope: [right, down],
             z_range: [(z_low - slack).max(zero_f), z_high + slack],
         };
-        if context.sample_range[0] == context.sample_range[1] && !context.is_cut() {
+        let at_once = !context.is_cut() && context.transparent.is_none();
+        if context.sample_range[0] == context.sample_range[1] && at_once {
             let tiny = s.i(TINY);
             let tiny = survivors & (px1 - px0).lt(tiny).bits() & (py1 - py0).lt(tiny).bits();
             survivors &= !tiny;
@@ -308,13 +309,25 @@ fn find_pixels<S: Lanes>(
 /// Sorts a record into the tiles that its box of pixels touches.
 #[inline(always)]
 fn push(record: Record, context: &GeometryContext, bins: &mut Bins) {
+    let mut is_transparent = false;
+    if let Some((shading, culls)) = context.transparent {
+        is_transparent = shading.opacity(record.triangle as usize) < 1.0;
+        if !is_transparent && culls && record.winding > 0 {
+            return;
+        }
+    }
     let index = bins.records.len() as u32;
     let [tx0, tx1] = record.x.map(|v| (v >> TILE_BITS) as usize);
     let [ty0, ty1] = record.y.map(|v| (v >> TILE_BITS) as usize);
     bins.records.push(record);
     for ty in ty0..=ty1 {
         for tx in tx0..=tx1 {
-            if let Some(tile) = bins.tiles.get_mut(ty * context.columns + tx) {
+            let tiles = if is_transparent {
+                &mut bins.transparent
+            } else {
+                &mut bins.tiles
+            };
+            if let Some(tile) = tiles.get_mut(ty * context.columns + tx) {
                 tile.push(index);
             }
         }

@@ -5,66 +5,7 @@
 //! pictures*, CACM 18(6), 1975).
 
 use csg::Color;
-use glam::{DVec3, Vec3};
-
-/// A light source. Intensities are linear, per channel, not attenuated with
-/// distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Light {
-    /// From everywhere: the Ia of the model.
-    Ambient {
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From infinitely far away.
-    Directional {
-        /// Direction towards the light, in world coordinates; any length.
-        towards: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From a point.
-    Point {
-        /// Position in world coordinates.
-        position: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From the viewer, whatever the view.
-    Head {
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-    /// From a direction fixed to the camera.
-    Camera {
-        /// Direction towards the light, in eye coordinates (x right, y up, z
-        /// towards the viewer); any length.
-        towards: DVec3,
-        /// Intensity per channel.
-        intensity: Vec3,
-    },
-}
-
-impl Light {
-    /// A soft ambient light, a key light over the viewer's left shoulder and
-    /// a weak head light.
-    #[must_use]
-    pub fn default_rig() -> Vec<Self> {
-        vec![
-            Self::Ambient {
-                intensity: Vec3::splat(0.15),
-            },
-            Self::Camera {
-                towards: DVec3::new(-0.6, 0.9, 1.0),
-                intensity: Vec3::splat(0.7),
-            },
-            Self::Head {
-                intensity: Vec3::splat(0.2),
-            },
-        ]
-    }
-}
+use glam::Vec3;
 
 /// Where the reflection model is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,30 +20,73 @@ pub enum Interpolation {
     Phong,
 }
 
+/// The coefficients of the reflection model, whatever the colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// Ka: the share of ambient light reflected in the surface's colour.
+    pub ambient: f32,
+    /// Kd: the same of light from a direction, to all sides.
+    pub diffuse: f32,
+    /// Ks: the share reflected in the light's colour, around the mirrored
+    /// direction.
+    pub specular: f32,
+    /// The exponent n: the greater, the smaller and sharper the highlight.
+    pub shininess: f32,
+}
+
+impl Finish {
+    /// From Ka, Kd, Ks and n.
+    #[must_use]
+    pub const fn new(ambient: f32, diffuse: f32, specular: f32, shininess: f32) -> Self {
+        Self {
+            ambient,
+            diffuse,
+            specular,
+            shininess,
+        }
+    }
+}
+
+impl Default for Finish {
+    /// Slightly glossy.
+    fn default() -> Self {
+        Self::new(1.0, 1.0, 0.15, 30.0)
+    }
+}
+
 /// How a surface reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Ambient reflection Ka, linear per channel.
+    /// Ambient reflection: Ka times the colour, linear per channel.
     pub ambient: Vec3,
-    /// Diffuse reflection Kd, linear per channel.
+    /// Diffuse reflection: Kd times the colour, linear per channel.
     pub diffuse: Vec3,
     /// Specular reflection Ks, linear per channel.
     pub specular: Vec3,
     /// The exponent n of the specular lobe.
     pub shininess: f32,
+    /// 1 is opaque; below, what is behind shines through.
+    pub opacity: f32,
 }
 
 impl Material {
+    /// A colour, as opaque as its alpha says, that reflects in some way.
+    #[must_use]
+    pub fn new(color: Color, finish: Finish) -> Self {
+        let own = Vec3::from_array(color.rgb);
+        Self {
+            ambient: own * finish.ambient,
+            diffuse: own * finish.diffuse,
+            specular: Vec3::splat(finish.specular),
+            shininess: finish.shininess,
+            opacity: color.alpha,
+        }
+    }
+
     /// A slightly glossy material of a colour.
     #[must_use]
     pub fn of_color(color: Color) -> Self {
-        let diffuse = Vec3::from_array(color.rgb);
-        Self {
-            ambient: diffuse,
-            diffuse,
-            specular: Vec3::splat(0.15),
-            shininess: 30.0,
-        }
+        Self::new(color, Finish::default())
     }
 
     /// The colour of parts that have none: a light steel.

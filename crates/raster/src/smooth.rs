@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use crate::cluster::{CLUSTER_VERTICES, Cluster, split};
 use crate::normals::{CornerNormals, Stars};
-use crate::scene::Scene;
+use crate::prepared::Prepared;
 
-/// Triangles for each entry of [`Scene::cluster_starts`].
+/// Triangles for each entry of [`Prepared::cluster_starts`].
 const GROUP: usize = 32;
 /// Clusters per parallel task.
 const CHUNK: usize = 64;
 
-impl Scene {
+impl Prepared {
     /// Finds the clusters whose vertices have one normal each, and keeps
     /// these. O(triangles). Those that are not `seen` are passed over. Corner
     /// normals that are `missing` are put down for the other clusters only.

@@ -2,6 +2,7 @@
 //! for each sample), each worked on by one thread at a time.
 
 use crate::simd::{FloatLanes, Lanes};
+use crate::transparent::Fragment;
 
 /// Width and height of a tile in pixels.
 pub(crate) const TILE: usize = 64;
@@ -54,12 +55,17 @@ pub(crate) struct Tiles {
     triangle: Vec<OfPixels<i32>>,
     /// The winding, likewise, where it is counted.
     winding: Vec<OfPixels<i32>>,
+    /// For each tile what is seen through, where anything is.
+    fragments: Vec<Vec<Fragment>>,
 }
 
 impl Tiles {
-    /// Makes room for so many tiles, none of them drawn; for windings as well,
-    /// where these are counted.
-    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool) {
+    /// Makes room for so many tiles, none of them drawn; for windings and what
+    /// is seen through as well, where there are any.
+    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool, transparent: bool) {
+        self.fragments.iter_mut().for_each(Vec::clear);
+        let lists = if transparent { tiles } else { 0 };
+        self.fragments.resize_with(lists, Vec::new);
         self.of_picture.clear();
         self.of_picture.resize_with(tiles, Tile::default);
         (self.samples, self.used) = (samples, 0);
@@ -84,6 +90,7 @@ impl Tiles {
         let winding = winding.chain(std::iter::repeat_with(|| None));
         let mut planes: Vec<_> = depth.zip(triangle).zip(winding).collect();
         let used = &mut self.used;
+        let mut fragments = self.fragments.iter_mut();
         self.of_picture
             .iter_mut()
             .enumerate()
@@ -99,6 +106,7 @@ impl Tiles {
                     depth,
                     triangle,
                     winding: winding.unwrap_or_default(),
+                    fragments: fragments.next(),
                 }
             })
             .collect()
@@ -155,6 +163,8 @@ pub(crate) struct TileBuffer<'a> {
     /// How many more faces show their backs than their fronts at each sample,
     /// hidden ones included, likewise; or nothing, where that is not counted.
     pub winding: &'a mut [OfPixels<i32>],
+    /// What is seen through, where anything may be.
+    pub fragments: Option<&'a mut Vec<Fragment>>,
 }
 
 /// One sample of each pixel of a tile.

@@ -6,6 +6,8 @@
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
+pub use crate::euler::{EulerOrder, GimbalLock};
+
 /// A point in homogeneous coordinates: w = 1.
 #[must_use]
 pub fn point(p: DVec3) -> DVec4 {
@@ -16,6 +18,41 @@ pub fn point(p: DVec3) -> DVec4 {
 #[must_use]
 pub fn direction(d: DVec3) -> DVec4 {
     d.extend(0.0)
+}
+
+/// The position of a point in homogeneous coordinates, (x, y, z) / w; `None` for
+/// w = 0, a point at infinity.
+#[must_use]
+pub fn cartesian(p: DVec4) -> Option<DVec3> {
+    (p.w != 0.0).then(|| p.truncate() / p.w)
+}
+
+/// The direction from `from` to `to`, up to a factor, without a division:
+/// w0 P1 - w1 P0, whose w is 0.
+#[must_use]
+pub fn homogeneous_difference(to: DVec4, from: DVec4) -> DVec4 {
+    to * from.w - from * to.w
+}
+
+/// The matrix for row vectors, v' = v M, that does what `m` does for column
+/// vectors, v' = M v: its transpose. Products are then in the opposite order.
+#[must_use]
+pub fn for_row_vectors(m: DMat4) -> DMat4 {
+    m.transpose()
+}
+
+/// The sixteen numbers in the order in which OpenGL takes them: column by
+/// column, so that an array written row by row looks transposed.
+#[must_use]
+pub fn opengl_array(m: DMat4) -> [f64; 16] {
+    m.to_cols_array()
+}
+
+/// Coordinates with respect to one orthonormal frame to those with respect to
+/// another: the scalar products of their axes, the columns of `from` and `to`.
+#[must_use]
+pub fn change_of_basis(from: DMat3, to: DMat3) -> DMat3 {
+    to.transpose() * from
 }
 
 /// Translation by `offset`; its inverse is the translation by `-offset`.
@@ -184,31 +221,19 @@ impl Euler {
     /// E = Ry(heading) Rx(pitch) Rz(roll).
     #[must_use]
     pub fn to_matrix(self) -> DMat3 {
-        DMat3::from_rotation_y(self.heading)
-            * DMat3::from_rotation_x(self.pitch)
-            * DMat3::from_rotation_z(self.roll)
+        EulerOrder::Yxz.to_matrix([self.heading, self.pitch, self.roll])
     }
 
     /// The angles of a rotation. Looking straight up or down (gimbal lock)
     /// heading and roll turn about the same axis; all of it is then given as
-    /// heading, and roll is 0.
+    /// heading, and roll is 0 ([`EulerOrder::from_matrix`] gives the choice).
     #[must_use]
     pub fn from_matrix(m: DMat3) -> Self {
-        // Row 2, column 3 of E is -sin(pitch); its row 2 and column 3 hold
-        // cos(pitch) times the sines and cosines of the other two.
-        let pitch = (-m.z_axis.y).clamp(-1.0, 1.0);
-        let cos_pitch = m.x_axis.y.hypot(m.y_axis.y);
-        if cos_pitch < 1e-9 {
-            return Self {
-                heading: (-m.x_axis.z).atan2(m.x_axis.x),
-                pitch: pitch.asin(),
-                roll: 0.0,
-            };
-        }
+        let [heading, pitch, roll] = EulerOrder::Yxz.from_matrix(m, GimbalLock::LastIsZero);
         Self {
-            heading: m.z_axis.x.atan2(m.z_axis.z),
-            pitch: pitch.atan2(cos_pitch),
-            roll: m.x_axis.y.atan2(m.y_axis.y),
+            heading,
+            pitch,
+            roll,
         }
     }
 }

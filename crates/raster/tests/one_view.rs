@@ -6,7 +6,7 @@ mod common;
 use csg::Mesh;
 use glam::DVec3;
 use raster::{
-    AntiAliasing, Camera, EdgeOptions, Image, Lens, RenderOptions, Renderer, Scene, StandardView,
+    AntiAliasing, Camera, EdgeOptions, Image, Lens, Prepared, RenderOptions, Renderer, StandardView,
 };
 
 /// A smooth ball and a box with creases, without normals.
@@ -43,13 +43,13 @@ fn scenes_for_one_view_look_like_scenes_for_all() {
     modes[3].two_sided = true;
     modes[3].cull_back_faces = false;
     modes[4].edges = Some(EdgeOptions::default());
-    let all = Scene::new(&mesh);
-    let given = Scene::from(mesh.clone());
+    let all = Prepared::new(&mesh);
+    let given = Prepared::from(mesh.clone());
     let mut drawn = 0;
     for camera in &cameras {
         let view = camera.view(width, height).unwrap();
         for options in &modes {
-            let one = Scene::for_view(mesh.clone(), &view, width, height, options);
+            let one = Prepared::for_view(mesh.clone(), &view, width, height, options);
             let [expected, found, taken] = [&all, &one, &given].map(|scene| {
                 let mut image = Image::default();
                 Renderer::default()

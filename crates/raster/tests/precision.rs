@@ -5,7 +5,7 @@ mod common;
 use csg::Mesh;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
-use raster::{Camera, Image, Lens, RenderOptions, Renderer, Scene, StandardView, View};
+use raster::{Camera, Image, Lens, Prepared, RenderOptions, Renderer, StandardView, View};
 
 const WIDTH: u32 = 480;
 const HEIGHT: u32 = 270;
@@ -17,7 +17,7 @@ fn worst(mesh: &Mesh, view: &View) -> (f64, f64, usize) {
     let mut renderer = Renderer::default();
     let mut options = RenderOptions::default();
     options.cull_back_faces = false;
-    let scene = Scene::new(mesh);
+    let scene = Prepared::new(mesh);
     renderer
         .draw(&scene, view, WIDTH, HEIGHT, &options, &mut Image::default())
         .unwrap();

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, DVec4, Vec3};
 use raster::clip::{ClipVertex, PLANES, clip_polygon};
 use raster::hidden_surface::{DepthBuffer, Painter};
 use raster::{
-    Camera, Image, Interpolation, Lens, Light, RenderOptions, Renderer, Scene, View, Viewport,
+    Camera, Image, Interpolation, Lens, Light, Prepared, RenderOptions, Renderer, View, Viewport,
     render_reference,
 };
 
@@ -170,7 +170,7 @@ fn distance_to_an_edge(mesh: &Mesh, view: &View, at: DVec2) -> f64 {
 #[test]
 fn coverage_depth_and_colour_agree() {
     let mesh = scene();
-    let prepared = Scene::new(&mesh);
+    let prepared = Prepared::new(&mesh);
     let pixels = (WIDTH * HEIGHT) as usize;
     for (name, view) in views() {
         let planes = common::reversed_depth_planes(&mesh, &view, [WIDTH, HEIGHT]);
@@ -257,7 +257,7 @@ fn the_painter_fails_where_surfaces_cut_each_other() {
 #[test]
 fn picking_finds_the_point_and_its_triangle() {
     let mesh = scene();
-    let prepared = Scene::new(&mesh);
+    let prepared = Prepared::new(&mesh);
     for (name, view) in views() {
         if name == "inside, wide" || name == "close by" {
             // Window depth resolves too little this near the eye.
@@ -325,7 +325,7 @@ fn reversed_depth_separates_distant_surfaces() {
         let mut image = Image::default();
         Renderer::default()
             .draw(
-                &Scene::new(&mesh),
+                &Prepared::new(&mesh),
                 &view,
                 WIDTH,
                 HEIGHT,

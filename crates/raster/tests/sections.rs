@@ -7,8 +7,8 @@ use csg::Mesh;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use raster::{
-    AntiAliasing, Camera, Image, Lens, Level, RenderOptions, Renderer, Scene, SectionPlane, View,
-    Viewport,
+    AntiAliasing, Camera, Image, Lens, Level, Prepared, RenderOptions, Renderer, SectionPlane,
+    View, Viewport,
 };
 
 const SIZE: u32 = 48;
@@ -81,7 +81,7 @@ fn clip_to_cube(range: &mut [f64; 2], half: f64, from: DVec3, to: DVec3) {
     }
 }
 
-fn draw(level: Level, scene: &Scene, view: &View, options: &RenderOptions) -> (Renderer, Image) {
+fn draw(level: Level, scene: &Prepared, view: &View, options: &RenderOptions) -> (Renderer, Image) {
     let mut renderer = Renderer::with_level(level);
     let mut image = Image::default();
     renderer
@@ -98,7 +98,7 @@ const EDGE: f64 = 0.02;
 /// away or not, passes within a hundredth of a pixel or, with several samples,
 /// within a pixel. Returns how many pixels showed a cap.
 fn check(solid: &Solid, view: &View) -> usize {
-    let scene = Scene::with_sections(&solid.mesh(), &solid.planes).unwrap();
+    let scene = Prepared::with_sections(&solid.mesh(), &solid.planes).unwrap();
     let viewport = Viewport::of_image(SIZE, SIZE);
     let rays = |x: u32, y: u32, reach: f64| {
         let offsets = [
@@ -275,7 +275,7 @@ proptest! {
         prop_assume!((b - a).cross(c - a).dot(d - a).abs() > 50.0);
         let mesh = tetrahedron(corners);
         let plane = SectionPlane { normal, point: a.lerp(b, share) };
-        let scene = Scene::with_sections(&mesh, &[plane]).unwrap();
+        let scene = Prepared::with_sections(&mesh, &[plane]).unwrap();
         let camera = Camera {
             eye: DVec3::Z * 100.0,
             target: DVec3::ZERO,

@@ -4,7 +4,7 @@ mod common;
 
 use csg::Mesh;
 use glam::DVec3;
-use raster::{AntiAliasing, Camera, Image, Lens, RenderOptions, Renderer, Scene, Stats};
+use raster::{AntiAliasing, Camera, Image, Lens, Prepared, RenderOptions, Renderer, Stats};
 
 const SIZE: u32 = 256;
 
@@ -22,7 +22,7 @@ fn camera() -> Camera {
 fn stats(mesh: &Mesh, camera: &Camera, options: &RenderOptions) -> Stats {
     let view = camera.view(SIZE, SIZE).unwrap();
     let (mut renderer, mut image) = (Renderer::default(), Image::default());
-    let scene = Scene::new(mesh);
+    let scene = Prepared::new(mesh);
     let stats = renderer.draw(&scene, &view, SIZE, SIZE, options, &mut image);
     let stats = stats.unwrap();
     let seen = image.pixels.iter().filter(|p| p[3] > 0).count();

@@ -2,8 +2,13 @@
 
 use std::str::FromStr;
 
+use csg::{Color, Mesh};
 use glam::DVec3;
-use raster::{AntiAliasing, EdgeOptions, HiddenEdges, Interpolation, RenderOptions, SectionPlane};
+use raster::hidden_surface::{DepthBuffer, HiddenSurface, Painter, ScanLine};
+use raster::{
+    AntiAliasing, EdgeOptions, HiddenEdges, Image, Interpolation, RasterError, RenderOptions,
+    SectionPlane, View, render_reference, wireframe_reference,
+};
 
 /// Options for looks.
 #[derive(Debug, clap::Args)]
@@ -15,6 +20,10 @@ pub(super) struct Looks {
     /// How edges are smoothed
     #[arg(long, value_enum, default_value_t = Smoothing::Msaa4)]
     anti_aliasing: Smoothing,
+    /// Faces alone, without the edges, the occlusion and the shadow that pictures
+    /// have unless it is given; those that are asked for as well are drawn
+    #[arg(long)]
+    plain: bool,
     /// Draw feature edges and silhouettes over the shading
     #[arg(long)]
     edges: bool,
@@ -48,7 +57,15 @@ pub(super) struct Looks {
     two_sided: bool,
     /// What the picture shows
     #[arg(long, value_enum, default_value_t = Show::Color)]
-    pub(super) show: Show,
+    show: Show,
+    /// Find hidden surfaces slowly and by the book, to show how: faces alone
+    #[arg(long, value_enum, value_name = "WAY", conflicts_with_all = ["show", "section", "sheet", "turntable"])]
+    pub(super) hidden_surface: Option<HiddenSurfaces>,
+    /// With `--show depth`: the depth buffer's integers, of so many bits, as a grey
+    /// PNG; 0 is near
+    #[arg(long, value_name = "BITS", requires = "show",
+          value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(super) depth_bits: Option<u32>,
     /// Four views on one sheet instead of one
     #[arg(long, conflicts_with_all = ["turntable", "show"])]
     pub(super) sheet: bool,
@@ -87,9 +104,56 @@ enum Smoothing {
     Supersample4,
 }
 
+/// Ways to find hidden surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum HiddenSurfaces {
+    /// A depth buffer
+    Zbuffer,
+    /// Triangles from far to near, each over the others: wrong where they cut
+    /// each other
+    Painter,
+    /// A depth buffer of one row at a time
+    Scanline,
+    /// Not at all: edges alone, clipped by outcodes (Cohen–Sutherland)
+    Wireframe,
+}
+
+impl HiddenSurfaces {
+    /// Draws a mesh, smoothed by drawing it larger as far as the options ask.
+    pub(super) fn draw(
+        self,
+        mesh: &Mesh,
+        view: &View,
+        [width, height]: [u32; 2],
+        options: &RenderOptions,
+    ) -> Result<Image, RasterError> {
+        let scale = match options.anti_aliasing {
+            AntiAliasing::None => 1,
+            AntiAliasing::Supersample(n) => n,
+            _ => 2,
+        };
+        let [w, h] = [width, height].map(|side| side.saturating_mul(scale));
+        let reference =
+            |way: &mut dyn HiddenSurface| render_reference(mesh, view, w, h, options, way);
+        let image = match self {
+            Self::Zbuffer => {
+                let pixels = w.min(raster::MAX_SIZE) as usize * h.min(raster::MAX_SIZE) as usize;
+                reference(&mut DepthBuffer::new(pixels))
+            }
+            Self::Painter => reference(&mut Painter),
+            Self::Scanline => reference(&mut ScanLine::new(w)),
+            Self::Wireframe => {
+                let color = Color::from_linear([0.01; 3]);
+                wireframe_reference(mesh, view, w, h, color, options.background)
+            }
+        };
+        Ok(image?.shrink(scale))
+    }
+}
+
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Show {
+enum Show {
     /// The model
     Color,
     /// Its distance: near white, far dark
@@ -129,8 +193,8 @@ impl FromStr for Section {
                 })
             }
             None => text.split_once(':').and_then(|(normal, point)| {
-                let normal = super::render::point(normal).filter(|n| *n != DVec3::ZERO)?;
-                let point = super::render::point(point)?;
+                let normal = super::parse::point(normal).filter(|n| *n != DVec3::ZERO)?;
+                let point = super::parse::point(point)?;
                 Some(SectionPlane { normal, point })
             }),
         };
@@ -149,7 +213,7 @@ fn width(text: &str) -> Result<f64, String> {
 
 impl Looks {
     /// The renderer's options.
-    pub(super) fn render_options(&self) -> RenderOptions {
+    pub(super) fn render_options(&self, direction: DVec3) -> RenderOptions {
         let mut options = RenderOptions::default();
         options.interpolation = match self.shading {
             Shading::Flat => Interpolation::Flat,
@@ -165,7 +229,7 @@ impl Looks {
         };
         if self.draws_edges() {
             let mut edges = EdgeOptions::default();
-            edges.features = self.edges || self.hidden_edges;
+            edges.features = self.edges || self.hidden_edges || !self.plain;
             edges.silhouettes = edges.features;
             edges.wireframe = self.wireframe;
             edges.points = self.points;
@@ -175,8 +239,8 @@ impl Looks {
             }
             options.edges = Some(edges);
         }
-        options.ambient_occlusion = self.ambient_occlusion;
-        options.ground_shadow = self.shadow;
+        options.ambient_occlusion = self.ambient_occlusion || !self.plain;
+        options.ground_shadow = self.casts_shadow(direction);
         options.triad = self.axes;
         options.two_sided = self.two_sided;
         options.cull_back_faces = !self.two_sided;
@@ -190,7 +254,24 @@ impl Looks {
     }
 
     fn draws_edges(&self) -> bool {
-        self.edges || self.hidden_edges || self.wireframe || self.points
+        !self.plain || self.edges || self.hidden_edges || self.wireframe || self.points
+    }
+
+    /// Whether there is a shadow for a camera that looks along a direction: one
+    /// is seen from above.
+    pub(super) fn casts_shadow(&self, direction: DVec3) -> bool {
+        self.shadow || (!self.plain && direction.normalize_or_zero().z < -0.05)
+    }
+
+    /// What the picture shows.
+    pub(super) fn show(&self) -> raster::Show {
+        match self.show {
+            Show::Color => raster::Show::Color,
+            Show::Depth => raster::Show::Depth,
+            Show::Normals => raster::Show::Normals,
+            Show::Surfaces => raster::Show::Surfaces,
+            Show::Occlusion => raster::Show::Occlusion,
+        }
     }
 
     /// The planes that cut the model.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::account::Account;
 use crate::failure::Failure;
 use crate::input::Subject;
-use crate::mesher::{MesherOptions, produce};
+use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
@@ -25,7 +25,7 @@ pub(crate) fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, true, &progress)?;
+    let mut product = produce(subject, &options.mesher, true, &no_needs, &progress)?;
     let account = Account::of(&mut product);
     drop(progress);
     if let Some(path) = &options.json {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::account::Account;
 use crate::failure::Failure;
 use crate::input::Subject;
-use crate::mesher::{MesherOptions, produce};
+use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::output::{self, StreamFormat, is_stream};
 use crate::progress::Progress;
 
@@ -33,7 +33,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     output::check(&options.outputs, options.json.as_deref())?;
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, true, &progress)?;
+    let mut product = produce(subject, &options.mesher, true, &no_needs, &progress)?;
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();

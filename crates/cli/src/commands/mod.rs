@@ -1,7 +1,9 @@
 //! The subcommands, one per file.
 
 pub(crate) mod account;
+mod lighting;
 mod looks;
 pub(crate) mod measure;
 pub(crate) mod mesh;
+mod parse;
 pub(crate) mod render;

@@ -6,11 +6,13 @@ use std::str::FromStr;
 use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
-    Camera, Image, Lens, RasterError, Renderer, Scene, StandardView, contact_sheet, depth_image,
-    id_image, normal_image, occlusion_image, turntable, turntable_camera, write_apng,
+    Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView, clear_view,
+    contact_sheet, integer_depth_png, turntable, turntable_camera, write_apng,
 };
 
-use super::looks::{Looks, Show};
+use super::lighting::Lighting;
+use super::looks::Looks;
+use super::parse::{color, point};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, Product, produce};
@@ -27,14 +29,11 @@ pub(crate) struct Options {
     #[arg(long, aliases = ["resolution", "imgsize"], value_name = "WxH", default_value = "1024x768")]
     size: Size,
     /// front, back, left, right, top, bottom or iso; or the direction to look
-    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z
-    #[arg(
-        long,
-        value_name = "VIEW",
-        default_value = "iso",
-        allow_hyphen_values = true
-    )]
-    camera: View,
+    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z [default: front for an
+    /// oblique projection; else iso, turned where that hides a cut or shows little
+    /// but one face]
+    #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]
+    camera: Option<View>,
     /// Vertical field of view in degrees
     #[arg(long, alias = "camera-view-angle", value_name = "DEGREES", default_value_t = 30.0,
           value_parser = field_of_view)]
@@ -47,11 +46,23 @@ pub(crate) struct Options {
     /// at that angle from the picture's x axis
     #[arg(long, value_name = "KIND", default_value = "perspective", conflicts_with_all = ["orthographic", "fov"])]
     projection: Projection,
+    /// What is upwards in the picture, unless a standard view says so [default:
+    /// Z, or Y for a view along Z]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
+    up: Option<DVec3>,
+    /// Distance of the near plane from the eye: what is nearer is not drawn
+    #[arg(long, value_name = "DISTANCE")]
+    near: Option<f64>,
+    /// Distance of the far plane, likewise
+    #[arg(long, value_name = "DISTANCE")]
+    far: Option<f64>,
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
     #[arg(long, alias = "background-color", value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
     #[command(flatten)]
     looks: Looks,
+    #[command(flatten)]
+    lighting: Lighting,
     #[command(flatten)]
     mesher: MesherOptions,
 }
@@ -158,17 +169,9 @@ impl FromStr for View {
     }
 }
 
-/// Three finite numbers with commas between them.
-pub(super) fn point(text: &str) -> Option<DVec3> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|number| number.trim().parse())
-        .collect::<Result<_, _>>()
-        .ok()?;
-    let [x, y, z] = numbers[..] else {
-        return None;
-    };
-    Some(DVec3::new(x, y, z)).filter(|point| point.is_finite())
+fn vector(text: &str) -> Result<DVec3, String> {
+    let vector = point(text).filter(|vector| *vector != DVec3::ZERO);
+    vector.ok_or_else(|| "give a direction like 0,0,1".into())
 }
 
 fn field_of_view(text: &str) -> Result<f64, String> {
@@ -176,16 +179,6 @@ fn field_of_view(text: &str) -> Result<f64, String> {
         Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
         _ => Err("give an angle between 0 and 180 degrees".into()),
     }
-}
-
-fn color(text: &str) -> Result<Color, String> {
-    let fault = || "give six hexadecimal digits, like ffffff".to_owned();
-    if text.len() != 6 || !text.bytes().all(|b| b.is_ascii_hexdigit()) {
-        return Err(fault());
-    }
-    let value = u32::from_str_radix(text, 16).map_err(|_| fault())?;
-    let [_, r, g, b] = value.to_be_bytes();
-    Ok(Color::from_srgb([r, g, b].map(|c| f32::from(c) / 255.0)))
 }
 
 pub(crate) fn run(
@@ -204,7 +197,10 @@ pub(crate) fn run(
         ));
     }
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, false, &progress)?;
+    let mut product = {
+        let needs = |points: &[DVec3]| quarter_pixel(points, options);
+        produce(subject, &options.mesher, false, &needs, &progress)?
+    };
     progress.stage("drawing");
     let empty = product.mesh.triangles.is_empty();
     let png = draw(&mut product, options).map_err(|error| {
@@ -219,6 +215,9 @@ pub(crate) fn run(
     progress.stage("writing");
     product.stage("write", |_| output::write_picture(&options.output, &png))?;
     if options.looks.stats {
+        if let Some(tolerance) = product.tolerance {
+            eprintln!("{:<22}{tolerance:>12.3e}", "tolerance");
+        }
         for (stage, seconds) in &product.seconds {
             eprintln!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
         }
@@ -245,32 +244,70 @@ fn lens_and_aspect(options: &Options) -> (Lens, f64) {
     (lens, f64::from(width) / f64::from(height))
 }
 
+/// Along which the camera looks, and what is upwards.
+fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
+    let direction = match (options.camera, options.projection) {
+        (Some(View::Standard(view)), _) => return view.direction_and_up(),
+        (Some(View::Along(direction)), _) => direction,
+        (Some(View::FromTo(eye, target)), _) => target - eye,
+        (None, Projection::Oblique(..)) => return StandardView::Front.direction_and_up(),
+        (None, _) => clear_view(mesh, &options.looks.sections()),
+    };
+    (direction, options.up.unwrap_or_else(|| up_for(direction)))
+}
+
 /// The camera that sees the mesh as the options say.
 fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
     let (lens, aspect) = lens_and_aspect(options);
-    Ok(match options.camera {
-        View::Standard(view) => Camera::standard(mesh, view, lens, aspect)?,
-        View::Along(direction) => {
-            Camera::framing(mesh, direction, up_for(direction), lens, aspect)?
-        }
-        View::FromTo(eye, target) => {
-            let direction = target - eye;
-            let up = up_for(direction);
-            let framed = Camera::framing(mesh, direction, up, lens, aspect)?;
-            // The same depths, seen from the eye that was asked for.
-            let towards = direction.normalize();
-            let moved = (framed.eye - eye).dot(towards);
-            let far = (framed.far + moved).max(f64::MIN_POSITIVE);
-            let near = (framed.near + moved).max(far * 1e-3);
-            Camera {
-                eye,
-                target,
-                near,
-                far,
-                ..framed
-            }
-        }
-    })
+    let (direction, up) = direction(mesh, options);
+    let framing = Framing {
+        direction,
+        up,
+        lens,
+        aspect,
+        shadow: options.looks.casts_shadow(direction),
+    };
+    let framed = framing.camera(mesh)?;
+    let depths = |camera: Camera| Camera {
+        near: options.near.unwrap_or(camera.near),
+        far: options.far.unwrap_or(camera.far),
+        ..camera
+    };
+    let Some(View::FromTo(eye, target)) = options.camera else {
+        return Ok(depths(framed));
+    };
+    // The same depths, seen from the eye that was asked for.
+    let moved = (framed.eye - eye).dot(direction.normalize());
+    let far = (framed.far + moved).max(f64::MIN_POSITIVE);
+    let near = (framed.near + moved).max(far * 1e-3);
+    Ok(depths(Camera {
+        eye,
+        target,
+        near,
+        far,
+        ..framed
+    }))
+}
+
+/// A quarter of a pixel where points come nearest to the eye.
+fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
+    let mesh = Mesh::new(points.to_vec(), Vec::new());
+    let camera = camera(&mesh, options).ok()?;
+    let along = (camera.target - camera.eye).try_normalize()?;
+    let depths = points.iter().map(|&p| (p - camera.eye).dot(along));
+    let nearest = depths.fold(f64::INFINITY, f64::min).max(camera.near);
+    let pixel = camera.pixel_size(nearest, options.size.height);
+    let extent = |axis: DVec3| {
+        let along = points.iter().map(|p| p.dot(axis));
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+        high - low
+    };
+    let side = extent(DVec3::X).max(extent(DVec3::Y)).max(extent(DVec3::Z));
+    // Nobody waits for a mesh finer than that because the eye is inside.
+    let tolerance = (pixel / 4.0).clamp(side * 1e-6, side * 1e-2);
+    (tolerance > 0.0).then_some(tolerance)
 }
 
 /// The picture as the bytes of a PNG file. A single picture uses up the mesh.
@@ -278,23 +315,34 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     let Size { width, height } = options.size;
     let camera = product.stage("frame", |product| camera(&product.mesh, options))?;
     let looks = &options.looks;
-    let mut render = looks.render_options();
+    let mut render = looks.render_options((camera.target - camera.eye).normalize_or_zero());
     if let Some(background) = options.background {
         render.background = background;
     }
+    options.lighting.apply(&mut render);
     let sections = looks.sections();
     let several = looks.sheet || looks.turntable.is_some();
     let view = camera.view(width, height)?;
+    if let Some(way) = looks.hidden_surface {
+        let image = product.stage("draw", |product| {
+            way.draw(&product.mesh, &view, [width, height], &render)
+        })?;
+        return image.to_png();
+    }
     let scene = product.stage("prepare", |product| {
         if !sections.is_empty() {
-            Scene::with_sections(&product.mesh, &sections)
+            Prepared::with_sections(&product.mesh, &sections)
         } else if several {
-            Ok(Scene::new(&product.mesh))
+            Ok(Prepared::new(&product.mesh))
         } else {
             let mesh = std::mem::take(&mut product.mesh);
-            Ok(Scene::for_view(mesh, &view, width, height, &render))
+            Ok(Prepared::for_view(mesh, &view, width, height, &render))
         }
     })?;
+    let scene = match options.lighting.texture(&render) {
+        Some(texture) => scene.textured(texture),
+        None => scene,
+    };
     let (mesh, (lens, aspect)) = (&product.mesh, lens_and_aspect(options));
     if looks.sheet {
         return contact_sheet(mesh, &scene, lens, width, height, &render)?.to_png();
@@ -316,19 +364,23 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     let mut renderer = Renderer::default();
     let mut image = Image::default();
     let stats = product.stage("draw", |_| {
-        renderer.draw(&scene, &view, width, height, &render, &mut image)
+        renderer.draw_shown(
+            &scene,
+            &view,
+            width,
+            height,
+            &render,
+            looks.show(),
+            &mut image,
+        )
     })?;
     if looks.stats {
         eprint!("{stats}");
     }
-    let shown = match looks.show {
-        Show::Color => image,
-        Show::Depth => depth_image(&renderer.depth_buffer()),
-        Show::Normals => normal_image(&renderer.normal_buffer(&scene, &view)),
-        Show::Surfaces => id_image(&renderer.surface_buffer(&scene)),
-        Show::Occlusion => occlusion_image(&renderer.ambient_occlusion(&scene, &view)),
-    };
-    product.stage("encode", |_| shown.to_png())
+    if let Some(bits) = looks.depth_bits {
+        return integer_depth_png(&renderer.integer_depth_buffer(bits), bits);
+    }
+    product.stage("encode", |_| image.to_png())
 }
 
 /// Speed of a turntable.
@@ -397,14 +449,6 @@ mod tests {
         assert_eq!("0.7,-30".parse(), Ok(Projection::Oblique(0.7, -30.0)));
         for faulty in ["", "fisheye", "1", "-1,30", "1,x", "nan,1", "1,inf"] {
             assert!(faulty.parse::<Projection>().is_err(), "{faulty}");
-        }
-    }
-
-    #[test]
-    fn colors() {
-        assert_eq!(color("ff0000"), Ok(Color::from_srgb([1.0, 0.0, 0.0])));
-        for faulty in ["", "fff", "gg0000", "+f0000", "ff00000"] {
-            assert!(color(faulty).is_err(), "{faulty}");
         }
     }
 }

@@ -92,6 +92,14 @@ impl Solid {
         self.linear(Ok(DMat3::from_rotation_z(angle)))
     }
 
+    /// Rotates by Euler angles: about z by `roll`, then about x by `pitch`, then
+    /// about y by `heading`: Ry(heading) Rx(pitch) Rz(roll).
+    #[must_use]
+    pub fn rotate_euler(&self, heading: f64, pitch: f64, roll: f64) -> Self {
+        let turn = DMat3::from_rotation_y(heading) * DMat3::from_rotation_x(pitch);
+        self.linear(Ok(turn * DMat3::from_rotation_z(roll)))
+    }
+
     /// Rotates about an axis through the origin.
     #[must_use]
     pub fn rotate_about_axis(&self, axis: impl Into<DVec3>, angle: f64) -> Self {

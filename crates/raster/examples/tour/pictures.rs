@@ -7,7 +7,7 @@ use raster::hidden_surface::{DepthBuffer, Painter};
 use raster::transform::{self, Shear};
 use raster::{
     AntiAliasing, Camera, EdgeOptions, Frame, HiddenEdges, Image, Interpolation, Lens, Light,
-    RasterError, RenderOptions, Renderer, Scene, SectionPlane, StandardView, View, Viewport,
+    Prepared, RasterError, RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport,
     contact_sheet, depth_image, id_image, normal_image, occlusion_image, render_reference,
     turntable, turntable_camera,
 };
@@ -55,7 +55,7 @@ struct Tour {
     width: u32,
     height: u32,
     mesh: Mesh,
-    scene: Scene,
+    scene: Prepared,
 }
 
 impl Tour {
@@ -64,12 +64,12 @@ impl Tour {
         Self {
             width: PANEL.0 * scale,
             height: PANEL.1 * scale,
-            scene: Scene::new(&mesh),
+            scene: Prepared::new(&mesh),
             mesh,
         }
     }
 
-    fn draw(&self, scene: &Scene, view: &View, options: &RenderOptions) -> Result<Image> {
+    fn draw(&self, scene: &Prepared, view: &View, options: &RenderOptions) -> Result<Image> {
         let mut image = Image::default();
         let (width, height) = (self.width, self.height);
         Renderer::default().draw(scene, view, width, height, options, &mut image)?;
@@ -120,7 +120,7 @@ impl Tour {
         let mut image = Image::default();
         let (width, height) = (4 * self.width, self.height);
         let view = camera.view(width, height)?;
-        let scene = Scene::new(&mesh);
+        let scene = Prepared::new(&mesh);
         let mut options = smooth();
         options.edges = Some(EdgeOptions::default());
         Renderer::default().draw(&scene, &view, width, height, &options, &mut image)?;
@@ -170,7 +170,7 @@ impl Tour {
         let from_aside = Camera::framing(&mesh, direction, DVec3::Z, lens, ASPECT)?;
         let from_aside = from_aside.view(self.width, self.height)?;
         Ok(row(&[
-            self.draw(&Scene::new(&mesh), &from_aside, &smooth())?,
+            self.draw(&Prepared::new(&mesh), &from_aside, &smooth())?,
             self.draw(&self.scene, &seen, &smooth())?,
         ]))
     }
@@ -199,7 +199,7 @@ impl Tour {
     /// sides.
     fn clipping(&self) -> Result<Image> {
         let ball = common::icosphere(DVec3::ZERO, 1.0, 2);
-        let hollow = Scene::new(&common::colored(inside_out(ball), YELLOW));
+        let hollow = Prepared::new(&common::colored(inside_out(ball), YELLOW));
         let inside = Camera {
             eye: DVec3::new(0.3, -0.75, 0.2),
             target: DVec3::ZERO,
@@ -251,7 +251,7 @@ impl Tour {
         let mut renderer = Renderer::default();
         let mut shaded = Image::default();
         renderer.draw(
-            &Scene::new(&ball),
+            &Prepared::new(&ball),
             &view,
             width,
             height,
@@ -280,7 +280,7 @@ impl Tour {
     fn shading(&self) -> Result<Image> {
         let ball = common::icosphere(DVec3::ZERO, 1.0, 1);
         let view = self.view_of(&ball)?;
-        let scene = Scene::new(&ball);
+        let scene = Prepared::new(&ball);
         let modes = [
             Interpolation::Flat,
             Interpolation::Gouraud,
@@ -366,14 +366,14 @@ impl Tour {
             normal: DVec3::NEG_Y,
             point: DVec3::new(0.0, -0.2, 0.0),
         };
-        let section = Scene::with_sections(&self.mesh, &[cut])?;
+        let section = Prepared::with_sections(&self.mesh, &[cut])?;
         let mut presentation = with_edges();
         presentation.ground_shadow = true;
         presentation.ambient_occlusion = true;
         presentation.triad = true;
         Ok(row(&[
             self.draw(&self.scene, &view, &hidden)?,
-            self.draw(&Scene::new(&ball), &self.view_of(&ball)?, &wire)?,
+            self.draw(&Prepared::new(&ball), &self.view_of(&ball)?, &wire)?,
             self.draw(&section, &view, &with_edges())?,
             self.draw(&self.scene, &view, &presentation)?,
         ]))
