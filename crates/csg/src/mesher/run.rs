@@ -97,7 +97,8 @@ impl<'a> Run<'a> {
                 report.largest_centroid_distance,
             ) = finish::largest_distances(self.program, &mesh);
             let start = report.end_stage("check", start);
-            if matches!(report.method, "polyhedral" | "boundary" | "adaptive") {
+            let is_to_tolerance = self.goal.is_some() && self.smallest.is_some();
+            if is_to_tolerance || report.method == "polyhedral" {
                 self.hold_against_program(&mesh, &mut report)?;
                 report.end_stage("rays", start);
             }
@@ -118,9 +119,10 @@ impl<'a> Run<'a> {
         let size = bounds.size().max_element();
         let tolerance = self.goal.as_ref().map_or(0.0, |goal| goal.tolerance);
         let deviation = report.deviation.filter(|d| d.is_finite()).unwrap_or(0.0);
-        let moved = report.moved.map_or(0.0, |moved| moved.distance);
-        let tolerance = tolerance.max(deviation).max(2.0 * moved).max(1e-6 * size);
-        let found = verify::differences(self.program, mesh, &bounds, tolerance);
+        let unseen = 2.0 * report.moved.map_or(0.0, |moved| moved.distance) + 1e-9 * size;
+        let tolerance = tolerance.max(deviation).max(unseen).max(1e-6 * size);
+        let held = verify::Tolerances { tolerance, unseen };
+        let found = verify::differences(self.program, mesh, &bounds, held);
         for place in found.places {
             report.add_fallback(verify::DIFFERENCE, place);
         }

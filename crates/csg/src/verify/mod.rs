@@ -29,6 +29,15 @@ pub(crate) struct Differences {
     pub share: f64,
 }
 
+/// What a mesh may be off.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tolerances {
+    /// How far it may be from the solid's boundary.
+    pub tolerance: f64,
+    /// Walls and gaps thinner than this may be lost.
+    pub unseen: f64,
+}
+
 /// Holds a mesh that is to be within a tolerance of the solid's boundary against some
 /// dozen to some hundred rays, as many as cost a few percent of making it.
 ///
@@ -38,7 +47,7 @@ pub(crate) fn differences(
     program: &Program,
     mesh: &Mesh,
     bounds: &Bounds,
-    tolerance: f64,
+    Tolerances { tolerance, unseen }: Tolerances,
 ) -> Differences {
     let mut found = Differences::default();
     let lattice = Lattice::new(bounds, mesh.triangles.len(), program.surfaces().len());
@@ -47,6 +56,7 @@ pub(crate) fn differences(
     let mut proof = Proof {
         program,
         tolerance,
+        unseen,
         shortest: 2.0 * tolerance + ROUNDING * bounds.size().max_element(),
         root: None,
         pruner: Pruner::default(),
@@ -121,6 +131,7 @@ fn compare(of_solid: &[Span], of_mesh: &[Crossing], check: &mut impl FnMut(f64, 
 struct Proof<'a> {
     program: &'a Program,
     tolerance: f64,
+    unseen: f64,
     shortest: f64,
     root: Option<Cell>,
     pruner: Pruner,
@@ -132,6 +143,14 @@ impl Proof<'_> {
     fn is_all(&mut self, place: DVec3, is_inside: bool) -> bool {
         self.prune(place, self.tolerance);
         self.pruned.constant() == Some(is_inside)
+    }
+
+    /// Whether neither the wall nor the gap at two points is so thin that it may be lost.
+    fn is_thick(&mut self, points: [DVec3; 2]) -> bool {
+        points.into_iter().all(|point| {
+            self.prune(point, self.unseen);
+            self.pruned.constant().is_some()
+        })
     }
 
     /// Whether the boundary is farther than the tolerance from a place of a triangle, or

@@ -52,9 +52,12 @@ pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<
         sides != [true, false] && proof.is_misplaced(place.at, place.normal)
     });
     let mut found: Vec<DVec3> = misplaced.map(|(place, _)| place.at).collect();
-    let sides = self::sides(program, &absent, 0.5 * tolerance);
+    let across = 0.5 * tolerance;
+    let sides = self::sides(program, &absent, across);
     let missed = absent.iter().zip(sides).filter(|&(place, [inner, outer])| {
-        inner != outer && distance(mesh, place.at) > 1.5 * tolerance
+        inner != outer
+            && distance(mesh, place.at) > tolerance + across
+            && proof.is_thick([across, -across].map(|t| place.at + t * place.normal))
     });
     found.extend(missed.map(|(place, _)| place.at));
     found

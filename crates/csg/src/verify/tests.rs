@@ -3,6 +3,10 @@ use crate::{Mesher, Solid};
 use glam::DVec3;
 
 const TOLERANCE: f64 = 0.01;
+const HELD: Tolerances = Tolerances {
+    tolerance: TOLERANCE,
+    unseen: 1e-9,
+};
 
 /// A solid's program and bounds, and its mesh.
 fn meshed(solid: &Solid) -> (Program, Bounds, Mesh) {
@@ -15,7 +19,7 @@ fn meshed(solid: &Solid) -> (Program, Bounds, Mesh) {
 
 fn share(solid: &Solid, mesh: &Mesh) -> Option<f64> {
     let (program, bounds, _) = meshed(solid);
-    let found = differences(&program, mesh, &bounds, TOLERANCE);
+    let found = differences(&program, mesh, &bounds, HELD);
     (!found.places.is_empty()).then_some(found.share)
 }
 
