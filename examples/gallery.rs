@@ -1,5 +1,6 @@
 //! The reference scenes side by side, in colours:
-//! `cargo run --release --example gallery -- render -o gallery.png`.
+//! `cargo run --release --example gallery -- render -o gallery.png --size 1280x800
+//! --background ffffff --camera -0.25,1,-0.75`.
 
 use std::process::ExitCode;
 

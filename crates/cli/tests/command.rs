@@ -267,6 +267,14 @@ fn render_has_an_option_for_every_look() {
         "--plain --fov 60",
         "--plain --background ff0000",
         "--plain --sheet",
+        "--plain --sheet first",
+        "--plain --dimension bbox",
+        "--plain --scale-bar",
+        "--plain --color-by surface",
+        "--plain --color-by draft",
+        "--plain --color-by curvature",
+        "--plain --color-by thickness",
+        "--plain --section -y=0 --cap-color ff0000",
         "--turntable 3",
     ] {
         let command = format!("render in.csg -o out.png --size 120x90 --cells 16 {looks}");
@@ -294,6 +302,15 @@ fn render_has_an_option_for_every_look() {
     );
     let output = folder.run("render in.csg -o out.png --cells 16 --stats");
     assert!(String::from_utf8_lossy(&succeeded(&output).stderr).contains("pixels shaded"));
+    succeeded(&folder.run("render in.csg -o out.gif --cells 16 --turntable 2 --size 64x48"));
+    assert_eq!(
+        &fs::read(folder.file("out.gif")).expect("a file")[..6],
+        b"GIF89a"
+    );
+    failed(
+        &folder.run("render in.csg -o out.png --dimension no:such"),
+        4,
+    );
     let message = failed(&folder.run("render in.csg -o out.png --section up"), 2);
     assert!(message.contains("y=0"), "{message}");
 }

@@ -114,6 +114,9 @@ pub enum RasterError {
     /// There can be no such file.
     #[error("cannot write the picture: {0}")]
     File(#[from] std::io::Error),
+    /// The GIF encoder or the file system refused.
+    #[error("cannot write the GIF: {0}")]
+    Gif(#[from] gif::EncodingError),
     /// The PNG encoder or the file system refused.
     #[error("cannot write the PNG: {0}")]
     Png(#[from] png::EncodingError),

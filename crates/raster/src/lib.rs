@@ -169,6 +169,11 @@
 //! Where texts have misprints the formulas hold: the third row of the matrix for
 //! (z - h) / (z + h) has 1/h, not 2/h, and angles are atan2(y, x) with y first.
 //!
+//! # Where things are
+//!
+//! `textbook/` holds the formulas and the reference pipeline, `engine/` the fast
+//! one, `overlay/` what is drawn over its pictures, `output/` pictures and files.
+//!
 //! # How the fast pipeline works
 //!
 //! 1. A [`Prepared`] scene holds all meshes in single precision around its centre, cut
@@ -188,70 +193,46 @@
 //! [`render_reference`] is the pipeline by the book, which the fast one is
 //! tested against.
 //!
-#![doc = include_str!("../docs/pictures.md")]
+#![doc = include_str!(concat!(env!("OUT_DIR"), "/pictures.md"))]
 
-mod blend;
-mod buffers;
 mod camera;
-pub mod clip;
-mod cluster;
-pub mod cohen_sutherland;
-mod corners;
-mod cull;
-mod deferred;
-mod edges;
+mod engine;
 mod error;
-mod euler;
-mod fill;
-pub mod fixed;
-mod frame;
 mod framing;
-mod geometry;
-mod ground;
-mod hatch;
-pub mod hidden_surface;
-mod image;
-mod interpolate;
-mod light;
-mod line;
-mod look;
-mod normals;
-mod occlusion;
 mod options;
+mod output;
+mod overlay;
 mod part;
-mod pipeline;
-mod png_file;
-pub mod polygon_model;
-mod prepared;
-pub mod projection;
-mod reference;
-mod resolve;
-pub mod scanline;
 mod scene;
-mod section;
-mod series;
-mod set_up;
-pub mod shade;
-mod show;
-mod silhouette;
-mod simd;
-mod smooth;
-mod stats;
-mod texture;
-mod tile;
-pub mod transform;
-mod transparent;
-mod triad;
-pub mod view_reference;
+mod textbook;
 mod viewpoint;
-pub mod viewport;
+
+use engine::{
+    cluster, corners, cull, deferred, fill, frame, geometry, hatch, interpolate, light, look,
+    normals, pipeline, prepared, resolve, section, set_up, simd, smooth, stats, texture, tile,
+    transparent,
+};
+use output::{buffers, gif_file, image, series, show};
+use overlay::{
+    blend, color_map, dimension, edges, explode, ground, lettering, line, occlusion, silhouette,
+    thickness, triad,
+};
+pub use textbook::{
+    clip, cohen_sutherland, fixed, hidden_surface, polygon_model, projection, scanline, shade,
+    transform, view_reference, viewport,
+};
+use textbook::{euler, reference};
 
 pub use buffers::{Buffer, Pick, depth_image, id_image, integer_depth_png, normal_image};
 pub use camera::{Camera, Frame, Lens, View, look_at};
+pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
+pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written};
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
+pub use explode::exploded;
 pub use framing::{Framing, StandardView};
+pub use gif_file::write_gif;
 pub use image::Image;
 pub use light::Light;
 pub use normals::{CREASE_ANGLE, corner_normals};
@@ -263,7 +244,7 @@ pub use prepared::Prepared;
 pub use reference::{render_reference, wireframe_reference};
 pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
-pub use series::{contact_sheet, turntable, turntable_camera, write_apng};
+pub use series::{ProjectionAngle, contact_sheet, ink_on, turntable, turntable_camera, write_apng};
 pub use shade::{Finish, Interpolation, Material};
 pub use show::Show;
 pub use simd::Level;

@@ -71,6 +71,8 @@ pub struct RenderOptions {
     pub background: Color,
     /// Colour of surfaces that have none.
     pub default_color: Color,
+    /// Colour of the caps of sections, if it is not that of surfaces without.
+    pub cap_color: Option<Color>,
     /// How surfaces reflect that do not say so themselves.
     pub finish: Finish,
     /// Lights of the scene.
@@ -186,6 +188,7 @@ impl Default for RenderOptions {
             height: 768,
             background: Color::from_linear([0.0; 3]).with_alpha(0.0),
             default_color: Material::default_color(),
+            cap_color: None,
             finish: Finish::default(),
             lights: Light::default_rig(),
             interpolation: Interpolation::Phong,

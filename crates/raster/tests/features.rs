@@ -5,9 +5,9 @@ mod common;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, RasterError,
-    RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport, contact_sheet, turntable,
-    turntable_camera, write_apng,
+    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, ProjectionAngle,
+    RasterError, RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport,
+    contact_sheet, turntable, turntable_camera, write_apng,
 };
 
 const SIZE: u32 = 160;
@@ -475,6 +475,7 @@ fn contact_sheets_line_up() {
         &mesh,
         &scene,
         Lens::DEFAULT,
+        ProjectionAngle::Third,
         400,
         300,
         &RenderOptions::default(),
@@ -482,7 +483,8 @@ fn contact_sheets_line_up() {
     .unwrap();
     let extent = |left: u32, top: u32| {
         let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
-        for y in top..top + 150 {
+        // (Above the view's name.)
+        for y in top..top + 136 {
             for x in left..left + 200 {
                 if sheet.get(x, y).unwrap()[3] > 0 {
                     low = [low[0].min(x), low[1].min(y)];

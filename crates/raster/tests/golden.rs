@@ -7,7 +7,6 @@ mod common;
 #[path = "../examples/tour/pictures.rs"]
 mod pictures;
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use raster::Image;
@@ -18,38 +17,19 @@ fn path(name: &str) -> PathBuf {
         .join(name)
 }
 
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::new();
-    for chunk in bytes.chunks(3) {
-        let word =
-            chunk.iter().fold(0u32, |word, b| word << 8 | u32::from(*b)) << (8 * (3 - chunk.len()));
-        for k in 0..4 {
-            let digit = DIGITS[(word >> (18 - 6 * k)) as usize & 63];
-            text.push(if k <= chunk.len() {
-                char::from(digit)
-            } else {
-                '='
-            });
-        }
-    }
-    text
-}
+/// How many times as large as it could be, a picture is on the page.
+const SCALE: u32 = 2;
 
-/// Keeps the pictures, and for the crate's page as link definitions.
+/// Keeps the pictures.
 fn bless(pictures: &[(&str, Image)]) {
-    let mut links = String::new();
     for (name, image) in pictures {
-        let file = image.to_png().unwrap();
-        std::fs::write(path(name).with_extension("png"), &file).unwrap();
-        let _ = writeln!(links, "[{name}]: data:image/png;base64,{}", base64(&file));
+        image.save(path(name).with_extension("png")).unwrap();
     }
-    std::fs::write(path("pictures.md"), links).unwrap();
 }
 
 #[test]
 fn pictures_are_as_they_were() {
-    let pictures = pictures::all(1).unwrap();
+    let pictures = pictures::all(SCALE).unwrap();
     if std::env::var_os("STEREOTOMY_BLESS").is_some() {
         bless(&pictures);
     }

@@ -6,8 +6,8 @@ use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::hidden_surface::{DepthBuffer, HiddenSurface, Painter, ScanLine};
 use raster::{
-    AntiAliasing, EdgeOptions, HiddenEdges, Image, Interpolation, RasterError, RenderOptions,
-    SectionPlane, View, render_reference, wireframe_reference,
+    AntiAliasing, EdgeOptions, HiddenEdges, Image, Interpolation, ProjectionAngle, RasterError,
+    RenderOptions, SectionPlane, View, render_reference, wireframe_reference,
 };
 
 /// Options for looks.
@@ -66,10 +66,12 @@ pub(super) struct Looks {
     #[arg(long, value_name = "BITS", requires = "show",
           value_parser = clap::value_parser!(u32).range(1..=16))]
     pub(super) depth_bits: Option<u32>,
-    /// Four views on one sheet instead of one
-    #[arg(long, conflicts_with_all = ["turntable", "show"])]
-    pub(super) sheet: bool,
-    /// Go once round the model in so many frames, as an animated PNG
+    /// Four views on one sheet instead of one, as the angle of projection puts
+    /// them
+    #[arg(long, value_enum, value_name = "ANGLE", num_args = 0..=1, default_missing_value = "third",
+          conflicts_with_all = ["turntable", "show"])]
+    pub(super) sheet: Option<Angle>,
+    /// Go once round the model in so many frames, as an animated PNG or GIF
     #[arg(long, value_name = "FRAMES", conflicts_with = "show",
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) turntable: Option<u32>,
@@ -102,6 +104,15 @@ enum Smoothing {
     Supersample2,
     /// Drawn at four times the size each way
     Supersample4,
+}
+
+/// Where views are put on a sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Angle {
+    /// What is seen from the right on the right, from above above
+    Third,
+    /// What is seen from the left on the right, from above below
+    First,
 }
 
 /// Ways to find hidden surfaces.
@@ -261,6 +272,14 @@ impl Looks {
     /// is seen from above.
     pub(super) fn casts_shadow(&self, direction: DVec3) -> bool {
         self.shadow || (!self.plain && direction.normalize_or_zero().z < -0.05)
+    }
+
+    /// Where views are put on a sheet.
+    pub(super) fn angle(&self) -> ProjectionAngle {
+        match self.sheet {
+            Some(Angle::First) => ProjectionAngle::First,
+            _ => ProjectionAngle::Third,
+        }
     }
 
     /// What the picture shows.

@@ -1,6 +1,7 @@
 //! The subcommands, one per file.
 
 pub(crate) mod account;
+mod annotate;
 mod lighting;
 mod looks;
 pub(crate) mod measure;

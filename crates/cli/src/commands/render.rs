@@ -1,15 +1,17 @@
 //! `render`: draw a picture.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::{
-    Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView, clear_view,
-    contact_sheet, integer_depth_png, turntable, turntable_camera, write_apng,
+    AntiAliasing, Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView,
+    clear_view, contact_sheet, integer_depth_png, turntable, turntable_camera, write_apng,
+    write_gif,
 };
 
+use super::annotate::Annotations;
 use super::lighting::Lighting;
 use super::looks::Looks;
 use super::parse::{color, point};
@@ -22,7 +24,7 @@ use crate::progress::Progress;
 /// Options of `render`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
-    /// Where to write the picture (.png), or `-` for standard output
+    /// Where to write the picture (.png, or .gif for a turntable), or `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Width and height in pixels
@@ -64,6 +66,8 @@ pub(crate) struct Options {
     #[command(flatten)]
     lighting: Lighting,
     #[command(flatten)]
+    annotations: Annotations,
+    #[command(flatten)]
     mesher: MesherOptions,
 }
 
@@ -99,7 +103,7 @@ impl FromStr for Size {
 impl Options {
     /// Whether the picture shows no more of a mesh than its faces.
     pub(crate) fn faces_only(&self) -> bool {
-        self.looks.faces_only()
+        self.looks.faces_only() && !self.annotations.needs_connections()
     }
 }
 
@@ -186,10 +190,13 @@ pub(crate) fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let extension = options.output.extension().and_then(|e| e.to_str());
-    if !output::is_stream(&options.output)
-        && !extension.is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        let cause = format!("{}: pictures are written as .png", options.output.display());
+    let is_png = extension.is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let is_animation = options.looks.turntable.is_some() && is_gif(&options.output);
+    if !(output::is_stream(&options.output) || is_png || is_animation) {
+        let cause = format!(
+            "{}: pictures are written as .png, turntables as .gif as well",
+            options.output.display()
+        );
         return Err(Failure::new(
             exit_codes::USAGE,
             "no such picture format",
@@ -259,6 +266,8 @@ fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
 /// The camera that sees the mesh as the options say.
 fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
     let (lens, aspect) = lens_and_aspect(options);
+    let aspect = aspect * options.annotations.share();
+    let mesh = &*options.annotations.framed(mesh);
     let (direction, up) = direction(mesh, options);
     let framing = Framing {
         direction,
@@ -310,9 +319,32 @@ fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
     (tolerance > 0.0).then_some(tolerance)
 }
 
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+enum Refused {
+    #[error(transparent)]
+    Raster(#[from] RasterError),
+    #[error("no dimension {0}: give the names of two flat, parallel faces")]
+    Dimension(String),
+}
+
+impl From<String> for Refused {
+    fn from(names: String) -> Self {
+        Self::Dimension(names)
+    }
+}
+
+/// Whether a file's extension is that of a GIF.
+fn is_gif(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("gif"))
+}
+
 /// The picture as the bytes of a PNG file. A single picture uses up the mesh.
-fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError> {
+fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
     let Size { width, height } = options.size;
+    let legend = options.annotations.prepare(&mut product.mesh);
+    let unit = product.mesh.unit;
     let camera = product.stage("frame", |product| camera(&product.mesh, options))?;
     let looks = &options.looks;
     let mut render = looks.render_options((camera.target - camera.eye).normalize_or_zero());
@@ -320,14 +352,21 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
         render.background = background;
     }
     options.lighting.apply(&mut render);
+    render.cap_color = options.annotations.cap_color;
+    if looks.depth_bits.is_some() {
+        // Depths have no mean.
+        render.anti_aliasing = AntiAliasing::None;
+    }
     let sections = looks.sections();
-    let several = looks.sheet || looks.turntable.is_some();
+    let several = looks.sheet.is_some() || looks.turntable.is_some();
     let view = camera.view(width, height)?;
+    let size = [width, height];
+    let dimensions = options.annotations.dimensions(&product.mesh, &view, size)?;
     if let Some(way) = looks.hidden_surface {
         let image = product.stage("draw", |product| {
             way.draw(&product.mesh, &view, [width, height], &render)
         })?;
-        return image.to_png();
+        return Ok(image.to_png()?);
     }
     let scene = product.stage("prepare", |product| {
         if !sections.is_empty() {
@@ -344,8 +383,9 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
         None => scene,
     };
     let (mesh, (lens, aspect)) = (&product.mesh, lens_and_aspect(options));
-    if looks.sheet {
-        return contact_sheet(mesh, &scene, lens, width, height, &render)?.to_png();
+    if looks.sheet.is_some() {
+        let angle = looks.angle();
+        return Ok(contact_sheet(mesh, &scene, lens, angle, width, height, &render)?.to_png()?);
     }
     if let Some(frames) = looks.turntable {
         // At the attitude of the camera, as far away as all sides need.
@@ -358,7 +398,11 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
         };
         let frames = turntable(&scene, &camera, frames, width, height, &render)?;
         let mut file = Vec::new();
-        write_apng(&frames, FRAMES_PER_SECOND, &mut file)?;
+        if is_gif(&options.output) {
+            write_gif(&frames, FRAMES_PER_SECOND, &mut file)?;
+        } else {
+            write_apng(&frames, FRAMES_PER_SECOND, &mut file)?;
+        }
         return Ok(file);
     }
     let mut renderer = Renderer::default();
@@ -377,10 +421,22 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, RasterError
     if looks.stats {
         eprint!("{stats}");
     }
+    let (camera, behind) = ((&camera, &view), render.background);
+    options.annotations.draw(
+        &dimensions,
+        legend.as_ref(),
+        unit,
+        camera,
+        behind,
+        &mut image,
+    );
     if let Some(bits) = looks.depth_bits {
-        return integer_depth_png(&renderer.integer_depth_buffer(bits), bits);
+        return Ok(integer_depth_png(
+            &renderer.integer_depth_buffer(bits),
+            bits,
+        )?);
     }
-    product.stage("encode", |_| image.to_png())
+    Ok(product.stage("encode", |_| image.to_png())?)
 }
 
 /// Speed of a turntable.

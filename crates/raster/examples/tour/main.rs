@@ -1,5 +1,5 @@
-//! The pictures of the crate's page, one for each stage of the pipeline, at
-//! three times their size, and a turntable that moves.
+//! The pictures of the crate's page, one for each stage of the pipeline, half
+//! as large again, and a turntable that moves.
 //!
 //! `cargo run --release -p raster --example tour -- FOLDER`
 
@@ -12,7 +12,7 @@ use std::path::Path;
 
 use raster::write_apng;
 
-/// How many times as large as on the page.
+/// On the page it is 2.
 const SCALE: u32 = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

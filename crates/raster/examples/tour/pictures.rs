@@ -7,9 +7,9 @@ use raster::hidden_surface::{DepthBuffer, Painter};
 use raster::transform::{self, Shear};
 use raster::{
     AntiAliasing, Camera, EdgeOptions, Frame, HiddenEdges, Image, Interpolation, Lens, Light,
-    Prepared, RasterError, RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport,
-    contact_sheet, depth_image, id_image, normal_image, occlusion_image, render_reference,
-    turntable, turntable_camera,
+    Prepared, ProjectionAngle, RasterError, RenderOptions, Renderer, SectionPlane, StandardView,
+    View, Viewport, contact_sheet, depth_image, id_image, normal_image, occlusion_image,
+    render_reference, turntable, turntable_camera,
 };
 
 use crate::common;
@@ -387,6 +387,7 @@ impl Tour {
             &self.mesh,
             &self.scene,
             Lens::DEFAULT,
+            ProjectionAngle::Third,
             width,
             height,
             &options,

@@ -4,7 +4,7 @@
 //! light in proportion to how far it rises over the pixel's tangent plane
 //! (McGuire et al., *The Alchemy screen-space ambient obscurance algorithm*,
 //! HPG 2011). The spiral is turned by a fixed 4x4 pattern, and a 4x4 mean
-//! removes that pattern again. Large pictures are sampled at every second
+//! removes that pattern again. Large pictures are sampled at every so manieth
 //! pixel; the others take the mean of those next to them that are as deep.
 
 use glam::{DMat4, DVec4, Vec3};
@@ -25,13 +25,13 @@ const SAMPLES: usize = 16;
 /// Radius of the neighbourhood in parts of the scene's diagonal, and the most
 /// in parts of the picture's longer side.
 const RADIUS: f64 = 0.12;
-const MOST: f64 = 0.25;
+const MOST: f64 = 0.12;
 /// Turns of the spiral; coprime to the samples.
 const TURNS: f64 = 7.0;
 /// Strength of the darkening.
 const STRENGTH: f32 = 3.0;
-/// Pixels from which on every second one is sampled.
-const LARGE: u32 = 300_000;
+/// The most samples, about: what fits a cache.
+const MOST_SAMPLES: f64 = 250_000.0;
 
 /// What is known of one pixel of the grid.
 #[derive(Clone, Copy, Debug)]
@@ -58,11 +58,8 @@ impl Grid {
         ground: Option<&Ground>,
     ) -> Self {
         let (full_width, full_height) = (renderer.width, renderer.height);
-        let step = if full_width * full_height >= LARGE {
-            2
-        } else {
-            1
-        };
+        let pixels = f64::from(full_width) * f64::from(full_height);
+        let step = ((pixels / MOST_SAMPLES).sqrt().ceil() as u32).max(1);
         let (width, height) = (full_width.div_ceil(step), full_height.div_ceil(step));
         let nothing = Sample {
             point: Vec3::NAN,
@@ -156,7 +153,7 @@ fn spirals() -> Vec<[[f32; 2]; SAMPLES]> {
 impl Renderer {
     /// How open each pixel of the last frame, which showed `scene` in `view`,
     /// is to light from everywhere: 1 open, 0 hidden; 1 where there is
-    /// nothing. Cost: about 20 ns a pixel and thread.
+    /// nothing. O(pixels).
     #[must_use]
     pub fn ambient_occlusion(&self, scene: &Prepared, view: &View) -> Buffer<f32> {
         self.occlusion(scene, view, false)
@@ -277,20 +274,27 @@ fn enlarged(renderer: &Renderer, grid: &Grid, smooth: &[f32]) -> Vec<f32> {
     let width = renderer.width as usize;
     let mut values = vec![1.0; width * renderer.height as usize];
     let rows = values.par_chunks_mut(width).enumerate();
+    let step = grid.step as usize;
+    let share = 1.0 / step as f32;
+    let last = [grid.width as usize - 1, grid.height as usize - 1];
     rows.for_each(|(y, row)| {
-        let (line, below) = (y / 2, (y / 2 + y % 2).min(grid.height as usize - 1));
+        let down = (y % step) as f32 * share;
+        let lines = [(y / step, 1.0 - down), ((y / step + 1).min(last[1]), down)];
         for (x, to) in row.iter_mut().enumerate() {
             let Some((_, depth)) = renderer.number(x as u32, y as u32) else {
                 continue;
             };
-            let (column, right) = (x / 2, (x / 2 + x % 2).min(grid.width as usize - 1));
+            let right = (x % step) as f32 * share;
+            let column = x / step;
+            let columns = [(column, 1.0 - right), ((column + 1).min(last[0]), right)];
             let (mut sum, mut total) = (0.0, 0.0);
-            for line in [line, below] {
-                for column in [column, right] {
+            for (line, near_line) in lines {
+                for (column, near_column) in columns {
                     let k = line * grid.width as usize + column;
                     let other = grid.samples[k].depth;
                     if other > 0.0 {
-                        let weight = same / (same + (depth - other).abs());
+                        let alike = same / (same + (depth - other).abs());
+                        let weight = (near_line * near_column + 1e-3) * alike;
                         sum += smooth[k] * weight;
                         total += weight;
                     }

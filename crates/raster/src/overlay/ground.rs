@@ -4,7 +4,6 @@ use csg::Color;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
 
-use crate::RasterError;
 use crate::blend::under;
 use crate::camera::{Camera, Lens, View};
 use crate::fixed::SUBPIXELS;
@@ -74,14 +73,16 @@ impl Ground {
 
 /// How much light from above is hidden on the ground, relative to the scene's
 /// centre.
-struct Shadow {
+#[derive(Clone, Debug)]
+pub(crate) struct Shadow {
     low: DVec2,
     extent: f64,
     hidden: Vec<f32>,
 }
 
 impl Shadow {
-    fn of(scene: &Prepared) -> Result<Self, RasterError> {
+    /// That of a scene, if there is anything.
+    pub fn of(scene: &Prepared) -> Option<Self> {
         let (low, high) = scene.bounds();
         let size = (high - low).max_element().max(f64::MIN_POSITIVE);
         let middle = low + (high - low) / 2.0;
@@ -100,9 +101,10 @@ impl Shadow {
             cull_back_faces: false,
             ..RenderOptions::default()
         };
-        let view = camera.view(SIZE, SIZE)?;
+        let view = camera.view(SIZE, SIZE).ok()?;
         let mut image = Image::default();
-        renderer.draw(scene, &view, SIZE, SIZE, &options, &mut image)?;
+        let drawn = renderer.draw(scene, &view, SIZE, SIZE, &options, &mut image);
+        drawn.ok()?;
         let coverage = image.pixels.iter().map(|p| f32::from(p[3]) / 255.0);
         let mut hidden: Vec<f32> = coverage.collect();
         let radius = (f64::from(SIZE) * BLUR / (1.0 + 2.0 * MARGIN)).ceil() as usize;
@@ -110,7 +112,7 @@ impl Shadow {
         for _ in 0..6 {
             hidden = transpose(&blur_rows(&hidden, radius));
         }
-        Ok(Self {
+        Some(Self {
             low: (middle - scene.centre).truncate() - extent / 2.0,
             extent,
             hidden,
@@ -139,9 +141,11 @@ fn blur_rows(values: &[f32], radius: usize) -> Vec<f32> {
     let size = SIZE as usize;
     let mut blurred = vec![0.0; values.len()];
     for (row, to) in values.chunks(size).zip(blurred.chunks_mut(size)) {
+        let mut sum: f32 = row[..radius.min(size)].iter().sum();
         for (k, value) in to.iter_mut().enumerate() {
-            let window = &row[k.saturating_sub(radius)..(k + radius + 1).min(size)];
-            *value = window.iter().sum::<f32>() / (2 * radius + 1) as f32;
+            sum += row.get(k + radius).unwrap_or(&0.0);
+            *value = sum / (2 * radius + 1) as f32;
+            sum -= k.checked_sub(radius).map_or(0.0, |k| row[k]);
         }
     }
     blurred
@@ -161,19 +165,17 @@ pub(crate) fn ground_height(scene: &Prepared) -> f64 {
 
 /// Puts the shadow that a scene casts on the plane through its lowest point
 /// under the picture. Nothing happens for a viewer below that plane.
-pub(crate) fn draw_ground_shadow(
-    scene: &Prepared,
-    view: &View,
-    image: &mut Image,
-) -> Result<(), RasterError> {
+pub(crate) fn draw_ground_shadow(scene: &Prepared, view: &View, image: &mut Image) {
     if scene.triangles.is_empty() || image.pixels.is_empty() {
-        return Ok(());
+        return;
     }
     let matrix = FrameMatrix::new(view, scene.centre, image.width, image.height);
     let Some(ground) = Ground::new(&matrix, ground_height(scene)) else {
-        return Ok(());
+        return;
     };
-    let shadow = Shadow::of(scene)?;
+    let Some(shadow) = scene.shadow() else {
+        return;
+    };
     let width = image.width as usize;
     let black = Color::from_linear([0.0; 3]);
     let rows = image.pixels.par_chunks_mut(width).enumerate();
@@ -188,5 +190,4 @@ pub(crate) fn draw_ground_shadow(
             }
         }
     });
-    Ok(())
 }

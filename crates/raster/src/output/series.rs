@@ -2,12 +2,13 @@
 
 use std::io::Write;
 
-use csg::Mesh;
-use glam::DQuat;
+use csg::{Color, Mesh};
+use glam::{DQuat, DVec2};
 
 use crate::camera::{Camera, Lens};
 use crate::framing::StandardView;
 use crate::image::Image;
+use crate::lettering::Lettering;
 use crate::options::RenderOptions;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
@@ -131,9 +132,33 @@ pub fn write_apng(
     Ok(())
 }
 
-/// Four views of a mesh on one sheet of `width` x `height` pixels: top and
-/// iso above, front and right below, as in third-angle drawing; the three
-/// orthographic ones to one scale.
+/// Where views are put on a sheet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionAngle {
+    /// What is seen from above is put above, from the right to the right: as
+    /// if the views were drawn on glass around the part.
+    #[default]
+    Third,
+    /// What is seen from above is put below, from the left to the right: as if
+    /// the part threw its shadow on walls behind.
+    First,
+}
+
+impl ProjectionAngle {
+    /// The views of a sheet, row by row.
+    #[must_use]
+    pub fn views(self) -> [StandardView; 4] {
+        use StandardView::{Front, Iso, Left, Right, Top};
+        match self {
+            Self::Third => [Top, Iso, Front, Right],
+            Self::First => [Front, Left, Top, Iso],
+        }
+    }
+}
+
+/// Four views of a mesh on one sheet of `width` x `height` pixels, each with its
+/// name: front, top, one side and iso, where an angle of projection puts them;
+/// the three orthographic ones to one scale.
 ///
 /// # Errors
 /// Those of [`Camera::standard`] and [`Renderer::draw`].
@@ -141,6 +166,7 @@ pub fn contact_sheet(
     mesh: &Mesh,
     scene: &Prepared,
     lens: Lens,
+    angle: ProjectionAngle,
     width: u32,
     height: u32,
     options: &RenderOptions,
@@ -150,30 +176,52 @@ pub fn contact_sheet(
     }
     let (w, h) = (width / 2, height / 2);
     let aspect = f64::from(w.max(1)) / f64::from(h.max(1));
-    let plain = Lens::Orthographic { height: 1.0 };
+    let views = angle.views();
     let mut cameras = Vec::new();
-    for view in [StandardView::Top, StandardView::Front, StandardView::Right] {
-        cameras.push(Camera::standard(mesh, view, plain, aspect)?);
+    for view in views {
+        let is_iso = view == StandardView::Iso;
+        let own = if is_iso {
+            lens
+        } else {
+            Lens::Orthographic { height: 1.0 }
+        };
+        cameras.push(Camera::standard(mesh, view, own, aspect)?);
     }
-    let tallest = cameras
-        .iter()
-        .fold(0.0f64, |most, camera| match camera.lens {
+    let flat = |k: &usize| views[*k] != StandardView::Iso;
+    let tallest = (0..4)
+        .filter(flat)
+        .fold(0.0f64, |most, k| match cameras[k].lens {
             Lens::Orthographic { height } => most.max(height),
             _ => most,
         });
-    for camera in &mut cameras {
-        camera.lens = Lens::Orthographic { height: tallest };
+    for k in (0..4).filter(flat) {
+        cameras[k].lens = Lens::Orthographic { height: tallest };
     }
-    cameras.insert(1, Camera::standard(mesh, StandardView::Iso, lens, aspect)?);
     let mut sheet = Image::new(width, height, crate::resolve::encode(options.background));
     let mut renderer = Renderer::default();
-    for (k, camera) in cameras.iter().enumerate() {
+    let text = (f64::from(w.min(h)) / 30.0).clamp(6.0, 40.0);
+    for (k, (camera, view)) in cameras.iter().zip(views).enumerate() {
         let mut image = Image::default();
         renderer.draw(scene, &camera.view(w, h)?, w, h, options, &mut image)?;
+        let label = Lettering {
+            text: view.name(),
+            at: DVec2::new(text, f64::from(h) - text),
+            height: text,
+            color: ink_on(options.background),
+        };
+        label.draw(&mut image);
         let (x, y) = (k as u32 % 2 * (width - w), k as u32 / 2 * (height - h));
         sheet.paste(&image, x, y);
     }
     Ok(sheet)
+}
+
+/// A colour for lettering on a background: black, or white on dark ones.
+#[must_use]
+pub fn ink_on(background: Color) -> Color {
+    let [r, g, b] = background.rgb;
+    let dark = background.alpha > 0.5 && 0.21 * r + 0.72 * g + 0.07 * b < 0.18;
+    Color::from_linear([if dark { 0.8 } else { 0.03 }; 3])
 }
 
 impl Image {

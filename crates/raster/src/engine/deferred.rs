@@ -33,6 +33,8 @@ pub(crate) struct ShadeContext<'a> {
     pub scene: &'a Prepared,
     pub matrix: &'a FrameMatrix,
     materials: Vec<Material>,
+    /// Index of the material of triangles without a surface.
+    last: usize,
     ambient: Vec3,
     lights: Vec<(Source, Vec3)>,
     pub interpolation: Interpolation,
@@ -79,10 +81,17 @@ impl<'a> ShadeContext<'a> {
         if !textured && materials.iter().all(|material| *material == materials[0]) {
             materials.truncate(1);
         }
+        let last = materials.len() - 1;
+        materials.extend(
+            options
+                .cap_color
+                .map(|color| Material::new(color, options.finish)),
+        );
         Self {
             scene,
             matrix,
             materials,
+            last,
             ambient,
             lights: sources,
             interpolation: options.interpolation,
@@ -100,7 +109,7 @@ impl<'a> ShadeContext<'a> {
     /// Index of a triangle's material.
     #[inline(always)]
     pub fn material(&self, triangle: usize) -> usize {
-        let last = self.materials.len() - 1;
+        let last = self.last;
         if last == 0 {
             return 0;
         }

@@ -1,6 +1,8 @@
 //! Tiles: squares of the picture with a visibility buffer (depth and triangle
 //! for each sample), each worked on by one thread at a time.
 
+use std::sync::Mutex;
+
 use crate::simd::{FloatLanes, Lanes};
 use crate::transparent::Fragment;
 
@@ -174,7 +176,83 @@ pub(crate) struct Plane<'a> {
     pub winding: Option<&'a mut OfPixels<i32>>,
 }
 
+/// The planes of one tile: depths and numbers, for each sample.
+type Planes = (Vec<OfPixels<f32>>, Vec<OfPixels<i32>>);
+
+/// Planes that threads take while they work on a tile, and give back.
+#[derive(Debug, Default)]
+pub(crate) struct PlanePool(Mutex<Vec<Planes>>);
+
+impl Clone for PlanePool {
+    /// (What is there is nothing but memory.)
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PlanePool {
+    /// Lends planes of so many samples, whatever they hold.
+    pub fn with<T>(&self, samples: usize, work: impl FnOnce(&mut Planes) -> T) -> T {
+        let mut planes = match self.0.lock() {
+            Ok(mut all) => all.pop().unwrap_or_default(),
+            Err(_) => Planes::default(),
+        };
+        planes
+            .0
+            .resize(samples, [[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]);
+        planes
+            .1
+            .resize(samples, [[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]);
+        let result = work(&mut planes);
+        if let Ok(mut all) = self.0.lock() {
+            all.push(planes);
+        }
+        result
+    }
+}
+
 impl TileBuffer<'_> {
+    /// Whether anything is drawn in it.
+    pub fn has_planes(&self) -> bool {
+        !self.depth.is_empty()
+    }
+
+    /// Whether something is seen through.
+    pub fn sees_through(&self) -> bool {
+        self.fragments
+            .as_ref()
+            .is_some_and(|found| !found.is_empty())
+    }
+
+    /// The same tile, empty, on other planes. What is known of hidden depths
+    /// still holds if all that was drawn is drawn again.
+    pub fn on<'b>(&'b mut self, planes: &'b mut Planes) -> TileBuffer<'b> {
+        if let Some(fragments) = &mut self.fragments {
+            fragments.clear();
+        }
+        let known = (self.tile.farthest, self.tile.farthest_of_all);
+        let mut other = TileBuffer {
+            tile: self.tile,
+            depth: &mut planes.0,
+            triangle: &mut planes.1,
+            winding: &mut [],
+            fragments: self.fragments.as_deref_mut(),
+        };
+        other.begin(false);
+        (other.tile.farthest, other.tile.farthest_of_all) = known;
+        other
+    }
+
+    /// Keeps the first sample of each pixel.
+    pub fn keep_first(&mut self, planes: &Planes) {
+        if let (Some(depth), Some(triangle)) = (self.depth.first_mut(), self.triangle.first_mut())
+            && let (Some(from), Some(numbers)) = (planes.0.first(), planes.1.first())
+        {
+            *depth = *from;
+            *triangle = *numbers;
+        }
+    }
+
     /// Makes the tile ready for its first triangle of a frame, which leaves
     /// nothing of what is there if `covered`.
     pub fn begin(&mut self, covered: bool) {

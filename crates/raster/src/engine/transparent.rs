@@ -8,13 +8,11 @@
 //! then the second ones, and so on. Fragments count at their own sample only,
 //! so that outlines are as smooth as those of opaque parts.
 
-use csg::Color;
-
 use crate::blend;
 use crate::deferred::{Job, ShadeContext, shade};
 use crate::fill::Record;
 use crate::fixed::SUBPIXELS;
-use crate::resolve::{Block, FindJobs, Scratch};
+use crate::resolve::{Block, FindJobs, ResolveTile, Scratch};
 use crate::simd::{LANES, Level};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
 
@@ -74,19 +72,6 @@ pub(crate) fn collect<'a>(
     }
 }
 
-/// Shades a tile in which something is seen through: as
-/// [`ResolveTile`](crate::resolve::ResolveTile) does others.
-pub(crate) struct ResolveTransparent<'a, 'b, 'p> {
-    pub context: &'a ShadeContext<'a>,
-    pub tile: &'a mut TileBuffer<'b>,
-    /// First pixel of the tile in the picture.
-    pub origin: [usize; 2],
-    pub rows: &'a mut [&'p mut [[u8; 4]]],
-    pub background: Color,
-    pub scratch: &'a mut Scratch,
-    pub samples: &'static [[i32; 2]],
-}
-
 /// What has been blended of one sample: premultiplied colour, and the share of
 /// light that what is behind still adds.
 #[derive(Clone, Copy)]
@@ -95,11 +80,11 @@ struct Blended {
     through: f32,
 }
 
-impl ResolveTransparent<'_, '_, '_> {
-    /// Does so, and returns the number of pixels that show a triangle.
-    pub fn run(self, level: Level) -> u64 {
-        let (samples, pixels) = (self.samples.len(), TILE * TILE);
-        let layers = self.layers();
+impl ResolveTile<'_, '_> {
+    /// [`ResolveTile::run`] for a tile in which something is seen through.
+    pub fn run_transparent(self, level: Level, samples: &[[i32; 2]]) -> u64 {
+        let (samples, pixels) = (samples.len(), TILE * TILE);
+        let layers = self.layers(samples);
         let clear = Blended {
             rgb: [0.0; 3],
             through: 1.0,
@@ -142,13 +127,13 @@ impl ResolveTransparent<'_, '_, '_> {
                 }
             }
         }
-        self.write(&blended);
+        self.write(&blended, samples);
         shown.into_iter().filter(|&shown| shown).count() as u64
     }
 
     /// For each rank, from the nearest fragments to the farthest, the numbers
     /// of all samples, a plane each.
-    fn layers(&self) -> Vec<Vec<OfPixels<i32>>> {
+    fn layers(&self, samples: usize) -> Vec<Vec<OfPixels<i32>>> {
         let mut fragments = self.tile.fragments.as_deref().cloned().unwrap_or_default();
         // Equal depths show what was drawn first.
         fragments.retain(|f| {
@@ -168,7 +153,7 @@ impl ResolveTransparent<'_, '_, '_> {
             for (rank, fragment) in group.iter().enumerate() {
                 if rank == layers.len() {
                     let none = [[NO_TRIANGLE; BLOCK_PIXELS]; BLOCKS * BLOCKS];
-                    layers.push(vec![none; self.samples.len()]);
+                    layers.push(vec![none; samples]);
                 }
                 let plane = &mut layers[rank][usize::from(fragment.sample)];
                 plane.as_flattened_mut()[usize::from(fragment.pixel)] = fragment.triangle;
@@ -178,8 +163,8 @@ impl ResolveTransparent<'_, '_, '_> {
     }
 
     /// Encodes the mean of each pixel's samples, the background behind them.
-    fn write(self, blended: &[Blended]) {
-        let weight = 1.0 / self.samples.len() as f32;
+    fn write(self, blended: &[Blended], samples: usize) {
+        let weight = 1.0 / samples as f32;
         for (y, row) in self.rows.iter_mut().enumerate() {
             for (x, pixel) in row.iter_mut().enumerate() {
                 let block = y / BLOCK * BLOCKS + x / BLOCK;

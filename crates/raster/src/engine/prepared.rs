@@ -13,6 +13,7 @@ use crate::cull::{Visibility, cluster_visibility};
 use crate::error::MAX_SIZE;
 use crate::frame::FrameMatrix;
 use crate::geometry::Facing;
+use crate::ground::Shadow;
 use crate::look::SurfaceLook;
 use crate::normals::{CREASE_ANGLE, CornerNormals, corner_normals};
 use crate::options::RenderOptions;
@@ -65,6 +66,7 @@ pub struct Prepared {
     feature_edges: OnceLock<Vec<Vec<u32>>>,
     /// Those found when first asked for.
     shared_edges: OnceLock<Vec<SharedEdge>>,
+    shadow: OnceLock<Option<Shadow>>,
 }
 
 impl Prepared {
@@ -263,6 +265,11 @@ impl Prepared {
     /// The edges that two triangles share.
     pub(crate) fn shared_edges(&self) -> &[SharedEdge] {
         self.shared_edges.get_or_init(|| find_shared_edges(self))
+    }
+
+    /// The shadow that it casts on the ground.
+    pub(crate) fn shadow(&self) -> Option<&Shadow> {
+        self.shadow.get_or_init(|| Shadow::of(self)).as_ref()
     }
 
     /// Number of triangles, with those cut away that matter for caps.

@@ -27,8 +27,8 @@ use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::section::cap_tile;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
-use crate::tile::{TILE, TileBuffer, Tiles};
-use crate::transparent::{ResolveTransparent, collect};
+use crate::tile::{PlanePool, TILE, TileBuffer, Tiles};
+use crate::transparent::collect;
 use crate::triad::draw_triad;
 
 /// Draws frames; keeps its working memory from one to the next.
@@ -41,6 +41,8 @@ pub struct Renderer {
     /// Samples drawn along a pixel's side.
     pub(crate) scale: u32,
     pub(crate) tiles: Tiles,
+    /// Memory of the threads, where tiles are worked on one by one.
+    planes: PlanePool,
     bins: Vec<Bins>,
     order: Vec<(f32, u32)>,
 }
@@ -127,7 +129,7 @@ impl Renderer {
             darken(image, &self.occlusion(scene, view, options.ground_shadow));
         }
         if options.ground_shadow {
-            draw_ground_shadow(scene, view, image)?;
+            draw_ground_shadow(scene, view, image);
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
@@ -164,8 +166,13 @@ impl Renderer {
         let rows = (height as usize).div_ceil(TILE);
         let samples = options.anti_aliasing.samples().len();
         let windings = !scene.sections.is_empty();
+        // Several samples a pixel take more memory than it costs to fill a tile
+        // twice: they are kept only while a tile is worked on. (Windings cannot
+        // be, for they count what is hidden.)
+        let tile_by_tile = samples > 1 && !windings;
+        let kept = if tile_by_tile { 1 } else { samples };
         self.tiles
-            .begin(columns * rows, samples, windings, context.transparent);
+            .begin(columns * rows, kept, windings, context.transparent);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
@@ -177,21 +184,29 @@ impl Renderer {
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
-        let sizes = batches(order.len());
+        let sizes = batches(order.len(), tile_by_tile);
         let mut rest = &order[..];
         let mut pieces = tile_rows(&mut image.pixels, width as usize);
         for (number, &share) in sizes.iter().enumerate() {
             let (batch, later) = rest.split_at(share);
             rest = later;
+            if number == 0 || !tile_by_tile {
+                let tiles = columns * rows;
+                self.bins.par_iter_mut().for_each(|bins| bins.clear(tiles));
+            }
             self.set_up(&context, facing, options, batch, columns);
-            let counts = if number + 1 < sizes.len() {
-                self.fill_tiles(columns, options)
+            let is_last = number + 1 == sizes.len();
+            let counts = if is_last {
+                self.finish_tiles(columns, options, &context, tile_by_tile, &mut pieces)
             } else {
-                self.finish_tiles(columns, options, &context, &mut pieces)
+                self.fill_tiles(columns, options, tile_by_tile)
             };
             stats.bin_entries_hidden += counts.hidden;
             stats.blocks += counts.blocks;
             stats.pixels_shaded += counts.shaded;
+            if tile_by_tile && !is_last {
+                continue;
+            }
             for bins in &self.bins {
                 stats.triangles_set_up += bins.records.len() as u64;
                 stats.bin_entries += bins.tiles.iter().map(|t| t.len() as u64).sum::<u64>();
@@ -238,10 +253,9 @@ impl Renderer {
                 .transparent
                 .then_some((shading, options.cull_back_faces)),
         };
-        let (level, tiles) = (self.level, self.tiles.of_picture.len());
+        let level = self.level;
         let part = batch.len().div_ceil(self.bins.len()).max(1);
         self.bins.par_iter_mut().enumerate().for_each(|(k, bins)| {
-            bins.clear(tiles);
             let first = (k * part).min(batch.len());
             let end = (first + part).min(batch.len());
             level.run(SetUpClusters {
@@ -253,14 +267,33 @@ impl Renderer {
     }
 
     /// Fills what is in the bins into the tiles.
-    fn fill_tiles(&mut self, columns: usize, options: &RenderOptions) -> FillCounts {
-        let (level, bins) = (self.level, &self.bins);
+    fn fill_tiles(
+        &mut self,
+        columns: usize,
+        options: &RenderOptions,
+        tile_by_tile: bool,
+    ) -> FillCounts {
+        let (level, bins, pool) = (self.level, &self.bins, &self.planes);
         let samples = options.anti_aliasing.samples();
         let tiles = self.tiles.buffers(|index| any_in(bins, index));
         tiles
             .into_par_iter()
             .enumerate()
             .map(|(index, mut tile)| {
+                if tile_by_tile && tile.has_planes() {
+                    return pool.with(samples.len(), |planes| {
+                        let mut tile = tile.on(planes);
+                        let counts = level.run(FillTile {
+                            tile: &mut tile,
+                            index,
+                            bins,
+                            origin: origin(index, columns),
+                            samples,
+                        });
+                        level.run(UpdateFarthest { tile: &mut tile });
+                        counts
+                    });
+                }
                 let counts = level.run(FillTile {
                     tile: &mut tile,
                     index,
@@ -283,9 +316,10 @@ impl Renderer {
         columns: usize,
         options: &RenderOptions,
         context: &ShadeContext,
+        tile_by_tile: bool,
         pieces: &mut [Vec<&mut [[u8; 4]]>],
     ) -> FillCounts {
-        let (level, bins) = (self.level, &self.bins);
+        let (level, bins, pool) = (self.level, &self.bins, &self.planes);
         let samples = options.anti_aliasing.samples();
         let background = options.background;
         let tiles = self.tiles.buffers(|index| any_in(bins, index));
@@ -294,44 +328,41 @@ impl Renderer {
             .zip(pieces)
             .enumerate()
             .map_init(Scratch::default, |scratch, (index, (mut tile, rows))| {
-                let origin = origin(index, columns);
-                let mut counts = level.run(FillTile {
-                    tile: &mut tile,
-                    index,
-                    bins,
-                    origin,
-                    samples,
-                });
-                if !context.scene.sections.is_empty() {
-                    cap_tile(&mut tile, origin, samples, context);
-                }
-                if tile
-                    .fragments
-                    .as_ref()
-                    .is_some_and(|found| !found.is_empty())
-                {
-                    counts.shaded = ResolveTransparent {
+                let mut finish = |tile: &mut TileBuffer| {
+                    let origin = origin(index, columns);
+                    let mut counts = level.run(FillTile {
+                        tile,
+                        index,
+                        bins,
+                        origin,
+                        samples,
+                    });
+                    if !context.scene.sections.is_empty() {
+                        cap_tile(tile, origin, samples, context);
+                    }
+                    let resolve = ResolveTile {
                         context,
-                        tile: &mut tile,
+                        tile,
                         origin: origin.map(|v| v as usize),
                         rows,
                         background,
                         scratch,
-                        samples,
-                    }
-                    .run(level);
-                    return counts;
+                    };
+                    counts.shaded = if resolve.tile.sees_through() {
+                        resolve.run_transparent(level, samples)
+                    } else {
+                        resolve.run(level)
+                    };
+                    counts
+                };
+                if !(tile_by_tile && tile.has_planes()) {
+                    return finish(&mut tile);
                 }
-                counts.shaded = ResolveTile {
-                    context,
-                    tile: &tile,
-                    origin: origin.map(|v| v as usize),
-                    rows,
-                    background,
-                    scratch,
-                }
-                .run(level);
-                counts
+                pool.with(samples.len(), |planes| {
+                    let counts = finish(&mut tile.on(planes));
+                    tile.keep_first(planes);
+                    counts
+                })
             })
             .reduce(FillCounts::default, FillCounts::add)
     }
@@ -372,9 +403,13 @@ fn origin(index: usize, columns: usize) -> [i32; 2] {
 /// Sizes of the batches that so many clusters are taken in: few enough that
 /// waiting for each other costs nothing, the first ones small so that what
 /// they draw hides much of the rest.
-fn batches(clusters: usize) -> Vec<usize> {
+fn batches(clusters: usize, tile_by_tile: bool) -> Vec<usize> {
     if clusters < 512 {
         return vec![clusters];
+    }
+    if tile_by_tile {
+        // Those before the last are filled once more.
+        return vec![clusters / 4, clusters - clusters / 4];
     }
     let mut sizes: Vec<usize> = [8, 8, 8, 8, 4].iter().map(|part| clusters / part).collect();
     sizes.push(clusters - sizes.iter().sum::<usize>());

@@ -1,0 +1,8 @@
+//! Pictures and buffers, and the files they are written to.
+
+pub(crate) mod buffers;
+pub(crate) mod gif_file;
+pub(crate) mod image;
+pub(crate) mod png_file;
+pub(crate) mod series;
+pub(crate) mod show;

@@ -1,0 +1,230 @@
+//! Dimensions, colours that tell something, exploded views, animations: their
+//! numbers against geometry.
+
+mod common;
+
+use csg::{Color, Mesh};
+use glam::DVec3;
+use raster::{
+    ColorBy, Dimension, Image, Legend, Lens, ProjectionAngle, RasterError, StandardView,
+    draw_dimensions, draw_legend, draw_scale_bar, exploded, ramp, write_gif, written,
+};
+
+const SIZE: u32 = 240;
+
+fn named(mut mesh: Mesh, names: [&str; 6]) -> Mesh {
+    for (surface, name) in mesh.surfaces.iter_mut().zip(names) {
+        surface.name = Some(name.into());
+    }
+    mesh
+}
+
+/// The sides of [`common::cuboid`].
+const SIDES: [&str; 6] = ["left", "right", "front", "back", "bottom", "top"];
+
+#[test]
+fn dimensions_of_a_box_are_its_sides() {
+    let (low, high) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(3.5, 3.0, 7.0));
+    let mesh = common::cuboid(low, high);
+    for view in [StandardView::Iso, StandardView::Front] {
+        let camera = raster::Camera::standard(&mesh, view, Lens::DEFAULT, 1.0).unwrap();
+        let view = camera.view(SIZE, SIZE).unwrap();
+        let found = Dimension::of_box(low, high, &view, SIZE, SIZE);
+        let lengths: Vec<f64> = found.iter().map(Dimension::length).collect();
+        assert!(
+            lengths.contains(&2.5) && lengths.contains(&4.0),
+            "{lengths:?}"
+        );
+        // Lines are drawn beside the model, not over it.
+        let mut image = Image::new(SIZE, SIZE, [255; 4]);
+        draw_dimensions(
+            &found,
+            "mm",
+            &view,
+            Color::from_linear([0.0; 3]),
+            &mut image,
+        );
+        assert!(image.pixels.iter().filter(|p| p[0] < 200).count() > 100);
+        assert_eq!(image.get(SIZE / 2, SIZE / 2), Some([255; 4]));
+    }
+}
+
+#[test]
+fn dimensions_between_named_faces() {
+    let mesh = named(
+        common::cuboid(DVec3::ZERO, DVec3::new(2.0, 3.0, 5.0)),
+        SIDES,
+    );
+    let length = |a: &str, b: &str| Dimension::between(&mesh, a, b).map(|d| d.length());
+    assert_eq!(length("left", "right"), Some(2.0));
+    assert_eq!(length("back", "front"), Some(3.0));
+    assert_eq!(length("top", "bottom"), Some(5.0));
+    assert_eq!(length("top", "front"), None);
+    assert_eq!(length("top", "lid"), None);
+    // The line runs at right angles to the faces.
+    let across = Dimension::between(&mesh, "left", "right").unwrap();
+    assert_eq!((across.to - across.from).normalize(), DVec3::X);
+    // Bent faces have no distance.
+    let mut ball = common::icosphere(DVec3::ZERO, 1.0, 1);
+    ball = common::colored(ball, [1.0; 3]);
+    ball.surfaces[0].name = Some("round".into());
+    assert_eq!(Dimension::between(&ball, "round", "round"), None);
+}
+
+#[test]
+fn numbers_are_written_short() {
+    for (value, text) in [
+        (2.5, "2.5"),
+        (40.0, "40"),
+        (0.12345, "0.1235"),
+        (1234.56, "1235"),
+        (100.0, "100"),
+        (-3.25, "-3.25"),
+        (0.0, "0"),
+        (f64::NAN, "0"),
+    ] {
+        assert_eq!(written(value), text);
+    }
+}
+
+/// The bar is as long as it says: a unit is ten pixels, so 5 units are 50.
+#[test]
+fn scale_bars_have_round_lengths() {
+    for (pixel, length) in [(0.1, 50u32), (0.03, 33), (7.0, 29)] {
+        let mut image = Image::new(SIZE, SIZE, [255; 4]);
+        draw_scale_bar(pixel, "", Color::from_linear([0.0; 3]), &mut image);
+        let rows = image.pixels.chunks(SIZE as usize);
+        let longest = rows
+            .map(|row| row.iter().filter(|p| p[0] < 128).count())
+            .max();
+        assert!(
+            longest.unwrap().abs_diff(length as usize) <= 2,
+            "{pixel}: {longest:?}"
+        );
+    }
+}
+
+fn range(legend: &Legend) -> [f64; 2] {
+    match legend {
+        Legend::Range { low, high, .. } => [*low, *high],
+        Legend::Names(_) => panic!("no range"),
+    }
+}
+
+#[test]
+fn curvature_of_a_ball_is_one_by_its_radius() {
+    let mut ball = common::icosphere(DVec3::ZERO, 4.0, 3);
+    let [low, high] = range(&ColorBy::Curvature.apply(&mut ball));
+    assert!(
+        (low - 0.25).abs() < 1e-5 && (high - 0.25).abs() < 1e-5,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn thickness_is_the_way_through() {
+    let sides = DVec3::new(1.0, 2.0, 3.0);
+    let mut mesh = common::cuboid(DVec3::ZERO, sides);
+    let [low, high] = range(&ColorBy::Thickness.apply(&mut mesh));
+    assert_eq!([low, high], [1.0, 3.0]);
+    let color = |side: usize| mesh.surfaces[mesh.triangle_surfaces[2 * side] as usize].color;
+    let wanted = |length: f64| Some(ramp((length - 1.0) / 2.0));
+    let near = |a: Option<Color>, b: Option<Color>| {
+        let (a, b) = (a.unwrap().rgb, b.unwrap().rgb);
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02)
+    };
+    for side in 0..6 {
+        assert!(near(color(side), wanted(sides[side / 2])), "{side}");
+    }
+    // A shell's wall, from outside and from inside.
+    let outside = common::icosphere(DVec3::ZERO, 1.0, 4);
+    let mut inside = common::icosphere(DVec3::ZERO, 0.8, 4);
+    for (triangle, normals) in inside.triangles.iter_mut().zip(&mut inside.corner_normals) {
+        triangle.swap(1, 2);
+        normals.swap(1, 2);
+    }
+    let mut shell = common::merge(outside, &inside);
+    let [low, high] = range(&ColorBy::Thickness.apply(&mut shell));
+    assert!(low > 0.19 && high < 0.21, "{low} {high}");
+}
+
+#[test]
+fn draft_is_how_faces_lean() {
+    let mut mesh = common::cuboid(DVec3::ZERO, DVec3::ONE);
+    assert_eq!(range(&ColorBy::Draft.apply(&mut mesh)), [-90.0, 90.0]);
+    let color = |side: usize| mesh.surfaces[mesh.triangle_surfaces[2 * side] as usize].color;
+    assert_eq!(color(5), Some(ramp(1.0)));
+    assert_eq!(color(4), Some(ramp(0.0)));
+    assert_eq!(color(0), color(3));
+}
+
+#[test]
+fn parts_are_told_apart_and_moved_apart() {
+    let one = common::cuboid(DVec3::splat(-1.0), DVec3::splat(-0.5));
+    let other = common::cuboid(DVec3::splat(0.5), DVec3::splat(1.0));
+    let mut mesh = common::merge(one, &other);
+    let apart = exploded(&mesh, 2.0);
+    assert_eq!(apart.positions[0], DVec3::splat(-1.0 - 0.75 * 2.0));
+    assert_eq!(apart.positions[8], DVec3::splat(0.5 + 0.75 * 2.0));
+    assert_eq!(exploded(&mesh, 0.0).positions, mesh.positions);
+    let Legend::Names(names) = ColorBy::Part.apply(&mut mesh) else {
+        panic!("no names");
+    };
+    assert_eq!(names.len(), 2);
+    assert_ne!(names[0].1, names[1].1);
+    assert_eq!(mesh.triangle_surfaces, [[0; 12], [1; 12]].concat());
+}
+
+#[test]
+fn surfaces_are_named_in_the_legend() {
+    let mut mesh = named(common::cuboid(DVec3::ZERO, DVec3::ONE), SIDES);
+    let legend = ColorBy::Surface.apply(&mut mesh);
+    let Legend::Names(names) = &legend else {
+        panic!("no names");
+    };
+    assert_eq!(
+        names
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .collect::<Vec<_>>(),
+        SIDES
+    );
+    let mut image = Image::new(SIZE, SIZE, [255; 4]);
+    draw_legend(&legend, Color::from_linear([0.0; 3]), &mut image);
+    for (_, color) in names {
+        let encoded = color.to_srgb().map(|c| (c * 255.0).round() as u8);
+        assert!(image.pixels.iter().filter(|p| p[..3] == encoded).count() > 20);
+    }
+}
+
+#[test]
+fn sheets_put_views_where_the_angle_says() {
+    use StandardView::{Front, Iso, Left, Right, Top};
+    assert_eq!(ProjectionAngle::Third.views(), [Top, Iso, Front, Right]);
+    assert_eq!(ProjectionAngle::First.views(), [Front, Left, Top, Iso]);
+}
+
+#[test]
+fn gifs_read_back() {
+    let frames: Vec<Image> = [[255, 0, 0, 255], [0, 0, 255, 255], [0, 0, 0, 0]]
+        .map(|color| Image::new(20, 10, color))
+        .to_vec();
+    let mut file = Vec::new();
+    write_gif(&frames, 15, &mut file).unwrap();
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(&file[..]).unwrap();
+    for frame in &frames {
+        let found = decoder.read_next_frame().unwrap().unwrap();
+        assert_eq!((found.width, found.height), (20, 10));
+        assert_eq!(found.buffer[3], frame.pixels[0][3]);
+        if frame.pixels[0][3] == 255 {
+            assert_eq!(found.buffer[..3], frame.pixels[0][..3]);
+        }
+    }
+    assert!(decoder.read_next_frame().unwrap().is_none());
+    assert!(matches!(
+        write_gif(&[], 15, Vec::new()),
+        Err(RasterError::EmptyImage { .. })
+    ));
+}
