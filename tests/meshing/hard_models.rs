@@ -11,7 +11,7 @@ use stereotomy::{csg, io};
 
 use super::defects::{largest_miss, measure, size};
 
-fn model(name: &str) -> Solid {
+pub fn model(name: &str) -> Solid {
     read(name, &ReadOptions::default())
 }
 

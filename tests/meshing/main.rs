@@ -13,5 +13,6 @@ mod promises;
 mod random;
 mod random_solids;
 mod reference_scenes;
+mod thin;
 mod tolerance;
 mod twins;

@@ -85,9 +85,10 @@ impl Arc<'_> {
         }
         let reach = scene.touching_reach();
         let [a, b] = self.surfaces;
+        let blur = 4.0 * scene.rounding;
         let found = match third {
-            Some(third) => solve::common_point(&[a, b, third], start, reach),
-            None => solve::common_point(&[a, b], start, reach),
+            Some(third) => solve::sharp_common_point(&[a, b, third], start, reach, blur),
+            None => solve::sharp_common_point(&[a, b], start, reach, blur),
         };
         let is_near = found.point.distance(start) <= reach;
         if is_near && found.residual <= scene.weld {

@@ -9,6 +9,7 @@ use super::Scene;
 use super::boundary::Boundary;
 use super::triangulate::orient;
 use crate::net::solve;
+use crate::program::Surface;
 
 /// A point of an edge's curve at which a vertex may part it from another one. One
 /// half of the edge stands for both.
@@ -115,9 +116,21 @@ impl Boundary {
         match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
             None => Some(a + (point - a).project_onto(b - a)),
             Some(surfaces) => {
-                let found = solve::common_point(&surfaces, point, half);
-                let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
-                is_found.then_some(found.point)
+                let on = |start: DVec3| {
+                    let blur = 4.0 * scene.rounding;
+                    let found = solve::sharp_common_point(&surfaces, start, half, blur);
+                    let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
+                    is_found.then_some(found.point)
+                };
+                let found = on(point)?;
+                if runs_along(surfaces, found, [a, b]) {
+                    return Some(found);
+                }
+                // The curve on the other side of something thin, or of what the curve
+                // goes around.
+                let across = opposite(surfaces, found, half);
+                let mut across = across.filter_map(on);
+                across.find(|&other| runs_along(surfaces, other, [a, b]))
             }
         }
     }
@@ -145,12 +158,11 @@ impl Boundary {
             })
             .collect();
         let known = splits.len();
-        for (k, (first, ends, places)) in edges.iter().enumerate() {
-            for (second, others, other_places) in &edges[k + 1..] {
-                if *second != self.at(*first).twin && cross(*ends, *places, *others, *other_places)
-                {
-                    splits.extend(self.split_between(scene, [*first, *second]));
-                }
+        for [one, other] in overlapping(edges.iter().map(|edge| edge.2)) {
+            let [(first, ends, places), (second, others, other_places)] =
+                [one, other].map(|k| edges[k]);
+            if second != self.at(first).twin && cross(ends, places, others, other_places) {
+                splits.extend(self.split_between(scene, [first, second]));
             }
         }
         if splits.len() > known {
@@ -247,6 +259,48 @@ impl Boundary {
             None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
+}
+
+/// Whether the curve in which two surfaces meet runs at a point the way it does at the
+/// ends of a chord of it. So it does all along a branch; where the surfaces touch, or
+/// nearly, nothing is known.
+fn runs_along(surfaces: [&Surface; 2], at: DVec3, [a, b]: [DVec3; 2]) -> bool {
+    /// Of the sine of the surfaces' angle and the cosine to the chord.
+    const CLEARLY: f64 = 1e-6;
+    let direction = (b - a).normalize_or_zero();
+    let way = |at: DVec3| {
+        let [g, h] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
+        let along = g.cross(h).dot(direction);
+        f64::from(i8::from(along > CLEARLY) - i8::from(along < -CLEARLY))
+    };
+    let (before, here, after) = (way(a), way(at), way(b));
+    before != after || before * here >= 0.0
+}
+
+/// For each of two surfaces, next to a point of both, the point on its other side, across
+/// what is thin there, on a line along the other surface; none farther than `reach`.
+fn opposite(surfaces: [&Surface; 2], at: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
+    let gradients = surfaces.map(|s| s.gradient(at));
+    [0, 1].into_iter().filter_map(move |k| {
+        let along = gradients[k].reject_from(gradients[1 - k]);
+        let step = -2.0 * gradients[k].dot(along) / surfaces[k].curvature_along(along) * along;
+        (step.length_squared() <= reach * reach).then_some(at + step)
+    })
+}
+
+/// The pairs of edges whose extents along x overlap, by their numbers, in order.
+fn overlapping(edges: impl Iterator<Item = [DVec2; 2]>) -> Vec<[usize; 2]> {
+    let extent = |(k, [a, b]): (usize, [DVec2; 2])| (a.x.min(b.x), a.x.max(b.x), k);
+    let mut extents: Vec<(f64, f64, usize)> = edges.enumerate().map(extent).collect();
+    extents.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pairs = Vec::new();
+    for (index, &(_, end, k)) in extents.iter().enumerate() {
+        let after = extents[index + 1..].iter();
+        let beside = after.take_while(|(start, _, _)| *start <= end);
+        pairs.extend(beside.map(|&(_, _, other)| [k.min(other), k.max(other)]));
+    }
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Whether two edges have more in common than their ends.

@@ -338,6 +338,10 @@ impl Curve {
                 }
                 let vertex = -linear / (2.0 * square);
                 let lowest = constant - square * vertex * vertex;
+                // A root is so far from there that f is as steep as this at it, however
+                // flat it is between two of them that are close to each other.
+                let across = surface.gradient(point + (middle + vertex) * direction);
+                let slope = across.length().hypot(2.0 * (square * lowest).abs().sqrt());
                 if lowest.abs() <= near * slope {
                     if vertex.abs() < half {
                         roots.touching.push(middle + vertex);

@@ -22,7 +22,16 @@ pub(crate) struct Solution {
 /// f/|∇f| and the unit gradient.
 #[inline]
 fn distance(surface: &Surface, point: DVec3) -> (f64, DVec3) {
-    let value = surface.value(point);
+    by_value(surface, point, surface.value(point))
+}
+
+/// The same without the rounding of f.
+fn precise_distance(surface: &Surface, point: DVec3) -> (f64, DVec3) {
+    by_value(surface, point, surface.precise_value(point))
+}
+
+#[inline]
+fn by_value(surface: &Surface, point: DVec3, value: f64) -> (f64, DVec3) {
     if surface.is_plane() {
         return (value, surface.linear);
     }
@@ -41,6 +50,45 @@ pub(crate) fn residual<'a>(surfaces: impl Iterator<Item = &'a Surface>, point: D
     surfaces
         .map(|surface| distance(surface, point).0.abs())
         .fold(0.0, f64::max)
+}
+
+/// How far off rounding lets a point of a surface seem.
+#[inline]
+pub(crate) fn blur(surface: &Surface, point: DVec3) -> f64 {
+    surface.rounding_of_value(point) / surface.gradient(point).length()
+}
+
+/// The same as [`common_point`], and where rounding moves one of the surfaces by more
+/// than `blur` nearer to them all than that.
+pub(crate) fn sharp_common_point(
+    surfaces: &[&Surface],
+    start: DVec3,
+    reach: f64,
+    blur: f64,
+) -> Solution {
+    /// Each takes off more than half of the digits that the one before left.
+    const STEPS: usize = 3;
+    let mut found = common_point(surfaces, start, reach);
+    let is_sharp = |surface: &&Surface| {
+        let blurred = self::blur(surface, found.point);
+        blurred.is_nan() || blurred <= blur
+    };
+    if surfaces.iter().all(is_sharp) {
+        return found;
+    }
+    for _ in 0..STEPS {
+        let (step, residual) = step_by(surfaces, found.point, precise_distance);
+        found.residual = residual;
+        // Nothing, or too far to be what rounding did.
+        let square = step.length_squared();
+        if square == 0.0 || square.is_nan() || square > reach * reach {
+            break;
+        }
+        found.point += step;
+    }
+    let distances = surfaces.iter().map(|s| precise_distance(s, found.point).0);
+    found.residual = distances.fold(0.0, |most, off| most.max(off.abs()));
+    found
 }
 
 /// Looks for a point on all of the surfaces near `start`, never taking a step
@@ -104,6 +152,15 @@ pub(crate) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> S
 /// The shortest step onto all linearised surfaces, and the largest distance
 /// before it.
 pub(super) fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
+    step_by(surfaces, point, distance)
+}
+
+#[inline(always)]
+fn step_by(
+    surfaces: &[&Surface],
+    point: DVec3,
+    distance: impl Fn(&Surface, DVec3) -> (f64, DVec3),
+) -> (DVec3, f64) {
     match surfaces {
         [] => (DVec3::ZERO, 0.0),
         [surface] => {

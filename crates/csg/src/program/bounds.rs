@@ -7,6 +7,8 @@
 //!    a plane, is a polynomial of second degree in u, v and w = 1/s. Those are
 //!    quadrics again, on a finite box: the same pruning proves the solid empty
 //!    there, or finds a direction in which it goes on.
+//!    Flat or long surfaces tell too little there by their coefficients: then the boxes
+//!    of primitives must do ([`mod@super::reach`]).
 //! 3. From the finite box that is left, slabs are shaved off every side as long
 //!    as they are proven empty.
 
@@ -40,21 +42,21 @@ impl Bounds {
         self.max - self.min
     }
 
-    fn around(center: DVec3, half: DVec3) -> Self {
+    pub(super) fn around(center: DVec3, half: DVec3) -> Self {
         Self {
             min: center - half,
             max: center + half,
         }
     }
 
-    fn united(self, other: Self) -> Self {
+    pub(super) fn united(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
         }
     }
 
-    fn intersected(self, other: Self) -> Self {
+    pub(super) fn intersected(self, other: Self) -> Self {
         Self {
             min: self.min.max(other.min),
             max: self.max.min(other.max),
@@ -95,7 +97,7 @@ impl Program {
 
     fn find_bounds(
         &self,
-        tighten: impl FnOnce(&[Surface], &Cell, Bounds) -> Option<Bounds>,
+        tighten: impl Fn(&[Surface], &Cell, Bounds) -> Option<Bounds>,
     ) -> Result<Option<Bounds>, Error> {
         let root = self.root_cell();
         match root.constant() {
@@ -110,20 +112,35 @@ impl Program {
         });
         let origin = 0.5 * low + 0.5 * high;
         let surfaces = self.surfaces_about(origin);
+        let reach = Bounds {
+            min: self.reach.min - origin,
+            max: self.reach.max - origin,
+        };
         let mut current = literal_bounds(&surfaces, &self.formula);
-        if !(current.min.is_finite() && current.max.is_finite()) {
-            let reach = |s: &Surface| {
+        if !current.is_finite() {
+            let extent = |s: &Surface| {
                 s.anchor.abs().max_element() + s.constant.abs().sqrt() + s.extent_of_slope()
             };
-            let guess = surfaces.iter().map(reach).fold(0.0, f64::max);
+            let guess = surfaces.iter().map(extent).fold(0.0, f64::max);
             let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
-            let radius = finite_radius(&surfaces, &root, guess)?;
-            current = current.intersected(Bounds::around(DVec3::ZERO, DVec3::splat(radius)));
+            let finite = match finite_radius(&surfaces, &root, guess) {
+                Ok(radius) => Bounds::around(DVec3::ZERO, DVec3::splat(radius)),
+                Err(error) if !reach.is_finite() => return Err(error),
+                Err(_) => reach,
+            };
+            current = current.intersected(finite);
         }
         if current.min.cmpgt(current.max).any() {
             return Ok(None);
         }
-        let tight = tighten(&surfaces, &root, current);
+        let mut tight = tighten(&surfaces, &root, current);
+        let clearly = 2.0 * reach.size().max_element();
+        if let Some(found) = tight
+            && reach.is_finite()
+            && found.size().max_element() > clearly
+        {
+            tight = tighten(&surfaces, &root, found.intersected(reach));
+        }
         Ok(tight.map(|bounds| Bounds {
             min: bounds.min + origin,
             max: bounds.max + origin,
@@ -315,18 +332,10 @@ fn finite_radius(surfaces: &[Surface], root: &Cell, guess: f64) -> Result<f64, E
 
 /// The box of a formula, from boxes of its literals; infinite where they are.
 fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
-    const EVERYTHING: Bounds = Bounds {
-        min: DVec3::NEG_INFINITY,
-        max: DVec3::INFINITY,
-    };
-    const NOTHING: Bounds = Bounds {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
     let mut gates: Vec<Bounds> = Vec::with_capacity(formula.gates().len());
     let operand_bounds = |operand: Operand, gates: &[Bounds]| match operand {
-        Operand::Constant(true) => EVERYTHING,
-        Operand::Constant(false) => NOTHING,
+        Operand::Constant(true) => Bounds::EVERYTHING,
+        Operand::Constant(false) => Bounds::NOTHING,
         Operand::Literal(i) => {
             let literal = formula.literals()[i as usize];
             let surface = surfaces[literal.surface as usize];
@@ -342,9 +351,9 @@ fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
         let boxes = formula.operands_of(gate).iter();
         let boxes = boxes.map(|&operand| operand_bounds(operand, &gates));
         gates.push(match gate.operation {
-            Operation::And => boxes.fold(EVERYTHING, Bounds::intersected),
+            Operation::And => boxes.fold(Bounds::EVERYTHING, Bounds::intersected),
             // Nothing is the inverted box, which unites as it should.
-            Operation::Or => boxes.fold(NOTHING, |all, b| {
+            Operation::Or => boxes.fold(Bounds::NOTHING, |all, b| {
                 if b.min.cmpgt(b.max).any() {
                     all
                 } else {

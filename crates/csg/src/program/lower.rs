@@ -18,8 +18,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use self::builder::{Builder, compact, push_index};
 use super::formula::{Literal, Operand, Operation};
 use super::local::{LocalShape, half_spaces};
+use super::reach::reach;
 use super::unify::WorldMap;
-use super::{Origin, Program};
+use super::{Bounds, Origin, Program};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
 use crate::solid::{Node, Primitive, Solid};
@@ -34,18 +35,19 @@ impl Program {
     pub fn lower(solid: &Solid) -> Result<Self, Error> {
         let mut lowering = Lowering::new(solid);
         lowering.walk(solid)?;
-        let root = lowering.values.pop().unwrap_or(Operand::Constant(false));
+        let root = lowering.values.pop().unwrap_or(Value::NOTHING);
         let Builder {
             mut formula,
             origins,
             table,
             ..
         } = lowering.builder;
-        formula.root = root;
+        formula.root = root.operand;
         Ok(Self {
             surfaces: table.into_surfaces(),
             formula: compact(&formula),
             origins,
+            reach: root.bounds,
         })
     }
 }
@@ -58,6 +60,37 @@ struct Context {
     name: u32,
     color: u32,
     negated: bool,
+}
+
+/// What a subtree comes to.
+#[derive(Clone, Copy)]
+struct Value {
+    operand: Operand,
+    /// A box around its points.
+    bounds: Bounds,
+}
+
+impl Value {
+    const NOTHING: Self = Self {
+        operand: Operand::Constant(false),
+        bounds: Bounds::NOTHING,
+    };
+
+    fn combined(
+        builder: &mut Builder,
+        operation: Operation,
+        values: &[Self],
+    ) -> Result<Self, Error> {
+        let operands: Vec<Operand> = values.iter().map(|value| value.operand).collect();
+        let bounds = values.iter().map(|value| value.bounds);
+        Ok(Self {
+            operand: builder.combine(operation, operands)?,
+            bounds: match operation {
+                Operation::And => bounds.fold(Bounds::EVERYTHING, Bounds::intersected),
+                Operation::Or => bounds.fold(Bounds::NOTHING, Bounds::united),
+            },
+        })
+    }
 }
 
 /// One node on the way from the root to the current one.
@@ -77,7 +110,7 @@ struct Frame<'a> {
 
 struct Lowering<'a> {
     frames: Vec<Frame<'a>>,
-    values: Vec<Operand>,
+    values: Vec<Value>,
     maps: Vec<WorldMap>,
     map_index: FxHashMap<[u64; 12], u32>,
     /// Names and colours met so far; the first of each is "none".
@@ -87,7 +120,7 @@ struct Lowering<'a> {
     color_index: FxHashMap<[u32; 4], u32>,
     /// Nodes that occur more than once in the tree.
     repeated: FxHashSet<usize>,
-    known: FxHashMap<(usize, Context), Operand>,
+    known: FxHashMap<(usize, Context), Value>,
     builder: Builder,
 }
 
@@ -256,9 +289,8 @@ impl<'a> Lowering<'a> {
             && !frame.merged
             && let Some(operation) = frame.operation
         {
-            let value = self
-                .builder
-                .combine(operation, &self.values[frame.base..])?;
+            let values = &self.values[frame.base..];
+            let value = Value::combined(&mut self.builder, operation, values)?;
             self.values.truncate(frame.base);
             self.values.push(value);
         }
@@ -273,8 +305,15 @@ impl<'a> Lowering<'a> {
     fn lower_primitive(&mut self, primitive: &Primitive, context: Context) -> Result<(), Error> {
         let surfaces = match half_spaces(primitive).map_err(|fault| self.error(fault))? {
             LocalShape::Constant(value) => {
-                self.values
-                    .push(Operand::Constant(value != context.negated));
+                let value = value != context.negated;
+                self.values.push(Value {
+                    operand: Operand::Constant(value),
+                    bounds: if value {
+                        Bounds::EVERYTHING
+                    } else {
+                        Bounds::NOTHING
+                    },
+                });
                 return Ok(());
             }
             LocalShape::HalfSpaces(surfaces) => surfaces,
@@ -289,6 +328,12 @@ impl<'a> Lowering<'a> {
         );
         let base = self.values.len();
         let map = self.maps[context.map as usize];
+        // Together with the primitive's other half-spaces, each is within its box.
+        let bounds = if context.negated {
+            Bounds::EVERYTHING
+        } else {
+            reach(primitive, &map.map)
+        };
         for surface in surfaces {
             let placed = map.apply(&surface).ok_or_else(|| {
                 self.error(NodeFault::OutOfRange {
@@ -296,12 +341,12 @@ impl<'a> Lowering<'a> {
                 })
             })?;
             let (surface, flipped) = self.builder.table.insert(placed);
-            let literal = self.builder.literal(Literal {
+            let operand = self.builder.literal(Literal {
                 surface,
                 origin,
                 outside: flipped != context.negated,
             })?;
-            self.values.push(literal);
+            self.values.push(Value { operand, bounds });
         }
         let operation = if context.negated {
             Operation::Or
@@ -313,7 +358,7 @@ impl<'a> Lowering<'a> {
             .last()
             .is_some_and(|frame| frame.operation == Some(operation));
         if !flattens {
-            let value = self.builder.combine(operation, &self.values[base..])?;
+            let value = Value::combined(&mut self.builder, operation, &self.values[base..])?;
             self.values.truncate(base);
             self.values.push(value);
         }

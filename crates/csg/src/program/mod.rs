@@ -7,7 +7,9 @@ mod changes;
 mod formula;
 mod local;
 mod lower;
+mod precise;
 mod quadric;
+mod reach;
 mod settle;
 mod surface;
 mod unify;
@@ -51,6 +53,8 @@ pub struct Program {
     surfaces: Vec<Surface>,
     formula: Formula,
     origins: Vec<Origin>,
+    /// A box around the solid from those of its primitives, if these have an end.
+    reach: Bounds,
 }
 
 impl Program {

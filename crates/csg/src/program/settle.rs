@@ -167,6 +167,7 @@ impl Program {
                 surfaces,
                 formula: simplified(&formula)?,
                 origins: self.origins.clone(),
+                reach: self.reach.grown(moved),
             },
             merged,
             moved,

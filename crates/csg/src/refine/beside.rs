@@ -11,7 +11,6 @@ use glam::DVec3;
 
 use super::grow::splits_well;
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
-use super::project::project;
 use super::separate::{Side, cut_of};
 
 /// Sides of two triangles, with points beside corners of the other triangle which are
@@ -73,7 +72,8 @@ fn weights(corners: [DVec3; 3], point: DVec3) -> [f64; 3] {
 fn side_of_triangle(mesh: &HalfEdges<'_>, triangle: u32, near: DVec3) -> Option<Side> {
     /// Of the points' barycentric coordinates: farther from corners and sides.
     const LEAST: f64 = 0.02;
-    let target = project(mesh.surface(first_of(triangle)), near)?;
+    let half = first_of(triangle);
+    let target = mesh.region(half).project(mesh.surface(half), near)?;
     let weights = weights(mesh.corners(triangle), target);
     if weights.iter().any(|w| !(LEAST..INNER.end).contains(w)) {
         return None;

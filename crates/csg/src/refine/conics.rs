@@ -15,7 +15,9 @@ use glam::DVec3;
 use super::Goal;
 use super::chains::Course;
 use super::curves::on_curve;
+use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
+use crate::net::solve;
 use crate::program::{Surface, eigen_symmetric};
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
@@ -99,7 +101,11 @@ impl Conic {
         let curves = conics(&plane, quadric, NEAR * precision).into_iter();
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
         conics.find_map(|conic| {
-            let stops = conic.parameters(vertices, ON_CONIC * precision)?;
+            let blur = |at: DVec3| {
+                let blurs = surfaces.iter().map(|s| solve::blur(s, at));
+                blurs.fold(precision, f64::max)
+            };
+            let stops = conic.parameters(vertices, |at| ON_CONIC * blur(at))?;
             Some((conic, stops))
         })
     }
@@ -112,6 +118,20 @@ impl Conic {
             Curve::Line { .. } | Curve::Rulings(_) => return None,
         };
         Some(Self { curve, plane, bend })
+    }
+
+    /// Into how many chords a unit of the parameter of a long ellipse is to be cut, for
+    /// these to be near to it on the rays from its centre; 0 for others.
+    fn at_ends(&self, t: f64, tolerance: f64) -> f64 {
+        let Curve::Ellipse { center, a, b } = self.curve else {
+            return 0.0;
+        };
+        // a² + b² of the half axes by their product.
+        let aspect = (a.length_squared() + b.length_squared()) / self.bend;
+        if aspect < LEAST_ASPECT {
+            return 0.0;
+        }
+        (self.curve.at(t).distance(center) / (8.0 * tolerance)).sqrt()
     }
 
     fn is_circle(&self) -> bool {
@@ -130,14 +150,14 @@ impl Conic {
 
     /// The parameters of vertices in a row along it, none farther from the one
     /// before than half a turn; `None` if they are not.
-    fn parameters(&self, vertices: &[DVec3], limit: f64) -> Option<Vec<f64>> {
+    fn parameters(&self, vertices: &[DVec3], limit: impl Fn(DVec3) -> f64) -> Option<Vec<f64>> {
         /// So much of half a turn is still clearly less.
         const CLEARLY: f64 = 0.95;
         let is_periodic = self.curve.is_closed();
         let mut row: Vec<f64> = Vec::with_capacity(vertices.len());
         for &vertex in vertices {
             let mut t = self.parameter(vertex);
-            if self.curve.at(t).distance_squared(vertex) > limit * limit {
+            if self.curve.at(t).distance_squared(vertex) > limit(vertex).powi(2) {
                 return None;
             }
             if let Some(&before) = row.last().filter(|_| is_periodic) {
@@ -183,6 +203,7 @@ impl<'a> OnConic<'a> {
         const STEP: f64 = 0.2;
         const MOST_STEPS: f64 = 256.0;
         let (conic, stops) = Conic::through(surfaces, vertices, precision)?;
+        let rounds = surfaces.map(Round::of);
         let (from, to) = (stops[0], stops[stops.len() - 1]);
         let is_even = conic.is_circle() && goal.angle.is_none();
         let count = if is_even {
@@ -196,6 +217,11 @@ impl<'a> OnConic<'a> {
             let t = from + f64::from(i) * step;
             let along = conic.curve.direction(t);
             let for_distance = (conic.bend / (8.0 * goal.tolerance * along.length())).sqrt();
+            let rounds = rounds.iter().flatten();
+            let on_rounds =
+                rounds.map(|r| r.chords_along(conic.curve.at(t), along, goal.tolerance));
+            let for_distance = on_rounds.fold(for_distance, f64::max);
+            let for_distance = for_distance.max(conic.at_ends(t, goal.tolerance));
             let for_angle = goal.angle.map_or(0.0, |angle| {
                 let at = conic.curve.at(t);
                 // H x′, from the gradient's change along x′.
@@ -226,19 +252,17 @@ impl<'a> OnConic<'a> {
 
     fn point(&self, t: f64) -> Option<DVec3> {
         let point = self.conic.curve.at(t);
+        let blurs = self.surfaces.map(|s| solve::blur(s, point));
+        let blur = blurs[0].max(blurs[1]);
         let is_on = |s: &Surface| {
             let limit = self.precision * self.precision * s.gradient(point).length_squared();
             s.value(point).powi(2) <= limit
         };
-        if self.surfaces.iter().all(|s| is_on(s)) {
+        if blur <= self.precision && self.surfaces.iter().all(|s| is_on(s)) {
             Some(point)
         } else {
-            on_curve(
-                self.surfaces,
-                point,
-                ON_CONIC * self.precision,
-                self.precision,
-            )
+            let reach = ON_CONIC * blur.max(self.precision);
+            on_curve(self.surfaces, point, reach, self.precision)
         }
     }
 }
@@ -296,7 +320,6 @@ impl Course for OnConic<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::net::solve;
     use crate::refine::deviation;
     use crate::{Program, Solid};
     use rustc_hash::FxHashMap;

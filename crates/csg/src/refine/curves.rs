@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use super::Goal;
 use super::chains::Course;
+use super::round::Round;
 use crate::net::solve;
 use crate::program::Surface;
 
@@ -141,6 +142,7 @@ impl<'a> Stretch<'a> {
         // At an apex there is no gradient.
         let middle = from.midpoint(to);
         let least = surfaces.map(|s| 1e-3 * s.gradient(middle).length());
+        let rounds = surfaces.map(Round::of);
         for (i, density) in densities.iter_mut().enumerate() {
             let at = stretch.points[i];
             let is_apex = (0..2).any(|k| surfaces[k].gradient(at).length() < least[k]);
@@ -148,6 +150,10 @@ impl<'a> Stretch<'a> {
                 .filter(|_| !is_apex)
                 .unwrap_or_else(|| stretch.bends_about(i));
             let for_distance = (curvature / (8.0 * goal.tolerance)).sqrt();
+            let tangent = stretch.direction(i);
+            let on_rounds = rounds.iter().flatten();
+            let on_rounds = on_rounds.map(|r| r.chords_along(at, tangent, goal.tolerance));
+            let for_distance = on_rounds.fold(for_distance, f64::max);
             let for_angle = goal.angle.map_or(0.0, |angle| turn / angle);
             *density = for_distance.max(for_angle);
         }
@@ -161,10 +167,17 @@ impl<'a> Stretch<'a> {
         // ∫ √κ ds is at most √(length ∫ κ ds) (Cauchy and Schwarz).
         let for_distance = (length * MOST_TURN / (8.0 * goal.tolerance)).sqrt();
         let for_angle = goal.angle.map_or(0.0, |angle| MOST_TURN / angle);
-        if stretch.chords[STEPS] > for_distance + for_angle + 1.0 {
+        let is_even = rounds.iter().all(Option::is_none);
+        if is_even && stretch.chords[STEPS] > for_distance + for_angle + 1.0 {
             return None;
         }
         Some(stretch)
+    }
+
+    /// The curve's direction about a point of it.
+    fn direction(&self, index: usize) -> DVec3 {
+        let [before, after] = [index.max(1) - 1, (index + 1).min(STEPS)];
+        (self.points[after] - self.points[before]).normalize_or_zero()
     }
 
     /// The curvature, and how fast the surfaces turn, about a point of it, by
@@ -218,10 +231,11 @@ pub(super) fn on_curve(
     reach: f64,
     precision: f64,
 ) -> Option<DVec3> {
-    if let Some(point) = nearby(surfaces, start, reach, precision) {
+    let is_sharp = surfaces.iter().all(|s| solve::blur(s, start) <= precision);
+    if is_sharp && let Some(point) = nearby(surfaces, start, reach, precision) {
         return Some(point);
     }
-    let solution = solve::common_point(&surfaces, start, reach);
+    let solution = solve::sharp_common_point(&surfaces, start, reach, precision);
     let is_near = solution.point.distance_squared(start) <= reach * reach;
     (is_near && solution.residual <= precision).then_some(solution.point)
 }

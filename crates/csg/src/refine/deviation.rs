@@ -30,6 +30,7 @@ use glam::DVec3;
 
 pub(crate) use self::chord::of_chord;
 use super::regions::Region;
+use super::shape::faces_out_in_the_middle;
 use crate::program::Surface;
 
 /// The spectral norm of the Hessian of f, or a little more: its largest sum of
@@ -74,12 +75,22 @@ fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
     }
 }
 
+/// The largest |f| of a triangle's points if it is none at the corners.
+#[inline(always)]
+fn largest_inside(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
+    let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
+    largest_on_triangle([quarter(q - p), quarter(r - q), quarter(p - r)])
+}
+
 /// The distance of the triangle's farthest point to the surface to first order,
 /// of corners on it. No bound, but fast.
 #[inline(always)]
-pub(super) fn estimate(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
-    let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
-    let largest = largest_on_triangle([quarter(q - p), quarter(r - q), quarter(p - r)]);
+pub(super) fn estimate(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
+    let largest = largest_inside(surface, corners);
+    if let Some(round) = &region.round {
+        return round.estimate(surface, largest, &corners);
+    }
+    let [p, q, r] = corners;
     largest / surface.gradient((p + q + r) / 3.0).length()
 }
 
@@ -174,18 +185,15 @@ impl Corner {
 /// [`of_triangle`] for many triangles of one quadric's smooth part.
 pub(super) struct Judge<'a> {
     surface: &'a Surface,
-    /// 1 where the gradient points out of the solid, else -1.
-    outward: f64,
-    shrinkage: f64,
+    region: &'a Region,
     tolerance: f64,
 }
 
 impl<'a> Judge<'a> {
-    pub fn new(surface: &'a Surface, region: &Region, tolerance: f64) -> Self {
+    pub fn new(surface: &'a Surface, region: &'a Region, tolerance: f64) -> Self {
         Self {
             surface,
-            outward: region.outward,
-            shrinkage: region.shrinkage,
+            region,
             tolerance,
         }
     }
@@ -198,16 +206,20 @@ impl<'a> Judge<'a> {
         /// and the surface's.
         const LEAST_COSINE_SQUARED: f64 = 0.04;
         let [p, q, r] = corners.map(|corner| corner.at);
+        if self.region.round.is_some() {
+            let faces_out = faces_out_in_the_middle(self.surface, self.region, [p, q, r]);
+            return faces_out.then(|| self.region.bound(self.surface, [p, q, r]));
+        }
         let normal = (q - p).cross(r - p);
         let sum = corners[0].gradient + corners[1].gradient + corners[2].gradient;
-        let along = self.outward * normal.dot(sum);
+        let along = self.region.outward * normal.dot(sum);
         let square = sum.length_squared();
         if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * normal.length_squared() * square {
             return None;
         }
         // Mostly the tolerance itself is a distance that the map shrinks.
         let ratio = Ratio::new(
-            self.shrinkage,
+            self.region.shrinkage,
             corners,
             quarters(self.surface, corners),
             sum * square.sqrt().recip(),

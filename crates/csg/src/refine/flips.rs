@@ -63,13 +63,13 @@ fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     if mesh.is_feature(half) || mesh.is_contact(half) {
         return false;
     }
-    let region = *mesh.region(half);
+    let region = mesh.region(half);
     let quad = mesh.quad(half);
     let surface = &mesh.surfaces[region.surface as usize];
     let at = quad.map(|vertex| mesh.at(vertex));
     let flips = region.way != Way::Done
-        && is_better_flipped(surface, &region, at)
-        && leaves_it_unfolded(surface, &region, at)
+        && is_better_flipped(surface, region, at)
+        && leaves_it_unfolded(surface, region, at)
         && !mesh.are_joined(quad[1], quad[3]);
     if flips {
         mesh.flip(half);

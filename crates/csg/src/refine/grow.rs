@@ -21,7 +21,6 @@ use glam::DVec3;
 use super::chains::{chains, divide, move_vertices};
 use super::flips::Waiting;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, triangle_of};
-use super::project::project;
 use super::regions::{Bend, Way};
 use super::separate::Side;
 use super::tessellate::Fine;
@@ -290,13 +289,6 @@ impl<'m, 's> Grower<'m, 's> {
         let surface = self.mesh.surface(half);
         let p = self.mesh.at(self.mesh.origin(half));
         let q = self.mesh.at(self.mesh.target(half));
-        // The middle may lie on an axis, where there is no gradient.
-        let ends = surface
-            .gradient(p)
-            .length()
-            .max(surface.gradient(q).length());
-        let gradient = surface.gradient(0.5 * (p + q)).length().max(0.2 * ends);
-        let sag = 0.125 * surface.curvature_along(q - p).abs();
         // Across a developable face edges are as long as the chords of curves,
         // which are the longest that the tolerance allows.
         let aim = if developable {
@@ -304,7 +296,18 @@ impl<'m, 's> Grower<'m, 's> {
         } else {
             self.goal.aim_on(region.surface)
         };
-        let for_distance = (sag / (aim * gradient)).sqrt();
+        let for_distance = if let Some(round) = &region.round {
+            (round.sag(surface, [p, q]) / aim).sqrt()
+        } else {
+            // The middle may lie on an axis, where there is no gradient.
+            let ends = surface
+                .gradient(p)
+                .length()
+                .max(surface.gradient(q).length());
+            let gradient = surface.gradient(0.5 * (p + q)).length().max(0.2 * ends);
+            let sag = 0.125 * surface.curvature_along(q - p).abs();
+            (sag / (aim * gradient)).sqrt()
+        };
         match self.goal.angle {
             None => for_distance,
             Some(angle) => {
@@ -418,10 +421,13 @@ impl<'m, 's> Grower<'m, 's> {
         let chords = (wanted - 1e-3).ceil().max(2.0);
         let share = (0.5 * chords).floor() / chords;
         let [p, q] = [self.mesh.origin(half), self.mesh.target(half)].map(|v| self.mesh.at(v));
-        let Some(target) = project(self.mesh.surface(half), p.lerp(q, share)) else {
+        let (surface, region) = (self.mesh.surface(half), self.mesh.region(half));
+        let Some(target) = region.project(surface, p.lerp(q, share)) else {
             return false;
         };
-        if target.distance_squared(0.5 * (p + q)) > 0.49 * p.distance_squared(q) {
+        // (On the way from the centre of an ellipsoid there is only one point of it.)
+        let is_far = target.distance_squared(0.5 * (p + q)) > 0.49 * p.distance_squared(q);
+        if is_far && region.round.is_none() {
             return false;
         }
         let kind = if self.mesh.is_feature(half) {
@@ -461,9 +467,17 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Cuts a triangle in two at its longest side inside its face.
     fn cut_triangle(&mut self, triangle: u32) -> bool {
+        let region = self.mesh.region(first_of(triangle));
+        let length = |half| {
+            if region.round.is_none() {
+                return self.chords_of(half, true);
+            }
+            let [p, q] = self.mesh.ends(half).map(|v| self.mesh.at(v));
+            self.mesh.surface(half).curvature_along(q - p).abs()
+        };
         let longest = halves_of(triangle)
             .filter(|&side| !self.mesh.is_feature(side) && !self.mesh.is_contact(side))
-            .max_by(|&a, &b| self.chords_of(a, true).total_cmp(&self.chords_of(b, true)));
+            .max_by(|&a, &b| length(a).total_cmp(&length(b)));
         longest.is_some_and(|side| self.cut(side, 2.0))
     }
 

@@ -29,6 +29,7 @@ mod patch;
 mod patches;
 mod project;
 mod regions;
+mod round;
 mod separate;
 mod shape;
 mod smooth;

@@ -4,7 +4,6 @@
 use glam::DVec3;
 
 use super::deviation::Corner;
-use super::project::project;
 use super::regions::{Region, metric};
 use super::tessellate::INNER;
 use crate::program::Surface;
@@ -58,7 +57,7 @@ impl Patch {
             self.fill_polygon(length);
             return;
         }
-        self.place_inner(surface, rows);
+        self.place_inner(surface, region, rows);
         // Inside: a regular pattern of so many rows.
         let k = rows - 3;
         let base = self.starts[3];
@@ -116,7 +115,7 @@ impl Patch {
     }
 
     /// Puts the inner vertices where the rim says, and then on the surface.
-    fn place_inner(&mut self, surface: &Surface, rows: u32) {
+    fn place_inner(&mut self, surface: &Surface, region: &Region, rows: u32) {
         let corners @ [a, b, c] = [0, 1, 2].map(|side| self.at(self.starts[side]));
         let n = f64::from(rows);
         let off_chord = |patch: &Self, side: usize, share: f64| {
@@ -133,7 +132,7 @@ impl Patch {
                     + off_chord(self, 1, w / (v + w)) * (1.0 - u) * (1.0 - u)
                     + off_chord(self, 2, u / (w + u)) * (1.0 - v) * (1.0 - v);
                 let start = flat + off;
-                self.add(name, project(surface, start).unwrap_or(start));
+                self.add(name, region.project(surface, start).unwrap_or(start));
                 name += 1;
             }
         }
@@ -248,6 +247,7 @@ mod tests {
                 bend: Bend::Double,
                 outward: 1.0,
                 shrinkage: 0.0,
+                round: None,
                 way: Way::AtOnce,
             };
             let corners = [[1.0, 0.1, 0.0], [1.0, 0.5, 0.1], [1.0, 0.3, 0.4]];

@@ -205,10 +205,9 @@ impl Grower<'_, '_> {
 
     /// How far the surface of a half-edge turns along it, about in radians.
     fn turn(&self, half: u32) -> f64 {
-        let surface = self.mesh.surface(half);
         let ends = [self.mesh.origin(half), self.mesh.target(half)];
-        let [a, b] = ends.map(|v| surface.gradient(self.mesh.at(v)).normalize_or_zero());
-        a.distance(b)
+        let ends = ends.map(|v| self.mesh.at(v));
+        self.mesh.region(half).turn(self.mesh.surface(half), ends)
     }
 
     /// Whether a triangle is to be tessellated and needs more rows than one, but

@@ -5,6 +5,8 @@ use glam::DVec3;
 
 use super::deviation;
 use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
+use super::project::project;
+use super::round::Round;
 use crate::program::{Surface, eigen_symmetric};
 
 /// How a surface bends, which says what triangles suit it.
@@ -31,7 +33,34 @@ pub(super) struct Region {
     pub outward: f64,
     /// See [`deviation::shrinkage`].
     pub shrinkage: f64,
+    pub round: Option<Round>,
     pub way: Way,
+}
+
+impl Region {
+    /// A point of the region's surface near another one.
+    pub fn project(&self, surface: &Surface, start: DVec3) -> Option<DVec3> {
+        match &self.round {
+            Some(round) => round.project(start),
+            None => project(surface, start),
+        }
+    }
+
+    /// A bound of the distance of any point of a triangle to the region's surface.
+    pub fn bound(&self, surface: &Surface, corners: [DVec3; 3]) -> f64 {
+        let bound = deviation::of_triangle(surface, corners);
+        let round = self.round.as_ref();
+        round.map_or(bound, |round| bound.min(round.bound(&corners)))
+    }
+
+    /// How far the surface turns from one point of it to another, about in radians.
+    pub fn turn(&self, surface: &Surface, ends: [DVec3; 2]) -> f64 {
+        if let Some(round) = &self.round {
+            return round.turn(ends);
+        }
+        let [a, b] = ends.map(|at| surface.gradient(at).normalize_or_zero());
+        a.distance(b)
+    }
 }
 
 /// How the triangles of a face come about.
@@ -128,17 +157,24 @@ pub(super) fn regions(
         let surface = &mesh.surfaces[surface_index as usize];
         let index = regions.len() as u32;
         let bend = Bend::of(surface);
+        let round = Round::of(surface);
         // Folded triangles are outvoted by area.
         let mut facing = 0.0;
         mesh.set_region(seed, index);
         pending.push(seed);
         while let Some(triangle) = pending.pop() {
-            let [p, q, r] = mesh.triangle(triangle).map(|v| mesh.at(v));
-            let gradient = match bend {
-                Bend::Flat => surface.linear,
-                _ => surface.gradient((p + q + r) / 3.0).normalize_or_zero(),
+            let corners = mesh.triangle(triangle).map(|v| mesh.at(v));
+            facing += match &round {
+                Some(round) => round.facing(corners),
+                None => {
+                    let [p, q, r] = corners;
+                    let gradient = match bend {
+                        Bend::Flat => surface.linear,
+                        _ => surface.gradient((p + q + r) / 3.0).normalize_or_zero(),
+                    };
+                    (q - p).cross(r - p).dot(gradient)
+                }
             };
-            facing += (q - p).cross(r - p).dot(gradient);
             for half in halves_of(triangle) {
                 let other = triangle_of(mesh.twin(half));
                 let is_new = mesh.region_index(other) == NONE;
@@ -154,6 +190,7 @@ pub(super) fn regions(
             bend,
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
             shrinkage: deviation::shrinkage(surface),
+            round,
             way: Way::OneByOne,
         });
     }

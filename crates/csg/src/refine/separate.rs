@@ -13,7 +13,7 @@ use super::beside::sides_beside;
 use super::curves::on_curve;
 use super::grow::Grower;
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
-use super::project::project;
+use super::round::Round;
 use super::shape::{faces_in, facing};
 use super::tessellate::Fine;
 use super::{Goal, Outcome, Surfaced, hand_back};
@@ -80,10 +80,15 @@ pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
 /// Whether of each group all triangles that have an area face the same way.
 fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
     let mut ways = vec![0.0f64; surfaced.surface_of_group.len()];
+    let of_group = surfaced.surface_of_group.iter();
+    let rounds: Vec<Option<Round>> = of_group
+        .map(|&surface| Round::of(&surfaces[surface as usize]))
+        .collect();
     let mut triangles = surfaced.triangles.iter().zip(&surfaced.groups);
     triangles.all(|(triangle, &group)| {
         let surface = &surfaces[surfaced.surface_of_group[group as usize] as usize];
-        let way = facing(surface, triangle.map(|v| surfaced.positions[v as usize]));
+        let corners = triangle.map(|v| surfaced.positions[v as usize]);
+        let way = facing(surface, rounds[group as usize].as_ref(), corners);
         let known = &mut ways[group as usize];
         if *known == 0.0 {
             *known = way;
@@ -156,7 +161,7 @@ pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f6
         } else {
             Kind::Face
         };
-        (project(surfaces[0], near)?, kind)
+        (mesh.region(half).project(surfaces[0], near)?, kind)
     } else {
         let [p, q] = ends.map(|v| mesh.at(v));
         let reach = 0.5 * p.distance(q);

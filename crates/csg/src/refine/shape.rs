@@ -3,11 +3,24 @@
 use glam::DVec3;
 
 use super::regions::{Bend, Region, Way};
+use super::round::Round;
 use crate::program::Surface;
 
 /// A triangle whose height is less than this share of its longest side has no
 /// area to speak of.
 const FLAT: f64 = 1e-10;
+
+/// Corners as they are looked at: of an elongated ellipsoid where it is a ball.
+#[inline(always)]
+fn placed(round: Option<&Round>, corners: [DVec3; 3]) -> [DVec3; 3] {
+    round.map_or(corners, |round| corners.map(|at| round.place(at)))
+}
+
+/// The direction of the gradient at a place of the kind that [`placed`] returns.
+#[inline(always)]
+fn gradient(surface: &Surface, round: Option<&Round>, at: DVec3) -> DVec3 {
+    round.map_or_else(|| surface.gradient(at), |round| round.gradient(at))
+}
 
 /// Whether the triangle's normal is within the angle of the given cosine of
 /// the outward normal of its surface at each of its corners.
@@ -17,6 +30,8 @@ pub(super) fn faces_out(
     corners: [DVec3; 3],
     least_cosine: f64,
 ) -> bool {
+    let round = region.round.as_ref();
+    let corners = placed(round, corners);
     let Some(normal) = normal(corners) else {
         return false;
     };
@@ -24,7 +39,7 @@ pub(super) fn faces_out(
         return region.outward * normal.dot(surface.linear) > 0.0;
     }
     let agrees = |corner| {
-        let outward = region.outward * surface.gradient(corner);
+        let outward = region.outward * gradient(surface, round, corner);
         agree(normal, outward, least_cosine)
     };
     agrees(corners[0]) && agrees(corners[1]) && agrees(corners[2])
@@ -43,6 +58,8 @@ pub(super) fn faces_out_in_the_middle(
     if region.way == Way::Done {
         return true;
     }
+    let round = region.round.as_ref();
+    let corners = placed(round, corners);
     let Some(normal) = normal(corners) else {
         return false;
     };
@@ -52,22 +69,36 @@ pub(super) fn faces_out_in_the_middle(
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     agree(
         normal,
-        region.outward * surface.gradient(middle),
+        region.outward * gradient(surface, round, middle),
         LEAST_COSINE,
     )
 }
 
 /// Whether a triangle that has an area faces into the solid.
 pub(super) fn faces_in(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> bool {
-    region.outward * facing(surface, corners) < 0.0
+    region.outward * facing(surface, region.round.as_ref(), corners) < 0.0
 }
 
 /// 1 if a triangle that has an area faces along its surface's gradient next to its middle,
 /// -1 if against it; else 0.
-pub(super) fn facing(surface: &Surface, corners: [DVec3; 3]) -> f64 {
-    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-    let along = normal(corners).map_or(0.0, |n| n.dot(surface.gradient(middle)));
+pub(super) fn facing(surface: &Surface, round: Option<&Round>, corners: [DVec3; 3]) -> f64 {
+    let corners = placed(round, corners);
+    let along = normal(corners).map_or(0.0, |_| along_gradient(surface, round, corners));
     f64::from(i8::from(along > 0.0) - i8::from(along < 0.0))
+}
+
+/// How much of a triangle faces out, with a sign, in units of no meaning.
+pub(super) fn outward_area(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
+    let round = region.round.as_ref();
+    region.outward * along_gradient(surface, round, placed(round, corners))
+}
+
+/// The product of a triangle's normal and the gradient in its middle, as they are
+/// looked at.
+#[inline(always)]
+fn along_gradient(surface: &Surface, round: Option<&Round>, [p, q, r]: [DVec3; 3]) -> f64 {
+    let middle = (p + q + r) / 3.0;
+    (q - p).cross(r - p).dot(gradient(surface, round, middle))
 }
 
 /// Twice the area times the unit normal, if there is an area.

@@ -3,7 +3,6 @@
 
 use super::flips::Waiting;
 use super::half_edges::{HalfEdges, Kind, next};
-use super::project::project;
 use super::regions::Way;
 use super::shape::faces_out_in_the_middle;
 
@@ -32,13 +31,14 @@ pub(super) fn smooth(mesh: &mut HalfEdges<'_>, waiting: &mut Waiting) {
 
 /// Moves a vertex amid its neighbours, unless that folds a triangle.
 fn centre(mesh: &mut HalfEdges<'_>, vertex: u32) {
-    let surface = mesh.surface(mesh.leaving[vertex as usize]);
+    let leaving = mesh.leaving[vertex as usize];
+    let (surface, region) = (mesh.surface(leaving), mesh.region(leaving));
     let (mut sum, mut count) = (glam::DVec3::ZERO, 0.0);
     for spoke in mesh.around(vertex) {
         sum += mesh.at(mesh.target(spoke));
         count += 1.0;
     }
-    let Some(place) = project(surface, sum / count) else {
+    let Some(place) = region.project(surface, sum / count) else {
         return;
     };
     let fits = mesh.around(vertex).all(|spoke| {

@@ -15,7 +15,6 @@ use super::deviation::{Corner, Judge};
 use super::grow::Piece;
 use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
 use super::patch::Patch;
-use super::project::project;
 use super::regions::Way;
 use super::{BYTES_PER_TRIANGLE, Goal, deviation};
 use crate::control::Control;
@@ -205,17 +204,16 @@ impl<'m, 's> Tessellator<'m, 's> {
     /// Cuts a side into chords that are equal, or nearly.
     fn cut_side(&mut self, half: u32, chords: u32) -> Side {
         let mesh = self.mesh;
-        let surface = mesh.surface(half);
+        let (surface, region) = (mesh.surface(half), mesh.region(half));
         let (p, q) = (mesh.at(mesh.origin(half)), mesh.at(mesh.target(half)));
         let first = ON_SIDE + self.fine.points.len() as u32;
-        let normals = [p, q].map(|at| surface.gradient(at).normalize_or_zero());
-        let turn = normals[0].distance_squared(normals[1]);
+        let turn = region.turn(surface, [p, q]).powi(2);
         for i in 1..chords {
             // Shares of a chord whose images are equal shares of an arc.
             let x = f64::from(i) / f64::from(chords) - 0.5;
             let share = 0.5 + x * (1.0 + turn * x * x / 3.0) / (1.0 + turn / 12.0);
             let start = p.lerp(q, share);
-            let point = project(surface, start).unwrap_or(start);
+            let point = region.project(surface, start).unwrap_or(start);
             self.fine.points.push(point);
         }
         Side {
@@ -300,12 +298,13 @@ impl<'m, 's> Tessellator<'m, 's> {
 
 /// How many rows a triangle needs, as a real number.
 pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
-    let surface = mesh.surface(first_of(triangle));
+    let half = first_of(triangle);
+    let surface = mesh.surface(half);
     let corners = mesh.corners(triangle);
-    let estimate = deviation::estimate(surface, corners);
+    let estimate = deviation::estimate(surface, mesh.region(half), corners);
     /// The surface over a triangle is larger than the triangle.
     const CURVED: f64 = 1.05;
-    let for_distance = (estimate / goal.aim_on(mesh.surface_index(first_of(triangle)))).sqrt();
+    let for_distance = (estimate / goal.aim_on(mesh.surface_index(half))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
         let turn = a

@@ -124,11 +124,14 @@ impl Builder {
     /// The value of an operation, simplified: constants, repeated operands
     /// and complementary ones (S and not-S), and within operands of the other
     /// kind whatever the operands beside them already decide.
-    pub fn combine(&mut self, operation: Operation, values: &[Operand]) -> Result<Operand, Error> {
+    pub fn combine(
+        &mut self,
+        operation: Operation,
+        mut values: Vec<Operand>,
+    ) -> Result<Operand, Error> {
         // Each round may decide something for the next. Stopping early costs
         // a few gates, never correctness, and bounds the time.
         const ROUNDS: usize = 8;
-        let mut values = values.to_vec();
         for _ in 0..ROUNDS {
             let Some(shortened) = self.simplify(operation, &mut values)? else {
                 return Ok(Operand::Constant(operation.absorbing()));
@@ -255,7 +258,7 @@ pub(crate) fn simplified(formula: &Formula) -> Result<Formula, Error> {
     for gate in &formula.gates {
         let operands = formula.operands_of(gate).iter();
         let operands: Vec<Operand> = operands.map(|&o| value(o, &values)).collect();
-        values.push(builder.combine(gate.operation, &operands)?);
+        values.push(builder.combine(gate.operation, operands)?);
     }
     builder.formula.root = value(formula.root, &values);
     Ok(compact(&builder.formula))

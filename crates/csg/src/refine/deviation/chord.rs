@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 
 use super::{hessian_norm, of_triangle, shrinkage, shrunk};
 use crate::program::Surface;
+use crate::refine::round::LEAST_ASPECT;
 
 /// Sine of an angle between surfaces that is none.
 const PARALLEL: f64 = 1e-6;
@@ -29,12 +30,19 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
         return off_plane(a).max(off_plane(b));
     }
     let [plane, surface] = if a.is_plane() { [a, b] } else { [b, a] };
+    let mut by_centre = f64::INFINITY;
     if plane.is_plane() {
         let bound = of_chord_in_plane(plane, surface, p, q);
+        by_centre = from_centre(plane, surface, p, q) + off_plane(plane);
         if bound < f64::INFINITY {
-            return bound + off_plane(plane);
+            return by_centre.min(bound + off_plane(plane));
         }
     }
+    by_centre.min(across_curve(surfaces, p, q))
+}
+
+/// The same by the surfaces on both sides of the curve.
+fn across_curve(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     let touch = |at: DVec3| {
         let [a, b] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
         a.cross(b).length() <= PARALLEL
@@ -80,6 +88,31 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
         }
         middle / (s * t).sqrt() + at_ends / s.min(t)
     })
+}
+
+/// A bound for a chord of a long ellipse in a plane, on the rays from its centre: at its
+/// ends the gradient turns too fast. A point of the chord is at a share s of the way to
+/// the ellipse, 1 - s² = f / f(centre). Infinite for other conics.
+fn from_centre(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
+    let (u, v) = plane.linear.any_orthonormal_pair();
+    let [uu, vv, both] = [u, v, u + v].map(|d| surface.curvature_along(d));
+    let uv = 0.5 * (both - uu - vv);
+    let determinant = uu * vv - uv * uv;
+    // The sum of a half axis by the other one and the reverse.
+    if (uu + vv).abs() < LEAST_ASPECT * determinant.max(0.0).sqrt() {
+        return f64::INFINITY;
+    }
+    let gradient = surface.gradient(p);
+    let (x, y) = (gradient.dot(u), gradient.dot(v));
+    let center = p - ((x * vv - y * uv) * u + (y * uu - x * uv) * v) / determinant;
+    let depth = surface.value(center).abs();
+    let at_ends = surface.value(p).abs().max(surface.value(q).abs());
+    let off = 0.125 * surface.curvature_along(q - p).abs() + at_ends;
+    if determinant <= 0.0 || off >= depth || !center.is_finite() {
+        return f64::INFINITY;
+    }
+    let farthest = p.distance(center).max(q.distance(center));
+    (1.0 / (1.0 - off / depth).sqrt() - 1.0) * farthest
 }
 
 /// A chord under examination.

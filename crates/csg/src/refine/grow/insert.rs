@@ -7,7 +7,7 @@ use super::{Grower, Piece};
 use crate::refine::half_edges::{HalfEdges, Kind, next};
 use crate::refine::regions::Way;
 use crate::refine::separate::{Side, cut_of, together};
-use crate::refine::shape::faces_out_in_the_middle;
+use crate::refine::shape::{faces_out_in_the_middle, outward_area};
 
 /// Whether the four triangles that a split leaves face the right way.
 pub(in super::super) fn splits_well(mesh: &HalfEdges<'_>, half: u32, target: DVec3) -> bool {
@@ -67,9 +67,8 @@ impl Grower<'_, '_> {
         let crossing = |rim: u32| {
             let ends = [mesh.at(mesh.origin(rim)), mesh.at(mesh.target(rim))];
             let [before, after] = [from, target].map(|at| {
-                let gradient = mesh.surface(rim).gradient((at + ends[0] + ends[1]) / 3.0);
-                let normal = (ends[0] - at).cross(ends[1] - at);
-                mesh.region(rim).outward * normal.dot(gradient)
+                let corners = [at, ends[0], ends[1]];
+                outward_area(mesh.surface(rim), mesh.region(rim), corners)
             });
             (before / (before - after)).clamp(0.0, 1.0)
         };

@@ -53,7 +53,7 @@ impl Grower<'_, '_> {
         if is_within(self.outcome.deviation.min(tolerance)) {
             return true;
         }
-        let mut bound = deviation::of_triangle(surface, corners);
+        let mut bound = region.bound(surface, corners);
         // Neither proof is the better one everywhere.
         if bound > tolerance && is_within(tolerance) {
             bound = tolerance;
@@ -79,7 +79,7 @@ impl Grower<'_, '_> {
         let bound = if deviation::is_within(surface, region.shrinkage, corners, promised) {
             promised
         } else {
-            deviation::of_triangle(surface, corners)
+            region.bound(surface, corners)
         };
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         // A smaller tolerance would not bring its corners to the surface.

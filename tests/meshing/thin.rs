@@ -1,0 +1,121 @@
+//! Needles, sheets and flat quadrics: they cost what their boundary costs, however thin
+//! they are.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use stereotomy::csg::{Mesher, Program, Solid};
+
+use crate::hard_models::model;
+
+const TOLERANCE: f64 = 0.01;
+
+/// How thin, turned so that no coordinate tells.
+const THIN: [f64; 4] = [1e-2, 1e-3, 3e-4, 1e-4];
+
+fn turned(solid: &Solid) -> Solid {
+    let turned = solid.rotate_x(0.4).rotate_y(-0.9).rotate_z(1.3);
+    turned.translate([0.3, -0.2, 0.1])
+}
+
+/// A proven mesh of few triangles with nothing to be reported, that runs nowhere through
+/// itself, of about a volume: of what a ball of so few triangles takes up, however thin.
+fn check(what: &str, solid: &Solid, volume: f64) {
+    let program = Program::lower(solid).expect("a valid solid");
+    let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+    let meshed = meshed.expect("a mesh");
+    let report = &meshed.report;
+    assert!(report.check.is_manifold(), "{what}: {}", report.check);
+    assert_eq!(report.fallbacks, [], "{what}");
+    assert!(report.is_proven(), "{what}: {:?}", report.undecided);
+    assert!(report.deviation.is_some_and(|d| d <= TOLERANCE), "{what}");
+    let mesh = &meshed.mesh;
+    assert!(
+        mesh.triangles.len() < 4000,
+        "{what}: {}",
+        mesh.triangles.len()
+    );
+    let share = mesh.volume() / volume;
+    assert!((0.6..=1.01).contains(&share), "{what}: {share}");
+    assert!(mesh.self_intersections().is_empty(), "{what}");
+}
+
+#[test]
+fn flat_and_long_primitives_are_meshed_like_round_ones() {
+    for thin in THIN {
+        let ball = 4.0 / 3.0 * PI;
+        let cases = [
+            (
+                "flat ellipsoid",
+                Solid::ellipsoid([1.0, 0.7, thin]),
+                0.7 * thin * ball,
+            ),
+            (
+                "needle",
+                Solid::ellipsoid([1.0, thin, thin]),
+                thin * thin * ball,
+            ),
+            (
+                "flat cylinder",
+                Solid::elliptic_cylinder([1.0, thin], 0.0..1.0),
+                PI * thin,
+            ),
+            (
+                "flat cone",
+                Solid::frustum(1.0, 0.0, 0.0..2.0).scale_xyz([1.0, thin, 1.0]),
+                2.0 / 3.0 * PI * thin,
+            ),
+            ("rod", Solid::cylinder(thin, 0.0..1.0), PI * thin * thin),
+            ("plate", Solid::cylinder(1.0, 0.0..thin), PI * thin),
+            (
+                "spike",
+                Solid::frustum(thin, 0.0, 0.0..1.0),
+                PI * thin * thin / 3.0,
+            ),
+            ("sheet", Solid::cuboid([1.0, 1.0, thin]), thin),
+        ];
+        for (name, solid, volume) in cases {
+            check(&format!("{name} of {thin}"), &turned(&solid), volume);
+        }
+    }
+}
+
+/// Less a round hole off its middle.
+#[test]
+fn flat_ellipsoids_may_be_drilled() {
+    const STEPS: i32 = 2000;
+    let (middle, radius) = (DVec2::new(0.5, 0.2), 0.3);
+    // The height over the hole, on a grid.
+    let mut sum = 0.0;
+    for i in 0..STEPS {
+        for k in 0..STEPS {
+            let share = DVec2::new(f64::from(i) + 0.5, f64::from(k) + 0.5) / f64::from(STEPS);
+            let off = (2.0 * share - 1.0) * radius;
+            let at = (middle + off) / DVec2::new(1.0, 0.7);
+            if off.length() < radius {
+                sum += (1.0 - at.length_squared()).sqrt();
+            }
+        }
+    }
+    let cell = 2.0 * radius / f64::from(STEPS);
+    for thin in THIN {
+        let hole = Solid::cylinder(radius, -1.0..1.0).translate(middle.extend(0.0));
+        let volume = thin * (0.7 * 4.0 / 3.0 * PI - 2.0 * sum * cell * cell);
+        let drilled = Solid::ellipsoid([1.0, 0.7, thin]) - hole;
+        check(&format!("drilled, {thin}"), &turned(&drilled), volume);
+    }
+}
+
+/// Turned flat in a file, as others write it: its hole is not along its thin axis.
+#[test]
+fn so_may_those_of_files() {
+    for name in ["flat-ellipsoid", "flat-ellipsoid-drilled"] {
+        let program = Program::lower(&model(name)).expect("a valid solid");
+        let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+        let meshed = meshed.expect("a mesh");
+        assert_eq!(meshed.report.fallbacks, [], "{name}");
+        assert!(meshed.report.is_proven(), "{name}");
+        assert!(meshed.mesh.self_intersections().is_empty(), "{name}");
+        assert!(meshed.mesh.triangles.len() < 2000, "{name}");
+    }
+}
