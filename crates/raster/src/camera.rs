@@ -194,18 +194,11 @@ impl Camera {
                 ratio,
                 angle,
             } => {
-                // Shear about the plane through the target, which stays put.
+                // The plane through the target stays put.
                 let distance = self.eye.distance(self.target);
-                let to_target = DMat4::from_translation(DVec3::new(0.0, 0.0, distance));
-                let from_target = DMat4::from_translation(DVec3::new(0.0, 0.0, -distance));
-                let direction = DVec3::new(ratio * angle.cos(), ratio * angle.sin(), 1.0);
-                let shear = DMat4::from_cols(
-                    DVec4::X,
-                    DVec4::Y,
-                    DVec4::new(-direction.x, -direction.y, 1.0, 0.0),
-                    DVec4::W,
-                );
-                projection::orthographic(&parallel(height)) * from_target * shear * to_target
+                let direction = projection::receding(angle, ratio);
+                let shear = projection::shear_about(direction, -distance);
+                projection::orthographic(&parallel(height)) * shear
             }
         }
     }

@@ -212,7 +212,7 @@ use engine::{
     normals, pipeline, prepared, resolve, section, set_up, simd, smooth, stats, texture, tile,
     transparent,
 };
-use output::{buffers, gif_file, image, series, show};
+use output::{buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
     blend, color_map, dimension, edges, explode, ground, lettering, line, occlusion, silhouette,
     thickness, triad,
@@ -240,15 +240,17 @@ pub use occlusion::occlusion_image;
 pub use options::{AntiAliasing, RenderOptions};
 pub use part::Part;
 pub use pipeline::{Renderer, render};
+pub use png_file::write_apng;
 pub use prepared::Prepared;
 pub use reference::{render_reference, wireframe_reference};
 pub use scene::Scene;
 pub use section::{MAX_SECTIONS, SectionPlane};
-pub use series::{ProjectionAngle, contact_sheet, ink_on, turntable, turntable_camera, write_apng};
 pub use shade::{Finish, Interpolation, Material};
+pub use sheet::{ProjectionAngle, contact_sheet, ink_on};
 pub use show::Show;
 pub use simd::Level;
 pub use stats::Stats;
 pub use texture::{Mapping, Texture};
+pub use turntable::{turntable, turntable_camera};
 pub use viewpoint::clear_view;
 pub use viewport::{Viewport, YAxis};

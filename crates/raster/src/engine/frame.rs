@@ -4,6 +4,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec3};
 
 use crate::camera::View;
 use crate::fixed::SUBPIXELS;
+use crate::viewport::Viewport;
 
 /// Half the guard band in sub-pixels: a vertex at most this far from the
 /// middle of the picture needs no clipping at the sides. With pictures of at
@@ -100,11 +101,9 @@ impl FrameMatrix {
 
     /// Clip coordinates to pixels (y downwards) and reversed depth.
     pub fn window(&self, clip: DVec4) -> DVec3 {
-        let ndc = clip.truncate() / clip.w;
-        DVec3::new(
-            (ndc.x + 1.0) / 2.0 * f64::from(self.width),
-            (1.0 - ndc.y) / 2.0 * f64::from(self.height),
-            (1.0 - ndc.z) / 2.0,
-        )
+        let viewport = Viewport::of_image(self.width, self.height);
+        let mut window = viewport.from_ndc(clip.truncate() / clip.w);
+        window.z = 1.0 - window.z;
+        window
     }
 }

@@ -4,5 +4,6 @@ pub(crate) mod buffers;
 pub(crate) mod gif_file;
 pub(crate) mod image;
 pub(crate) mod png_file;
-pub(crate) mod series;
+pub(crate) mod sheet;
 pub(crate) mod show;
+pub(crate) mod turntable;

@@ -51,3 +51,35 @@ impl Image {
         Ok(bytes)
     }
 }
+
+/// Writes pictures of one size as an animated PNG that repeats for ever.
+///
+/// # Errors
+/// [`RasterError::EmptyImage`] without frames or pixels, or if the frames
+/// differ in size; [`RasterError::Png`] if the writer fails.
+pub fn write_apng(
+    frames: &[Image],
+    frames_per_second: u16,
+    writer: impl Write,
+) -> Result<(), RasterError> {
+    let (width, height) = frames.first().map_or((0, 0), |f| (f.width, f.height));
+    let alike = frames
+        .iter()
+        .all(|f| (f.width, f.height) == (width, height));
+    if width == 0 || height == 0 || !alike {
+        return Err(RasterError::EmptyImage { width, height });
+    }
+    let mut encoder = png::Encoder::new(writer, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_animated(frames.len() as u32, 0)?;
+    encoder.set_frame_delay(1, frames_per_second.max(1))?;
+    let mut writer = encoder.write_header()?;
+    for frame in frames {
+        writer.write_image_data(frame.pixels.as_flattened())?;
+    }
+    writer.finish()?;
+    Ok(())
+}

@@ -106,9 +106,18 @@ pub fn cabinet(window: &Window, angle: f64) -> DMat4 {
 
 /// The direction of projection that draws a unit vector along -Z with the
 /// given length (`ratio`) at `angle` to the x axis.
-fn receding(angle: f64, ratio: f64) -> DVec3 {
+#[must_use]
+pub fn receding(angle: f64, ratio: f64) -> DVec3 {
     // (0,0,-1) + s d lies on z = 0 for s = 1 with d.z = 1.
     DVec3::new(ratio * angle.cos(), ratio * angle.sin(), 1.0)
+}
+
+/// The shear that makes `direction` parallel to the z axis and keeps the plane
+/// at that z.
+#[must_use]
+pub fn shear_about(direction: DVec3, z: f64) -> DMat4 {
+    let to_plane = DVec3::new(0.0, 0.0, z);
+    DMat4::from_translation(to_plane) * shear_along(direction) * DMat4::from_translation(-to_plane)
 }
 
 /// The shear that makes `direction` parallel to the z axis and keeps the
