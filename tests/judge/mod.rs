@@ -13,6 +13,8 @@ use stereotomy::csg;
 use self::mesh_spans::{bundle, crossings, winding};
 pub use self::spans::{Line, Spans, Tree};
 
+// (Not all who judge need all of it.)
+#[allow(dead_code)]
 #[path = "../../crates/csg/src/random.rs"]
 mod split_mix;
 pub(crate) use self::split_mix::Random;
@@ -232,8 +234,8 @@ impl<'a> Judge<'a> {
         };
         let (from_mesh, normal) = mesh_spans::nearest(self.case.mesh, place);
         // A wall or gap of the mesh, or one of the solid.
-        let unseen = self.case.unseen;
-        let is_thin = || unseen > 0.0 && (from_mesh <= unseen || beside(unseen));
+        let unseen = self.case.unseen.max(self.rounding);
+        let is_thin = || from_mesh <= unseen || beside(unseen);
         let is_near = || self.along(place, normal, allowed).is_some() || beside(allowed);
         (from_mesh > allowed || !is_near()) && !is_thin()
     }
@@ -250,7 +252,7 @@ impl<'a> Judge<'a> {
     fn about(&self, place: DVec3, reach: f64, random: &mut Random) -> Option<f64> {
         let through = self.distance(place, reach, random);
         through.or_else(|| {
-            (0..THOROUGH).find_map(|_| {
+            (0..8 * THOROUGH).find_map(|_| {
                 // Near by or far: where surfaces meet at a small angle, or part soon.
                 let aside = 0.99 * reach * (1e-6f64).powf(random.unit());
                 let near = place + aside * direction(random);

@@ -19,6 +19,7 @@ mod refine;
 mod report;
 pub mod solid;
 mod undecided;
+mod verify;
 
 pub use color::Color;
 pub use control::CancelToken;

@@ -53,6 +53,10 @@ pub struct Report {
     pub moved: Option<Moved>,
     /// What had to be settled for somewhere, each kind once.
     pub fallbacks: Vec<Fallback>,
+    /// Where the finished mesh, held against the solid along some rays, is not its
+    /// boundary: what share of the rays' length in either is in one alone, about that of
+    /// the volume. 0 as long as no place is found, which is a fallback, too.
+    pub difference: f64,
     /// Closed, oriented, manifold? Checked on the finished mesh.
     pub check: MeshCheck,
     /// Seconds of each stage, in the order in which they ran, one after

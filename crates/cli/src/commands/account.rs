@@ -57,6 +57,8 @@ struct ReportAccount {
     moved: Option<MovedAccount>,
     limits_reached: Vec<String>,
     fallbacks: Vec<FallbackAccount>,
+    /// Of the length of rays in the solid or in the mesh, what is in one alone.
+    difference: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -158,6 +160,7 @@ impl ReportAccount {
                     places: fallback.places.iter().map(DVec3::to_array).collect(),
                 })
                 .collect(),
+            difference: report.difference,
         }
     }
 }
@@ -209,6 +212,10 @@ impl fmt::Display for Account {
             for undecided in &report.undecided {
                 let [x, y, z] = undecided.place;
                 writeln!(f, "undecided   {}, near {x} {y} {z}", undecided.why)?;
+            }
+            if report.difference > 0.0 {
+                let percent = 100.0 * report.difference;
+                writeln!(f, "difference  about {percent:.2} % of the solid")?;
             }
             for reached in &report.limits_reached {
                 writeln!(f, "limit       {reached}")?;

@@ -24,6 +24,7 @@ use crate::net;
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
+use crate::verify;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
 const CHECK_BYTES: usize = 100;
@@ -95,10 +96,38 @@ impl<'a> Run<'a> {
                 report.largest_vertex_distance,
                 report.largest_centroid_distance,
             ) = finish::largest_distances(self.program, &mesh);
-            report.end_stage("check", start);
+            let start = report.end_stage("check", start);
+            let is_to_tolerance = self.goal.is_some() && self.smallest.is_some();
+            if is_to_tolerance || report.method == "polyhedral" {
+                self.hold_against_program(&mesh, &mut report)?;
+                report.end_stage("rays", start);
+            }
         }
         self.control.tell(1.0);
         Ok(Meshed { mesh, report })
+    }
+
+    /// Looks for places where a mesh of the whole solid is not its boundary.
+    fn hold_against_program(&self, mesh: &Mesh, report: &mut Report) -> Result<(), Error> {
+        let bounds = match report.method {
+            "polyhedral" => self.program.loose_bounds()?,
+            _ => report.bounds,
+        };
+        let Some(bounds) = bounds else {
+            return Ok(());
+        };
+        let size = bounds.size().max_element();
+        let tolerance = self.goal.as_ref().map_or(0.0, |goal| goal.tolerance);
+        let deviation = report.deviation.filter(|d| d.is_finite()).unwrap_or(0.0);
+        let unseen = 2.0 * report.moved.map_or(0.0, |moved| moved.distance) + 1e-9 * size;
+        let tolerance = tolerance.max(deviation).max(unseen).max(1e-6 * size);
+        let held = verify::Tolerances { tolerance, unseen };
+        let found = verify::differences(self.program, mesh, &bounds, held);
+        for place in found.places {
+            report.add_fallback(verify::DIFFERENCE, place);
+        }
+        report.difference = found.share;
+        Ok(())
     }
 
     /// The mesh itself, about the true origin.
