@@ -215,7 +215,7 @@ use engine::{
 use output::{buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
     blend, color_map, dimension, edges, explode, ground, lettering, line, occlusion, silhouette,
-    thickness, triad,
+    thickness, triad, visible,
 };
 pub use textbook::{
     clip, cohen_sutherland, fixed, hidden_surface, polygon_model, projection, scanline, shade,

@@ -20,7 +20,6 @@ use crate::frame::FrameMatrix;
 use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
 use crate::ground::draw_ground_shadow;
 use crate::image::Image;
-use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
 use crate::prepared::Prepared;
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
@@ -34,7 +33,7 @@ use crate::triad::draw_triad;
 /// Draws frames; keeps its working memory from one to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Renderer {
-    level: Level,
+    pub(crate) level: Level,
     /// Size of the last frame.
     pub(crate) width: u32,
     pub(crate) height: u32,
@@ -126,10 +125,10 @@ impl Renderer {
         (self.width, self.height, self.scale) = (width, height, scale);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         if options.ambient_occlusion {
-            darken(image, &self.occlusion(scene, view, options.ground_shadow));
+            self.darken(scene, view, options.ground_shadow, image);
         }
         if options.ground_shadow {
-            draw_ground_shadow(scene, view, image);
+            draw_ground_shadow(self.level, scene, view, image);
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);

@@ -114,6 +114,13 @@ impl Tiles {
             .collect()
     }
 
+    /// The depths of the first samples of a block of a tile, if anything was drawn in
+    /// the tile.
+    pub fn block_depths(&self, tile: usize, block: usize) -> Option<&[f32; BLOCK_PIXELS]> {
+        let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
+        self.depth.get(tile.slot? * self.samples)?.get(block)
+    }
+
     /// Number and depth of the first sample of a pixel of a tile, if anything
     /// was drawn there.
     pub fn first_sample(&self, tile: usize, x: usize, y: usize) -> Option<(i32, f32)> {

@@ -12,7 +12,7 @@ use crate::interpolate::weights_at;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
 use crate::section::Section;
-use crate::tile::{TILE, decode};
+use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, TILE, decode};
 use crate::viewport::{Viewport, integer_depth};
 
 /// One value for each pixel, row by row from the top.
@@ -70,6 +70,24 @@ impl Renderer {
         let columns = (self.width as usize * scale).div_ceil(TILE);
         let tile = y / TILE * columns + x / TILE;
         self.tiles.first_sample(tile, x % TILE, y % TILE)
+    }
+
+    /// The reversed depths of a block of pixels, given the first one, where this is
+    /// a tile's; `None` where there is nothing.
+    pub(crate) fn depths_of_block(&self, x: usize, y: usize) -> Option<[f32; BLOCK_PIXELS]> {
+        if self.scale == 1 {
+            let tile = y / TILE * (self.width as usize).div_ceil(TILE) + x / TILE;
+            let block = y % TILE / BLOCK * BLOCKS + x % TILE / BLOCK;
+            return self.tiles.block_depths(tile, block).copied();
+        }
+        let mut depths = [0.0; BLOCK_PIXELS];
+        for (lane, depth) in depths.iter_mut().enumerate() {
+            let (x, y) = (x + lane % BLOCK, y + lane / BLOCK);
+            *depth = self
+                .number(x as u32, y as u32)
+                .map_or(0.0, |(_, depth)| depth);
+        }
+        depths.iter().any(|&depth| depth > 0.0).then_some(depths)
     }
 
     fn buffer<T: Copy>(&self, value: impl Fn(Option<(u32, f32)>, u32, u32) -> T) -> Buffer<T> {
