@@ -1,9 +1,9 @@
 //! Polyhedra from faces, hulls from points: volumes against what the faces
 //! themselves enclose, membership against brute force, mistakes by name.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use csg::glam::{self, DVec2, DVec3, dvec3};
+use csg::glam::{self, DQuat, DVec2, DVec3, dvec3};
 use csg::{Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid, Twist, turn};
 
 #[path = "../src/random.rs"]
@@ -281,4 +281,53 @@ fn mistakes_are_named() {
         fault(&both, &twice),
         PolyhedronFault::Crossing { .. }
     ));
+}
+
+/// Steiner's formula: volume, area, edges by their angles, a ball.
+#[test]
+fn hulls_of_balls_are_rounded() {
+    let r: f64 = 0.25;
+    let ball = 4.0 / 3.0 * PI * r.powi(3);
+    let cube: Vec<DVec3> = (0..8)
+        .map(|k| dvec3(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)))
+        .collect();
+    let tetrahedron =
+        [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]].map(DVec3::from);
+    let edge = 8.0_f64.sqrt();
+    let outer = PI - (1.0_f64 / 3.0).acos();
+    for (what, centers, volume) in [
+        ("ball", cube[..1].to_vec(), ball),
+        (
+            "capsule",
+            vec![cube[0], cube[7]],
+            ball + PI * r * r * 3.0_f64.sqrt(),
+        ),
+        (
+            "rounded box",
+            cube.clone(),
+            1.0 + 6.0 * r + 3.0 * PI * r * r + ball,
+        ),
+        (
+            "tetrahedron",
+            tetrahedron.to_vec(),
+            edge.powi(3) / (6.0 * 2.0_f64.sqrt())
+                + 3.0_f64.sqrt() * edge * edge * r
+                + 6.0 * edge * 0.5 * outer * r * r
+                + ball,
+        ),
+    ] {
+        let turned = centers.iter().map(|c| DQuat::from_rotation_y(0.3) * *c);
+        for centers in [centers.clone(), turned.collect()] {
+            let solid = Solid::hull_of_balls(&centers, r).expect("a solid");
+            let program = Program::lower(&solid).expect("a program");
+            let meshed = Mesher::new()
+                .tolerance(1e-3)
+                .mesh(&program)
+                .expect("a mesh");
+            assert!(meshed.report.check.is_manifold(), "{what}");
+            assert_eq!(meshed.report.fallbacks, [], "{what}");
+            let off = (meshed.mesh.volume() - volume).abs();
+            assert!(off <= 1e-3 * meshed.mesh.area(), "{what}: {off}");
+        }
+    }
 }

@@ -74,7 +74,7 @@ fn of_contours(contours: &[Contour], rule: FillRule) -> Result<PlaneSet, Profile
         clean.extend(cleaned(contour)?);
     }
     let Some(place) = flatten::crossing(&clean) else {
-        return nested(clean, rule);
+        return nested(&clean, rule);
     };
     if clean.iter().flatten().any(|corner| corner.bulge != 0.0) {
         return Err(ProfileFault::Crossing { place });
@@ -140,7 +140,7 @@ pub(super) fn cleaned(contour: &[Corner]) -> Result<Option<Contour>, ProfileFaul
 
 /// Contours that do not meet: each with what it encloses, in the order of their
 /// areas, so that what lies in a contour comes before it.
-fn nested(contours: Vec<Contour>, rule: FillRule) -> Result<PlaneSet, ProfileFault> {
+fn nested(contours: &[Contour], rule: FillRule) -> Result<PlaneSet, ProfileFault> {
     let traces: Vec<Vec<DVec2>> = contours.iter().map(|c| arcs::trace(c)).collect();
     let nesting = Nesting::of(&traces, rule);
     let mut within: Vec<Vec<PlaneSet>> = vec![Vec::new(); contours.len() + 1];

@@ -67,7 +67,7 @@ impl Profile {
     }
 
     pub(super) fn polygons(&self, tolerance: f64) -> Result<Vec<Polygon>, ProfileFault> {
-        if !(tolerance > 0.0) {
+        if tolerance.is_nan() || tolerance <= 0.0 {
             let what = "the tolerance";
             return Err(ProfileFault::NotPositive {
                 what,
@@ -90,7 +90,7 @@ impl Profile {
                     Ok(if crossing(&clean).is_some() {
                         resolved(&points_of(&clean), *rule)
                     } else {
-                        grouped(points_of(&clean), *rule)
+                        grouped(&points_of(&clean), *rule)
                     })
                 }
             },
@@ -199,8 +199,8 @@ fn sides_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
 }
 
 /// Contours that do not meet, as polygons.
-fn grouped(contours: Vec<Vec<DVec2>>, rule: FillRule) -> Vec<Polygon> {
-    let nesting = Nesting::of(&contours, rule);
+fn grouped(contours: &[Vec<DVec2>], rule: FillRule) -> Vec<Polygon> {
+    let nesting = Nesting::of(contours, rule);
     let mut polygons: Vec<Polygon> = Vec::new();
     // Which polygon a contour is of, or the one around a contour that bounds nothing.
     let mut polygon_of: Vec<Option<usize>> = vec![None; contours.len()];

@@ -32,6 +32,8 @@ pub enum Join {
     Mitre(f64),
     /// By a straight side.
     Bevel,
+    /// By a straight side as far from the corner as the others are.
+    Square,
 }
 
 impl Profile {
@@ -209,25 +211,32 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join, exact: bool) -> 
 }
 
 /// Adds what comes before the start of the leaving side.
-fn join_sides(moved: &mut Contour, here: DVec2, [from, to]: [DVec2; 2], turning: f64, join: Join) {
+fn join_sides(moved: &mut Contour, here: DVec2, [from, to]: [DVec2; 2], angle: f64, join: Join) {
     match join {
         Join::Round => moved.push(Corner {
             point: from,
-            bulge: (turning / 4.0).tan(),
+            bulge: (angle / 4.0).tan(),
         }),
         Join::Chords(fragments) => {
-            let steps = (fragments.max(3) as f64 * turning.abs() / TAU)
+            let steps = (fragments.max(3) as f64 * angle.abs() / TAU)
                 .round()
                 .max(1.0);
             for step in 0..steps as usize {
-                let turned = DVec2::from_angle(turning * step as f64 / steps);
+                let turned = DVec2::from_angle(angle * step as f64 / steps);
                 moved.push(Corner::straight(here + turned.rotate(from - here)));
             }
         }
-        Join::Mitre(limit) if turning.abs() < PI && 1.0 <= limit * (0.5 * turning).cos() => {
-            let corner = here + (from - here + to - here) / (1.0 + turning.cos());
+        Join::Mitre(limit) if angle.abs() < PI && 1.0 <= limit * (0.5 * angle).cos() => {
+            let corner = here + (from - here + to - here) / (1.0 + angle.cos());
             moved.extend([from, corner].map(Corner::straight));
         }
-        Join::Mitre(_) | Join::Bevel => moved.push(Corner::straight(from)),
+        Join::Square if angle.abs() < PI => {
+            // Along the sides, up to where that side is.
+            let reach = (0.25 * angle).tan();
+            let first = from + reach * (from - here).perp();
+            let last = to - reach * (to - here).perp();
+            moved.extend([from, first, last].map(Corner::straight));
+        }
+        Join::Mitre(_) | Join::Square | Join::Bevel => moved.push(Corner::straight(from)),
     }
 }

@@ -49,7 +49,7 @@ impl Path {
     #[must_use]
     pub fn arc_to(mut self, end: impl Into<DVec2>, radians: f64) -> Self {
         let limit = std::f64::consts::TAU;
-        if !(radians.abs() < limit) {
+        if radians.is_nan() || radians.abs() >= limit {
             self.fault.get_or_insert(ProfileFault::TooLarge {
                 what: "the angle of an arc",
                 value: radians,
@@ -108,7 +108,7 @@ impl Path {
         const MOST: f64 = 1e4;
         let start = self.end();
         let (first, second, end) = (first.into(), second.into(), end.into());
-        if !(tolerance > 0.0) {
+        if tolerance.is_nan() || tolerance <= 0.0 {
             let what = "the tolerance of a curve";
             self.fault.get_or_insert(ProfileFault::NotPositive {
                 what,

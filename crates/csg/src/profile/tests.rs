@@ -159,6 +159,11 @@ fn shapes_have_their_areas_and_points() {
         ("turned", square.rotate(1.0).scale_xyz_test(), 0.5),
         ("mitre", square.offset(0.2, Join::Mitre(2.0)), 1.96),
         ("bevel", square.offset(0.2, Join::Bevel), 1.88),
+        (
+            "square",
+            square.offset(0.2, Join::Square),
+            1.96 - 4.0 * (0.2 * (2.0_f64.sqrt() - 1.0)).powi(2),
+        ),
         ("shrunk", square.offset(-0.2, Join::Round), 0.36),
         ("none", square.offset(-0.6, Join::Round), 0.0),
         (

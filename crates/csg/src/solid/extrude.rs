@@ -110,7 +110,7 @@ fn extruded(
     let solid = between(&set, z, |leaf| match *leaf {
         Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
         Leaf::Disc(map) => {
-            let wall = if even && scale.x != 1.0 {
+            if even && scale.x != 1.0 {
                 let apex = z.start + height / (1.0 - scale.x);
                 cone(
                     map.matrix2.x_axis,
@@ -129,8 +129,7 @@ fn extruded(
                     translation: map.translation.extend(0.0),
                 };
                 Solid::infinite_cylinder(1.0).affine(map)
-            };
-            wall
+            }
         }
     });
     Ok((solid, within))
@@ -159,9 +158,7 @@ fn side(from: DVec2, to: DVec2, bottom: f64, height: f64, scale: DVec2) -> Solid
         let normal = n.extend(-offset * slope);
         Solid::half_space_through(from.extend(bottom), normal)
     };
-    if slope.x == slope.y {
-        flat(slope.x)
-    } else if n.y == 0.0 {
+    if slope.x == slope.y || n.y == 0.0 {
         flat(slope.x)
     } else if n.x == 0.0 {
         flat(slope.y)

@@ -11,6 +11,7 @@ mod partition;
 mod polyhedron;
 mod primitives;
 mod revolve;
+mod rounded;
 mod transform;
 mod tree;
 mod twist;

@@ -17,6 +17,9 @@ pub(super) struct Facet {
     pub points: Vec<DVec3>,
 }
 
+/// A node, and whether what is before its plane is meant.
+type Place = (usize, bool);
+
 /// What is on one side of a cut.
 #[derive(Clone, Copy)]
 enum Child {
@@ -42,7 +45,7 @@ impl Tree {
         let slack = ON_PLANE * size;
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
-        let mut pending: Vec<(Vec<Facet>, Option<(usize, bool)>)> = vec![(facets, None)];
+        let mut pending: Vec<(Vec<Facet>, Option<Place>)> = vec![(facets, None)];
         while let Some((facets, above)) = pending.pop() {
             let plane = best(&facets, slack);
             if let Some((parent, is_front)) = above {

@@ -96,7 +96,7 @@ impl Solid {
     ) -> Self {
         let vertices: Vec<DVec3> = vertices.into_iter().map(Into::into).collect();
         let faces: Vec<Vec<u32>> = faces.into_iter().map(|f| f.as_ref().to_vec()).collect();
-        let made = Faces::new(vertices, faces).and_then(|faces| {
+        let made = Faces::new(vertices, &faces).and_then(|faces| {
             faces.check()?;
             Ok(faces.solid())
         });
@@ -109,8 +109,8 @@ impl Solid {
     /// # Errors
     /// As with [`Solid::polyhedron`].
     pub fn convex_parts(mesh: &Mesh) -> Result<Vec<Vec<Plane>>, NodeFault> {
-        let faces = mesh.triangles.iter().map(|t| t.to_vec()).collect();
-        let faces = Faces::new(mesh.positions.clone(), faces)?;
+        let faces: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
+        let faces = Faces::new(mesh.positions.clone(), &faces)?;
         Ok(match faces.convex() {
             Some(planes) => vec![planes],
             None => faces.tree().cells(),
@@ -127,14 +127,14 @@ struct Faces {
 }
 
 impl Faces {
-    fn new(vertices: Vec<DVec3>, faces: Vec<Vec<u32>>) -> Result<Self, PolyhedronFault> {
+    fn new(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Result<Self, PolyhedronFault> {
         if faces.len() > MOST_FACES {
             return Err(PolyhedronFault::TooManyFaces {
                 faces: faces.len(),
                 limit: MOST_FACES,
             });
         }
-        let far = |v: &DVec3| !(v.abs().max_element() < 1e100);
+        let far = |v: &DVec3| v.is_nan() || v.abs().max_element() >= 1e100;
         if let Some(vertex) = vertices.iter().position(far) {
             return Err(PolyhedronFault::NotFinite { vertex });
         }
@@ -218,7 +218,7 @@ impl Faces {
         if volume < 0.0 {
             return Err(PolyhedronFault::InsideOut);
         }
-        if !(volume > 1e-15 * self.size.powi(3)) {
+        if volume <= 1e-15 * self.size.powi(3) {
             return Err(PolyhedronFault::Degenerate);
         }
         let crossings = mesh.self_intersections();
@@ -305,7 +305,7 @@ pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
         normal += (a - middle).cross(b - middle);
         longest = longest.max(a.distance_squared(b));
     }
-    if !(normal.length() > 1e-14 * longest) {
+    if normal.length() <= 1e-14 * longest {
         return None;
     }
     let normal = normal.normalize();

@@ -120,10 +120,10 @@ fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -
             let (first, second) = (flat(a, c), flat(b, d));
             let same = 2e5 * (first - second).abs() <= first + second;
             let by_first = if same { !flip } else { first < second };
-            let triangles = if by_first != shrinks {
-                [[a, b, c], [a, c, d]]
-            } else {
+            let triangles = if by_first == shrinks {
                 [[a, b, d], [b, c, d]]
+            } else {
+                [[a, b, c], [a, c, d]]
             };
             facets.extend(triangles.iter().filter_map(|points| {
                 Some(Facet {
