@@ -18,6 +18,6 @@ mod twist;
 
 pub use polyhedron::PolyhedronFault;
 pub use primitives::{Plane, Primitive};
-pub use transform::Axis;
+pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};
 pub use twist::Twist;

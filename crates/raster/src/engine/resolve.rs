@@ -2,7 +2,8 @@
 
 use csg::Color;
 
-use crate::deferred::{Batch, Job, ShadeContext, shade};
+use crate::deferred::{Batch, Job, shade};
+use crate::shading::ShadeContext;
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
