@@ -66,7 +66,7 @@ fn background_is_left_out_and_highlight_kept() {
     // What is left out need not be readable, at any depth.
     let out = "%hull() { text(text = \"a\\\"b\", size = undef); group() { polygon(points = [[1, 2], [3, 4]], paths = undef); } }\nsphere(r = 1);";
     assert!(program(out).contains([0.0; 3]));
-    let after = read("%group() { hull(); }\nhull();", &ReadOptions::default());
+    let after = read("%group() { text(); }\ntext();", &ReadOptions::default());
     assert!(matches!(after, Err(SceneError::Unsupported { place, .. }) if place.line == 2));
     assert!(is_empty("%sphere(r = 1);"));
 }
@@ -190,7 +190,7 @@ fn the_outer_color_wins() {
 #[test]
 fn errors_say_where_and_what() {
     for (text, line, column, says) in [
-        ("hull() { sphere(r = 1); }", 1, 1, "`hull`"),
+        ("fill() { sphere(r = 1); }", 1, 1, "`fill`"),
         (
             "group() {\n\tminkowski(convexity = 0);\n}",
             2,

@@ -80,10 +80,27 @@ impl Arc {
     }
 }
 
-/// How many chords keep within `tolerance` of an arc of `sweep` radians.
-pub(super) fn chords(radius: f64, sweep: f64, tolerance: f64) -> usize {
+/// How far chords may stray from an arc: a length, and a share of its radius.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sagitta {
+    pub length: f64,
+    pub of_radius: f64,
+}
+
+impl Sagitta {
+    pub(crate) const fn of_length(length: f64) -> Self {
+        Self {
+            length,
+            of_radius: 1.0,
+        }
+    }
+}
+
+/// How many chords keep so near to an arc of `sweep` radians.
+pub(super) fn chords(radius: f64, sweep: f64, sagitta: Sagitta) -> usize {
     const MOST: f64 = 1e6;
-    let half = (1.0 - tolerance / radius).clamp(0.0, 1.0).acos();
+    let share = sagitta.of_radius.min(sagitta.length / radius);
+    let half = (1.0 - share).clamp(0.0, 1.0).acos();
     let count = (0.5 * sweep.abs() / half).ceil();
     count.clamp(1.0, MOST) as usize
 }
@@ -97,18 +114,18 @@ pub(super) fn side(contour: &[Corner], k: usize) -> (DVec2, Option<Arc>) {
 }
 
 /// The contour with the arcs that `keeps` does not want cut into chords that
-/// keep within `tolerance` of them under a map that stretches by `stretch`.
+/// keep so near to them under a map that stretches by `stretch`.
 pub(super) fn cut(
     contour: &[Corner],
     stretch: f64,
-    tolerance: f64,
+    sagitta: Sagitta,
     keeps: impl Fn(&Arc) -> bool,
 ) -> Contour {
     let mut corners = Vec::with_capacity(contour.len());
     for (k, &corner) in contour.iter().enumerate() {
         match side(contour, k).1 {
             Some(arc) if !keeps(&arc) => {
-                let count = chords(arc.radius * stretch, arc.sweep, tolerance);
+                let count = chords(arc.radius * stretch, arc.sweep, sagitta);
                 corners.push(Corner::straight(corner.point));
                 let inner = (1..count).map(|i| arc.at(i as f64 / count as f64));
                 corners.extend(inner.map(Corner::straight));

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use glam::{DAffine2, DMat2, DVec2};
 
-use super::arcs::{self, doubled_area, reversed};
+use super::arcs::{self, Sagitta, doubled_area, reversed};
 use super::fault::ProfileFault;
 use super::flatten::{self, disc_corners};
 use super::monotone::{inside, orient};
@@ -16,25 +16,23 @@ use super::{Combination, Contour, Corner, FillRule, Profile, Shape};
 const MOST_CORNERS: usize = 10_000;
 
 /// The profile as a formula. Arcs and circles whose disc `keeps` does not want
-/// become chords within `tolerance` of them.
+/// become chords that near to them.
 pub(crate) fn plane_set(
     profile: &Profile,
-    tolerance: f64,
+    sagitta: Sagitta,
     keeps: &dyn Fn(&DAffine2) -> bool,
 ) -> Result<PlaneSet, ProfileFault> {
     let mut corners = 0;
     let set = profile.fold(
         |shape, map| match shape {
             Shape::Disc if keeps(map) => Ok(PlaneSet::leaf(Leaf::Disc(*map))),
-            Shape::Disc => of_contours(&[disc_corners(map, tolerance)], FillRule::EvenOdd),
+            Shape::Disc => of_contours(&[disc_corners(map, sagitta)], FillRule::EvenOdd),
             Shape::Contours(contours, rule) => {
                 let stretch = stretch(&map.matrix2);
                 let kept: Vec<Contour> = contours
                     .iter()
                     .map(|contour| {
-                        arcs::cut(contour, stretch, tolerance, |arc| {
-                            keeps(&(*map * arc.disc()))
-                        })
+                        arcs::cut(contour, stretch, sagitta, |arc| keeps(&(*map * arc.disc())))
                     })
                     .collect();
                 corners += kept.iter().map(Vec::len).sum::<usize>();

@@ -7,7 +7,7 @@ use i_overlay::core::overlay::{Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
-use super::arcs::{chords, cut};
+use super::arcs::{Sagitta, chords, cut};
 use super::contour::{Nesting, cleaned, stretch};
 use super::fault::ProfileFault;
 use super::monotone::orient;
@@ -74,14 +74,15 @@ impl Profile {
                 value: tolerance,
             });
         }
+        let sagitta = Sagitta::of_length(tolerance);
         let polygons = self.fold(
             |shape, map| match shape {
-                Shape::Disc => Ok(vec![points_of(&[disc_corners(map, tolerance)])]),
+                Shape::Disc => Ok(vec![points_of(&[disc_corners(map, sagitta)])]),
                 Shape::Contours(contours, rule) => {
                     let stretch = stretch(&map.matrix2);
                     let mut clean = Vec::new();
                     for contour in contours.iter() {
-                        let mapped: Contour = cut(contour, stretch, tolerance, |_| false)
+                        let mapped: Contour = cut(contour, stretch, sagitta, |_| false)
                             .into_iter()
                             .map(|corner| Corner::straight(map.transform_point2(corner.point)))
                             .collect();
@@ -100,11 +101,18 @@ impl Profile {
     }
 }
 
-/// The corners of chords for the image of the disc of radius 1.
-pub(super) fn disc_corners(map: &DAffine2, tolerance: f64) -> Contour {
-    let count = chords(stretch(&map.matrix2), std::f64::consts::TAU, tolerance).max(3);
+/// The corners of chords for the image of the disc of radius 1: of the same area
+/// where they must also be that near to its radius, else on it.
+pub(super) fn disc_corners(map: &DAffine2, sagitta: Sagitta) -> Contour {
+    let count = chords(stretch(&map.matrix2), std::f64::consts::TAU, sagitta).max(3);
+    let angle = std::f64::consts::TAU / count as f64;
+    let radius = if sagitta.of_radius < 1.0 {
+        (angle / angle.sin()).sqrt()
+    } else {
+        1.0
+    };
     let mut corners: Contour = (0..count)
-        .map(|k| Corner::straight(map.transform_point2(turn(k, count))))
+        .map(|k| Corner::straight(map.transform_point2(radius * turn(k, count))))
         .collect();
     if map.matrix2.determinant() < 0.0 {
         corners.reverse();

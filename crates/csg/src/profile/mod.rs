@@ -33,6 +33,7 @@ pub use self::offset::Join;
 pub use self::path::Path;
 pub use self::turn::turn;
 
+pub(crate) use self::arcs::Sagitta;
 pub(crate) use self::contour::plane_set;
 pub(crate) use self::flatten::doubled_area;
 pub(crate) use self::plane_set::{Leaf, PlaneSet};

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::arcs::{cut, doubled_area, side};
+use super::arcs::{Sagitta, cut, doubled_area, side};
 use super::contour::cleaned;
 use super::fault::ProfileFault;
 use super::flatten::{self, crossing, points_of};
@@ -67,7 +67,7 @@ impl Profile {
             let straight = points.into_iter().map(Corner::straight);
             let straight: Contour = straight.collect();
             let raw = moved_contour(&straight, distance, join, false);
-            moved.push(cut(&raw, 1.0, tolerance, |_| false));
+            moved.push(cut(&raw, 1.0, Sagitta::of_length(tolerance), |_| false));
         }
         let polygons = flatten::positive(&points_of(&moved)).concat();
         if polygons.is_empty() {

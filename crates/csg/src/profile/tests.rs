@@ -260,7 +260,10 @@ fn mistakes_are_named() {
     for profile in faults {
         assert!(profile.contours(1e-3).is_err(), "{profile:?}");
         let within = Profile::circle(1.0) - profile;
-        assert!(plane_set(&within, 1e-3, &|_| true).is_err(), "{within:?}");
+        assert!(
+            plane_set(&within, Sagitta::of_length(1e-3), &|_| true).is_err(),
+            "{within:?}"
+        );
     }
     // A contour with an arc that crosses another side.
     let crossing = Path::from([0.0, 0.0])
@@ -268,7 +271,7 @@ fn mistakes_are_named() {
         .arc_to([0.0, 1.0], -3.0)
         .line_to([0.4, 0.2])
         .close();
-    let fault = plane_set(&crossing, 1e-3, &|_| true);
+    let fault = plane_set(&crossing, Sagitta::of_length(1e-3), &|_| true);
     assert!(
         matches!(fault, Err(ProfileFault::Crossing { .. })),
         "{fault:?}"

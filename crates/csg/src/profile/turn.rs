@@ -25,3 +25,27 @@ pub fn turn(k: usize, n: usize) -> DVec2 {
         _ => DVec2::new(sin, -cos),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_right_and_symmetric() {
+        for n in 1..=97 {
+            for k in 0..n {
+                // Its angle alone is rounded by up to 1e-15.
+                let (sin, cos) = (TAU * k as f64 / n as f64).sin_cos();
+                let found = turn(k, n);
+                assert!(
+                    found.abs_diff_eq(DVec2::new(cos, sin), 2e-15),
+                    "{k}/{n}: {found}"
+                );
+                let mirrored = turn((n - k) % n, n);
+                assert_eq!((found.x, found.y), (mirrored.x, -mirrored.y), "{k}/{n}");
+            }
+        }
+        assert_eq!(turn(3, 4), DVec2::new(0.0, -1.0));
+        assert_eq!(turn(1, 8).x, turn(1, 8).y);
+    }
+}

@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::tree::{Made, Node, Solid};
 use crate::error::NodeFault;
-use crate::profile::{Leaf, PlaneSet, Profile, plane_set};
+use crate::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 
 /// Chords stray so much of a profile's size where circles cannot be kept.
 pub(super) const OF_SIZE: f64 = 1e-4;
@@ -99,7 +99,7 @@ fn extruded(
     }
     let even = scale.x == scale.y;
     let tolerance = profile.tolerance_of(OF_SIZE)?;
-    let set = plane_set(profile, tolerance, &|_| even)?;
+    let set = plane_set(profile, Sagitta::of_length(tolerance), &|_| even)?;
     let Some((min, max)) = profile.bounds(tolerance)? else {
         return Ok((Solid::empty(), [DVec3::ZERO; 2]));
     };

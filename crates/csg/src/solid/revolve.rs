@@ -12,7 +12,10 @@ use super::extrude::{OF_SIZE, double_cone};
 use super::primitives::Plane;
 use super::tree::Solid;
 use crate::error::NodeFault;
-use crate::profile::{Leaf, PlaneSet, Profile, ProfileFault, plane_set, turn};
+use crate::profile::{Leaf, PlaneSet, Profile, ProfileFault, Sagitta, plane_set, turn};
+
+/// Chords stray at most so much of an arc's radius.
+const BESIDE_AXIS: f64 = 5e-3;
 
 impl Solid {
     /// The profile turned about its y axis, which becomes the z axis; its x is
@@ -20,8 +23,8 @@ impl Solid {
     ///
     /// Lines become planes, cylinders and cones, and circles and ellipses
     /// centred on the axis spheres and spheroids. Others would become tori: these
-    /// circles and arcs become chords within 1e-4 of the profile's size first
-    /// (for another tolerance, see [`Profile::flattened`]).
+    /// circles and arcs become chords first, within 1e-4 of the profile's size
+    /// and 5e-3 of their radius, 32 to a turn, of circles with the same area (for another tolerance, see [`Profile::flattened`]).
     #[must_use]
     pub fn revolve(profile: &Profile) -> Self {
         Self::made("revolve", round(profile))
@@ -91,7 +94,11 @@ fn half_plane_set(
     if min.x < -1e-12 * max.abs().max(min.abs()).max_element() {
         return Err(ProfileFault::BeyondAxis { x: min.x }.into());
     }
-    let set = plane_set(profile, tolerance, keeps)?;
+    let sagitta = Sagitta {
+        length: tolerance,
+        of_radius: BESIDE_AXIS,
+    };
+    let set = plane_set(profile, sagitta, keeps)?;
     let corner = |radius: f64, height: f64| DVec3::new(radius, radius, height);
     let (radius, below, above) = (max.x + tolerance, min.y - tolerance, max.y + tolerance);
     Ok((set, [corner(-radius, below), corner(radius, above)]))

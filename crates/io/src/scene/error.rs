@@ -49,9 +49,9 @@ pub enum SceneError {
         /// What was found, and what should be there.
         problem: String,
     },
-    /// A node outside the core.
+    /// A node that is not known.
     #[error(
-        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, multmatrix, color, render, cube, sphere and cylinder (a `%` before the node leaves it out)"
+        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, hull, minkowski, multmatrix, resize, color, render, cube, sphere, cylinder, polyhedron, circle, square, polygon, offset, projection, linear_extrude and rotate_extrude (a `%` before the node leaves it out)"
     )]
     Unsupported {
         /// Where.

@@ -2,8 +2,11 @@
 //!
 //! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
-//! `sphere`, `cylinder`. Any other node is an error that names it and its
-//! place, unless `%` (background) leaves it out of the solid anyway.
+//! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
+//! `polygon`, `linear_extrude`, `rotate_extrude`, `offset`, `projection` (not
+//! its `cut`), `hull`, `minkowski` (of solids) and `resize`. Any other node is
+//! an error that names it and its place, unless `%` (background) leaves it out
+//! of the solid anyway.
 //!
 //! ```
 //! use io::scene::{ReadOptions, read, write};
@@ -26,16 +29,31 @@
 //!   and so has whatever a map with an infinite or NaN entry or without an
 //!   inverse makes of its operand. That is OpenSCAD's rule; the reader says
 //!   so in [`Scene::warnings`].
+//! - Profiles stay as they are drawn: what is extruded or turned has planes,
+//!   cylinders and cones. A circle turned about an axis beside it is cut into 32
+//!   chords first, a twist into flat steps of at most 1.4 degrees.
+//! - Hulls, Minkowski sums, projections and `resize` need corners: what is in
+//!   them is meshed while reading, circles there as polygons of at least 30
+//!   corners. A hull of nothing but equal spheres is exact.
+//! - Of profiles and solids in one list those unlike the first are left out,
+//!   with a warning; an intersection of both has no points.
+//! - The faces of a `polyhedron` must close; if they are inside out they are
+//!   turned, with a warning, and if they close only on OpenSCAD's grid of
+//!   2^-20, vertices move onto it.
 //! - Colours are sRGB, and the outermost wins. `color([-1, -1, -1, a])` is
 //!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
 //!   primitive shows that primitive's colour, as in OpenSCAD's preview.
 
 mod build;
+mod corners;
 mod error;
 mod facets;
+mod flat;
 mod lex;
 mod parse;
+mod pieces;
 mod shapes;
+mod values;
 mod write;
 
 use std::path::Path;

@@ -21,6 +21,17 @@ pub(super) enum Kind {
     Cube,
     Sphere,
     Cylinder,
+    Polyhedron,
+    Circle,
+    Square,
+    Polygon,
+    LinearExtrude,
+    RotateExtrude,
+    Offset,
+    Projection,
+    Hull,
+    Minkowski,
+    Resize,
     /// A node that cannot be read, in a subtree that `%` leaves out.
     Other,
 }
@@ -38,12 +49,32 @@ impl Kind {
             "cube" => Self::Cube,
             "sphere" => Self::Sphere,
             "cylinder" => Self::Cylinder,
+            "polyhedron" => Self::Polyhedron,
+            "circle" => Self::Circle,
+            "square" => Self::Square,
+            "polygon" => Self::Polygon,
+            "linear_extrude" => Self::LinearExtrude,
+            "rotate_extrude" => Self::RotateExtrude,
+            "offset" => Self::Offset,
+            "projection" => Self::Projection,
+            "hull" => Self::Hull,
+            "minkowski" => Self::Minkowski,
+            "resize" => Self::Resize,
             _ => Self::Other,
         }
     }
 
     pub(super) fn is_leaf(self) -> bool {
-        matches!(self, Self::Cube | Self::Sphere | Self::Cylinder)
+        matches!(
+            self,
+            Self::Cube
+                | Self::Sphere
+                | Self::Cylinder
+                | Self::Polyhedron
+                | Self::Circle
+                | Self::Square
+                | Self::Polygon
+        )
     }
 }
 
@@ -75,7 +106,7 @@ pub(super) enum Value {
     Number(f64),
     Bool(bool),
     List(Vec<Value>),
-    /// A string or `undef`, which no node of the core takes.
+    /// A string or `undef`.
     Other,
 }
 

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use csg::{Plane, Primitive};
+use csg::{Plane, Primitive, turn};
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::facets::{self, turn};
+use super::facets;
 use super::write::{across, list, number};
 
 /// A leaf, and the map around it.

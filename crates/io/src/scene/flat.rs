@@ -1,0 +1,416 @@
+//! Profiles, and the solids made of them.
+
+use std::f64::consts::PI;
+
+use csg::glam::{DAffine2, DVec2};
+use csg::{FillRule, Join, Profile, Solid, Twist};
+
+use super::build::{Builder, is_size};
+use super::error::SceneError;
+use super::facets::Fineness;
+use super::parse::{NodeText, Value};
+use super::pieces::Piece;
+use super::values::{array, list, number};
+
+/// Read as smooth, a twist turns by at most this between flat steps.
+const FINEST_TWIST: f64 = 2.0 * PI / 256.0;
+/// `linear_extrude`, but for what it extrudes.
+pub(super) struct Extrusion {
+    height: f64,
+    center: bool,
+    /// In degrees, clockwise.
+    twist: f64,
+    scale: DVec2,
+    slices: Option<f64>,
+    fineness: Fineness,
+}
+
+/// `rotate_extrude`, but for what it turns.
+pub(super) struct Revolution {
+    /// In degrees.
+    angle: f64,
+    fineness: Fineness,
+}
+
+/// `offset`, but for what it grows.
+pub(super) struct Growth {
+    distance: f64,
+    join: Join,
+}
+
+const LEGACY: [&str; 4] = ["file", "layer", "origin", "timestamp"];
+
+impl Builder<'_> {
+    pub(super) fn circle(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
+        let [fn_, fa, fs, radius] = self.arguments(node, &["$fn", "$fa", "$fs", "r"])?;
+        let fineness = self.fineness(node, [fn_, fa, fs])?;
+        let radius = self.number(node, "r", radius)?;
+        if !is_size(radius) {
+            return Ok(self.empty(node, "the radius"));
+        }
+        if !(self.is_faceted() || fineness.is_polygon()) {
+            return Ok(Piece::Flat(Profile::circle(radius)));
+        }
+        let fragments = self.fragments(&fineness, radius);
+        let fragments = self.facets(node, fragments, fragments)?;
+        Ok(Piece::Flat(Profile::regular_polygon(fragments, radius)))
+    }
+
+    pub(super) fn square(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
+        let [size, center] = self.arguments(node, &["size", "center"])?;
+        let Some(size) = size.and_then(|value| array(value, number)) else {
+            return Err(self.fault(node, "it needs `size = [x, y]`"));
+        };
+        let center = self.flag(node, "center", center)?;
+        if !size.iter().all(|&side| is_size(side)) {
+            return Ok(self.empty(node, "a side"));
+        }
+        let size = DVec2::from_array(size);
+        Ok(Piece::Flat(if center {
+            Profile::rectangle(size)
+        } else {
+            Profile::rectangle_between(DVec2::ZERO, size)
+        }))
+    }
+
+    pub(super) fn polygon(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
+        let [points, paths, _] = self.arguments(node, &["points", "paths", "convexity"])?;
+        let points = points.and_then(|value| list(value, |item| array(item, number)));
+        let Some(points) = points else {
+            return Err(self.fault(node, "it needs `points = [[x, y], ..]`"));
+        };
+        let points: Vec<DVec2> = points.into_iter().map(DVec2::from_array).collect();
+        if !points.iter().all(|point| point.abs().max_element() < 1e100) {
+            return Ok(self.nothing(node, "a coordinate is not finite"));
+        }
+        let paths = match paths {
+            None | Some(Value::Other) => vec![(0..points.len()).collect()],
+            Some(value) => {
+                let index = |item: &Value| {
+                    let index = number(item)?;
+                    (0.0..points.len() as f64)
+                        .contains(&index)
+                        .then_some(index as usize)
+                };
+                let paths = list(value, |path| list(path, index));
+                paths.ok_or_else(|| {
+                    let problem = "`paths` must be lists of numbers of points, from 0";
+                    self.fault(node, problem)
+                })?
+            }
+        };
+        let contours: Vec<Vec<DVec2>> = paths
+            .into_iter()
+            .filter(|path| path.len() >= 3)
+            .map(|path| path.into_iter().map(|index| points[index]).collect())
+            .collect();
+        if contours.is_empty() {
+            return Ok(self.nothing(node, "it has fewer than three corners"));
+        }
+        let corners = contours.iter().map(Vec::len).sum::<usize>() as f64;
+        self.facets(node, corners, corners)?;
+        let profile = Profile::polygons_of(contours, FillRule::EvenOdd);
+        self.flat(node, profile)
+    }
+
+    /// The profile, or nothing if it has no points.
+    fn flat(&mut self, node: &NodeText<'_>, profile: Profile) -> Result<Piece, SceneError> {
+        let bounds = profile
+            .bounds(1.0)
+            .map_err(|e| self.fault(node, &e.to_string()))?;
+        Ok(match bounds {
+            Some(_) => Piece::Flat(profile),
+            None => Piece::Nothing,
+        })
+    }
+
+    pub(super) fn growth(&mut self, node: &NodeText<'_>) -> Result<Growth, SceneError> {
+        let keys = ["r", "delta", "chamfer", "$fn", "$fa", "$fs"];
+        let [r, delta, chamfer, fn_, fa, fs] = self.arguments(node, &keys)?;
+        let fineness = self.fineness(node, [fn_, fa, fs])?;
+        let chamfer = self.flag(node, "chamfer", chamfer)?;
+        let (key, value) = if r.is_some() {
+            ("r", r)
+        } else {
+            ("delta", delta)
+        };
+        let distance = self.number(node, key, value)?;
+        if !distance.is_finite() {
+            return Err(self.fault(node, "the distance must be finite"));
+        }
+        let join = if r.is_none() {
+            if chamfer {
+                Join::Square
+            } else {
+                Join::Mitre(1e6)
+            }
+        } else if self.is_faceted() || fineness.is_polygon() {
+            let fragments = self.fragments(&fineness, distance.abs());
+            Join::Chords(self.facets(node, fragments, fragments)?)
+        } else {
+            Join::Round
+        };
+        Ok(Growth { distance, join })
+    }
+
+    pub(super) fn grown(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+        growth: &Growth,
+    ) -> Result<Piece, SceneError> {
+        let grown = profile.offset(growth.distance, growth.join);
+        self.flat(node, grown)
+    }
+
+    pub(super) fn extrusion(&mut self, node: &NodeText<'_>) -> Result<Extrusion, SceneError> {
+        let keys = [
+            "height",
+            "center",
+            "convexity",
+            "twist",
+            "slices",
+            "scale",
+            "$fn",
+            "$fa",
+            "$fs",
+            LEGACY[0],
+            LEGACY[1],
+            LEGACY[2],
+            LEGACY[3],
+        ];
+        let [height, center, _, twist, slices, scale, fn_, fa, fs, ..] =
+            self.arguments(node, &keys)?;
+        let scale = match scale {
+            None => DVec2::ONE,
+            Some(&Value::Number(scale)) => DVec2::splat(scale),
+            Some(value) => match array(value, number) {
+                Some(scale) => DVec2::from_array(scale),
+                None => return Err(self.fault(node, "`scale` must be [x, y]")),
+            },
+        };
+        let optional = |key, value: Option<&Value>| match value {
+            Some(_) => self.number(node, key, value).map(Some),
+            None => Ok(None),
+        };
+        let twist = optional("twist", twist)?.unwrap_or(0.0);
+        if !(twist.is_finite() && scale.is_finite()) {
+            return Err(self.fault(node, "`twist` and `scale` must be finite"));
+        }
+        Ok(Extrusion {
+            height: self.number(node, "height", height)?,
+            center: self.flag(node, "center", center)?,
+            twist,
+            scale: scale.max(DVec2::ZERO),
+            slices: optional("slices", slices)?,
+            fineness: self.fineness(node, [fn_, fa, fs])?,
+        })
+    }
+
+    pub(super) fn extruded(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+        extrusion: &Extrusion,
+    ) -> Result<Piece, SceneError> {
+        let &Extrusion {
+            height,
+            scale,
+            twist,
+            ..
+        } = extrusion;
+        if !is_size(height) {
+            return Ok(self.empty(node, "the height"));
+        }
+        let z = if extrusion.center {
+            -0.5 * height..0.5 * height
+        } else {
+            0.0..height
+        };
+        let solid = if twist == 0.0 && scale == DVec2::ONE {
+            Solid::extrude(profile, z)
+        } else if twist == 0.0 && (scale.x == scale.y || !self.is_faceted()) {
+            Solid::extrude_scaled(profile, z, scale)
+        } else {
+            let steps = self.slices(node, profile, extrusion)?;
+            let radians = -twist.to_radians();
+            Solid::extrude_in_steps(
+                profile,
+                z,
+                Twist {
+                    radians,
+                    scale,
+                    steps,
+                },
+            )
+        };
+        self.made(node, solid)
+    }
+
+    /// How many layers an extrusion has that does not go straight: the rules of
+    /// OpenSCAD's `Calc::get_helix_slices`, `get_conical_helix_slices` and
+    /// `get_diagonal_slices`.
+    fn slices(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+        extrusion: &Extrusion,
+    ) -> Result<usize, SceneError> {
+        const GRID_FINE: f64 = 1.0 / (1 << 20) as f64;
+        let &Extrusion {
+            height,
+            scale,
+            fineness,
+            ..
+        } = extrusion;
+        let twist = extrusion.twist.abs();
+        let Fineness {
+            number,
+            angle,
+            size,
+        } = fineness;
+        let contours = self.contours_of(node, profile)?;
+        let corners = contours.iter().map(Vec::len).sum::<usize>() as f64;
+        let furthest = |length: &dyn Fn(DVec2) -> f64| {
+            contours
+                .iter()
+                .flatten()
+                .map(|&p| length(p))
+                .fold(0.0, f64::max)
+        };
+        let least = (twist / 120.0).ceil().max(1.0);
+        let slices = if let Some(slices) = extrusion.slices {
+            slices.trunc().max(1.0)
+        } else if twist == 0.0 {
+            let delta = furthest(&|p| (p - p * scale).length());
+            if delta < GRID_FINE || !number.is_finite() {
+                1.0
+            } else if number > 0.0 {
+                number.trunc().max(1.0)
+            } else {
+                (delta.hypot(height) / size).ceil().max(1.0)
+            }
+        } else {
+            let radius = furthest(&|p| p.length());
+            let radians = twist.to_radians();
+            if radius < GRID_FINE || !number.is_finite() {
+                least
+            } else if number > 0.0 {
+                (twist / 360.0 * number).ceil().max(least)
+            } else {
+                let length = if scale == DVec2::ONE || scale.x != scale.y {
+                    radians * radius.hypot(height / radians)
+                } else {
+                    let end = if scale.x > 1.0 {
+                        radians * scale.x / (scale.x - 1.0)
+                    } else {
+                        radians / (1.0 - scale.x)
+                    };
+                    let spiral =
+                        |t: f64| 0.5 * radius / end * (t * (1.0 + t * t).sqrt() + t.asinh());
+                    (spiral(end) - spiral(end - radians)).hypot(height)
+                };
+                (twist / angle)
+                    .ceil()
+                    .min((length / size).ceil())
+                    .max(least)
+            }
+        };
+        let slices = if self.is_faceted() {
+            slices
+        } else {
+            slices.max((twist.to_radians() / FINEST_TWIST).ceil())
+        };
+        self.facets(node, slices, 2.0 * slices * corners)
+    }
+
+    fn contours_of(
+        &self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+    ) -> Result<Vec<Vec<DVec2>>, SceneError> {
+        let bounds = profile
+            .bounds(1e-3)
+            .map_err(|e| self.fault(node, &e.to_string()))?;
+        let size = bounds.map_or(1.0, |(min, max)| min.abs().max(max.abs()).max_element());
+        let contours = profile.contours(1e-4 * size);
+        contours.map_err(|e| self.fault(node, &e.to_string()))
+    }
+
+    pub(super) fn revolution(&mut self, node: &NodeText<'_>) -> Result<Revolution, SceneError> {
+        let keys = [
+            "angle",
+            "convexity",
+            "$fn",
+            "$fa",
+            "$fs",
+            "scale",
+            LEGACY[0],
+            LEGACY[1],
+            LEGACY[2],
+            LEGACY[3],
+        ];
+        let [angle, _, fn_, fa, fs, ..] = self.arguments(node, &keys)?;
+        let angle = match angle {
+            Some(_) => self.number(node, "angle", angle)?,
+            None => 360.0,
+        };
+        let fineness = self.fineness(node, [fn_, fa, fs])?;
+        Ok(Revolution { angle, fineness })
+    }
+
+    pub(super) fn revolved(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+        revolution: &Revolution,
+    ) -> Result<Piece, SceneError> {
+        let Revolution { angle, fineness } = *revolution;
+        if angle == 0.0 {
+            return Ok(self.nothing(node, "the angle is 0"));
+        }
+        // OpenSCAD's rule: all that is no angle within a turn is a whole one.
+        let whole = !(angle > -360.0 && angle < 360.0);
+        let contours = self.contours_of(node, profile)?;
+        let (least, most) = contours
+            .iter()
+            .flatten()
+            .fold((0.0_f64, 0.0_f64), |(least, most), p| {
+                (least.min(p.x), most.max(p.x))
+            });
+        let slack = 1e-12 * most.max(-least);
+        if least < -slack && most > slack {
+            let problem = format!(
+                "all points must be on the same side of the axis, but x goes from {least} to {most}"
+            );
+            return Ok(self.nothing(node, &problem));
+        }
+        let mirrored = least < -slack;
+        let profile = if mirrored {
+            profile.affine(DAffine2::from_scale(DVec2::new(-1.0, 1.0)))
+        } else {
+            profile.clone()
+        };
+        let radians = if whole { 2.0 * PI } else { angle.to_radians() };
+        let solid = if self.is_faceted() || fineness.is_polygon() {
+            let fragments = self.fragments(&fineness, most - least);
+            let share = if whole { 1.0 } else { angle.abs() / 360.0 };
+            let steps = (fragments * share).trunc().max(1.0);
+            let corners = contours.iter().map(Vec::len).sum::<usize>() as f64;
+            let steps = self.facets(node, steps, steps * corners)?;
+            Solid::revolve_in_steps(&profile, radians, steps)
+        } else {
+            Solid::revolve_by(&profile, radians)
+        };
+        // Whole turns begin on the far side.
+        let turned = if mirrored != whole {
+            solid.rotate_z(PI)
+        } else {
+            solid.clone()
+        };
+        match self.made(node, solid)? {
+            Piece::Nothing => Ok(Piece::Nothing),
+            _ => Ok(Piece::Solid(turned)),
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Profiles, extrusions, hulls and polyhedra in scenes: volumes against closed
+//! forms, smooth and faceted, and what is said where something is amiss.
+
+use std::f64::consts::PI;
+
+use csg::{Mesher, Program};
+use io::scene::{ReadOptions, Scene, SceneError, read};
+
+fn scene(text: &str, faceted: bool) -> Scene {
+    read(text, &ReadOptions::default().faceted(faceted)).unwrap_or_else(|e| panic!("{text}: {e}"))
+}
+
+fn volume(text: &str, faceted: bool) -> f64 {
+    let solid = scene(text, faceted).solid;
+    let program = Program::lower(&solid).unwrap_or_else(|e| panic!("{text}: {e}"));
+    let mesher = Mesher::new();
+    let mesher = if faceted {
+        mesher
+    } else {
+        mesher.tolerance(1e-4)
+    };
+    let meshed = mesher
+        .mesh(&program)
+        .unwrap_or_else(|e| panic!("{text}: {e}"));
+    assert_eq!(meshed.report.fallbacks, [], "{text}");
+    assert!(meshed.report.check.is_manifold(), "{text}");
+    meshed.mesh.volume()
+}
+
+fn assert_volume(text: &str, wanted: f64) {
+    let found = volume(text, true);
+    assert!(
+        (found / wanted - 1.0).abs() < 1e-11,
+        "{text}: {found}, not {wanted}"
+    );
+}
+
+const SQUARE: &str = "square(size = [2, 1], center = true);";
+
+#[test]
+fn polygons_are_the_same_in_both_readings() {
+    let polygon = "polygon(points = [[0, 0], [4, 0], [4, 4], [0, 4], [1, 1], [3, 1], [3, 3], [1, 3]], paths = [[0, 1, 2, 3], [4, 5, 6, 7]], convexity = 1);";
+    for (text, wanted) in [
+        (format!("linear_extrude(height = 2, center = true, convexity = 1, scale = [1, 1], $fn = 0, $fa = 12, $fs = 2) {{ {polygon} }}"), 24.0),
+        (format!("linear_extrude(height = 3, scale = [0, 0]) {{ {SQUARE} }}"), 2.0),
+        (format!("linear_extrude(height = 3, scale = 0.5) {{ {SQUARE} }}"), 3.5),
+        (format!("linear_extrude(height = 3) {{ difference() {{ {SQUARE} circle($fn = 4, r = 0.5); }} }}"), 4.5),
+        (format!("linear_extrude(height = 3) {{ multmatrix([[-2, 0, 0, 5], [0, 1, 0, 0], [0, 0, 0, 9], [0, 0, 0, 1]]) {{ {SQUARE} }} }}"), 12.0),
+        (format!("linear_extrude(height = 1) {{ offset(delta = 0.5) {{ {SQUARE} }} }}"), 6.0),
+        (format!("linear_extrude(height = 1) {{ offset(r = -0.25) {{ {SQUARE} }} }}"), 0.75),
+        ("linear_extrude(height = 1) { hull() { circle($fn = 4, r = 1); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { circle($fn = 4, r = 1); } } }".to_owned(), 8.0),
+        ("linear_extrude(height = 1) { projection(cut = false) { cube(size = [1, 2, 3], center = true); multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 9], [0, 0, 0, 1]]) { cube(size = [2, 1, 3], center = true); } } }".to_owned(), 3.0),
+        ("linear_extrude(height = 1) { resize(newsize = [5, 0, 0], auto = [0, 1, 0]) { square(size = [2, 1]); } }".to_owned(), 12.5),
+        ("rotate_extrude(angle = 360, $fn = 4) { multmatrix([[1, 0, 0, 2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [1, 2]); } }".to_owned(), 20.0),
+        ("rotate_extrude(angle = 90, $fn = 4) { multmatrix([[1, 0, 0, -3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { square(size = [1, 2]); } }".to_owned(), 5.0),
+        ("hull() { cube(size = [1, 1, 1]); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cube(size = [1, 1, 1]); } }".to_owned(), 4.0),
+        ("minkowski() { cube(size = [1, 2, 3]); cube(size = [1, 1, 1], center = true); }".to_owned(), 24.0),
+        ("minkowski() { difference() { cube(size = [4, 4, 4]); cube(size = [2, 2, 9]); } cube(size = [1, 1, 1]); }".to_owned(), 105.0),
+        ("resize(newsize = [0, 0, 9], auto = [true, false, false]) { cube(size = [1, 2, 3]); }".to_owned(), 54.0),
+        ("polyhedron(points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], convexity = 1);".to_owned(), 1.0 / 6.0),
+        // Listed the other way round.
+        ("polyhedron(points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces = [[2, 1, 0], [1, 3, 0], [3, 2, 0], [2, 3, 1]], convexity = 1);".to_owned(), 1.0 / 6.0),
+    ] {
+        assert_volume(&text, wanted);
+        let smooth = volume(&text, false);
+        assert!((smooth / wanted - 1.0).abs() < 1e-11, "{text}: {smooth}");
+    }
+}
+
+#[test]
+fn circles_are_round_or_not() {
+    let facets = |n: f64| 0.5 * n * (2.0 * PI / n).sin();
+    for (text, faceted, smooth) in [
+        (
+            "linear_extrude(height = 2) { circle($fn = 30, r = 1); }",
+            2.0 * facets(30.0),
+            2.0 * PI,
+        ),
+        (
+            "linear_extrude(height = 2, scale = 0) { circle($fn = 30, r = 1); }",
+            2.0 / 3.0 * facets(30.0),
+            2.0 / 3.0 * PI,
+        ),
+        (
+            "rotate_extrude(angle = 360, $fn = 20) { square(size = [1, 2]); }",
+            2.0 * facets(20.0),
+            2.0 * PI,
+        ),
+        (
+            "rotate_extrude(angle = 90, $fn = 20) { square(size = [1, 2]); }",
+            0.5 * facets(20.0),
+            0.5 * PI,
+        ),
+    ] {
+        assert_volume(text, faceted);
+        let found = volume(text, false);
+        assert!(
+            (found - smooth).abs() < 2e-3,
+            "{text}: {found}, not {smooth}"
+        );
+    }
+    // A ring by Pappus, its section as large as the circle; a rounded box.
+    let ring = "rotate_extrude(angle = 360, $fn = 0) { multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { circle($fn = 0, r = 1); } }";
+    let found = volume(ring, false);
+    assert!((found - 6.0 * PI * PI).abs() < 0.01, "{found}");
+    let balls: String = (0..8)
+        .map(|k| {
+            let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(|c| 2 * c);
+            format!("multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]]) {{ sphere(r = 1); }}")
+        })
+        .collect();
+    let found = volume(&format!("hull() {{ {balls} }}"), false);
+    let wanted = 8.0 + 24.0 + 6.0 * PI + 4.0 / 3.0 * PI;
+    assert!((found - wanted).abs() < 0.01, "{found}, not {wanted}");
+}
+
+#[test]
+fn warnings_and_errors_say_where() {
+    for text in [
+        SQUARE,
+        "group() { linear_extrude(height = 0) { circle(r = 1); } }",
+        "group() { linear_extrude(height = 1) { sphere(r = 1); } }",
+        "group() { rotate_extrude(angle = 360) { square(size = [2, 2], center = true); } }",
+        "group() { polygon(points = [[0, 0], [1, 0]], paths = undef, convexity = 1); }",
+        "intersection() { cube(size = [1, 1, 1]); circle(r = 1); }",
+    ] {
+        let scene = scene(&format!("\n{text}"), false);
+        assert!(!scene.warnings.is_empty(), "{text}");
+        assert_eq!(scene.warnings[0].place.line, 2, "{text}");
+        let program = Program::lower(&scene.solid).expect("a program");
+        assert!(program.surfaces().is_empty(), "{text}");
+    }
+    for text in [
+        "polyhedron(points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3]], convexity = 1);",
+        "polyhedron(points = [[0, 0, 0]], faces = [[0, 1, 2]], convexity = 1);",
+        "polyhedron(points = undef, faces = [[0, 1, 2]], convexity = 1);",
+        "polygon(points = [[0, 0], [1, 0], [0, 1]], paths = [[0, 1, 7]], convexity = 1);",
+        "linear_extrude(height = 1, twist = nan) { circle(r = 1); }",
+        "projection(cut = true) { sphere(r = 1); }",
+        "minkowski() { circle(r = 1); square(size = [1, 1]); }",
+        "offset(r = inf) { circle(r = 1); }",
+        "resize(newsize = [1, 1]) { circle(r = 1); }",
+    ] {
+        match read(&format!("\n\t{text}"), &ReadOptions::default()) {
+            Err(SceneError::Argument { place, .. }) => {
+                assert_eq!((place.line, place.column), (2, 2), "{text}");
+            }
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+}
