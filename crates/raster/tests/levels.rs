@@ -193,7 +193,7 @@ fn every_look_is_the_same_at_every_level_on_any_threads() {
 #[test]
 fn every_frame_of_a_renderer_is_the_same() {
     let mesh = common::icosphere(DVec3::ZERO, 1.0, 7);
-    let (scene, other) = (Prepared::new(&mesh), self::scene());
+    let (prepared, other) = (Prepared::new(&mesh), scene());
     let (view, other_view) = (view(&mesh, 203, 149), view(&other, 203, 149));
     let other = Prepared::new(&other);
     for anti_aliasing in [AntiAliasing::None, AntiAliasing::Msaa4, AntiAliasing::Msaa8] {
@@ -207,10 +207,10 @@ fn every_frame_of_a_renderer_is_the_same() {
                 .unwrap();
             (image, renderer.depth_buffer())
         };
-        let first = draw(&scene, &view);
-        assert!(draw(&scene, &view) == first, "{anti_aliasing:?}");
+        let first = draw(&prepared, &view);
+        assert!(draw(&prepared, &view) == first, "{anti_aliasing:?}");
         draw(&other, &other_view);
-        assert!(draw(&scene, &view) == first, "{anti_aliasing:?}");
+        assert!(draw(&prepared, &view) == first, "{anti_aliasing:?}");
     }
 }
 
