@@ -450,8 +450,8 @@ impl ArcTracer {
             let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
             off * gradient.dot(direction.cross(towards))
         };
-        let is_clear =
-            self.sectors.is_in_order() || self.sort_around(towards, bend, direction, scene.near);
+        let is_clear = self.sectors.is_in_order()
+            || self.sort_around(towards, bend, direction, scene.same_bend());
         if self.sectors.around.len() > 64 {
             return None;
         }

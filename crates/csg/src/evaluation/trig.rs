@@ -229,7 +229,10 @@ impl Trig {
                     *place = self.extremum_near(*place);
                 }
             }
-            let found = [&mut roots.simple[before[0]..], &mut roots.touching[before[1]..]];
+            let found = [
+                &mut roots.simple[before[0]..],
+                &mut roots.touching[before[1]..],
+            ];
             for places in found {
                 for place in places.iter_mut() {
                     *place = place.rem_euclid(TAU);
