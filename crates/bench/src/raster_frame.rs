@@ -1,11 +1,12 @@
 //! How long does a steady frame of 1920x1080 pixels take?
 //!
-//! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--stats]
+//! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--look] [--stats]
 //! [--png FOLDER] [--llvmpipe PYTHON] [--euc] [m1 m2 m3 m4 S2 S4 ...]`; threads
 //! by `RAYON_NUM_THREADS`, and by `LP_NUM_THREADS` for llvmpipe. Prints the
 //! best and the median of the frames drawn within two seconds; with the path
 //! of a Python that has moderngl and numpy, llvmpipe's beside it; and those of
 //! the crate euc, which runs on one thread and has no multisampling.
+//! With `--look` our frames have edges, occlusion and a shadow as well.
 //!
 //! m1 and m2 are icospheres of 82 thousand and 1.3 million triangles, m3 a
 //! cube of a thousand spheres, m4 a cube that fills the picture, S2 and S4
@@ -22,7 +23,8 @@ use cpu_time::ProcessTime;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, Image, Lens, Level, Light, Prepared, RenderOptions, Renderer, View,
+    AntiAliasing, Camera, EdgeOptions, Image, Lens, Level, Light, Prepared, RenderOptions,
+    Renderer, View,
 };
 
 /// The allocator of the `csg` command, for all that runs in this process.
@@ -85,6 +87,11 @@ fn main() {
                     Some("8") => (AntiAliasing::Msaa8, 8),
                     _ => (AntiAliasing::None, 0),
                 }
+            }
+            "--look" => {
+                options.edges = Some(EdgeOptions::default());
+                options.ambient_occlusion = true;
+                options.ground_shadow = true;
             }
             "--stats" => stats = true,
             "--euc" => euc = true,

@@ -30,5 +30,5 @@ pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
-pub use solid::{Axis, Node, Plane, Primitive, Solid};
+pub use solid::{Axis, Node, Plane, Primitive, Solid, shear_matrix};
 pub use undecided::{Undecided, Why};

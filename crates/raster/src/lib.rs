@@ -130,7 +130,7 @@
 //!
 //! # Where the texts' formulas are
 //!
-//! Each is tested with the numbers that textbooks print, in `tests/textbook.rs`
+//! Each is tested with the numbers that textbooks print, in `tests/textbook/`
 //! unless another file is named.
 //!
 //! | formula | here | test |
@@ -208,14 +208,14 @@ mod textbook;
 mod viewpoint;
 
 use engine::{
-    cluster, corners, cull, deferred, fill, frame, geometry, hatch, interpolate, light, look,
-    normals, pipeline, prepared, resolve, section, set_up, simd, smooth, stats, texture, tile,
-    transparent,
+    caps, cluster, corners, cull, deferred, fill, frame, geometry, hatch, interpolate, light, look,
+    normals, pipeline, prepared, resolve, section, set_up, shading, simd, smooth, stats, texture,
+    tile, transparent,
 };
-use output::{buffers, gif_file, image, png_file, sheet, show, turntable};
+use output::{buffer_images, buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
     blend, color_map, dimension, edges, explode, ground, lettering, line, occlusion, silhouette,
-    thickness, triad,
+    thickness, triad, visible,
 };
 pub use textbook::{
     clip, cohen_sutherland, fixed, hidden_surface, polygon_model, projection, scanline, shade,
@@ -223,7 +223,8 @@ pub use textbook::{
 };
 use textbook::{euler, reference};
 
-pub use buffers::{Buffer, Pick, depth_image, id_image, integer_depth_png, normal_image};
+pub use buffer_images::{depth_image, id_image, normal_image};
+pub use buffers::{Buffer, Pick};
 pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
@@ -240,7 +241,7 @@ pub use occlusion::occlusion_image;
 pub use options::{AntiAliasing, RenderOptions};
 pub use part::Part;
 pub use pipeline::{Renderer, render};
-pub use png_file::write_apng;
+pub use png_file::{integer_depth_png, write_apng};
 pub use prepared::Prepared;
 pub use reference::{render_reference, wireframe_reference};
 pub use scene::Scene;

@@ -6,7 +6,7 @@ use csg::Mesh;
 use glam::{DMat3, DVec3};
 use raster::{
     AntiAliasing, EdgeOptions, Framing, HiddenEdges, Image, Lens, Prepared, RenderOptions,
-    Renderer, SectionPlane, Show, StandardView, clear_view,
+    Renderer, SectionPlane, Show, StandardView, View, clear_view,
 };
 
 const SIZE: u32 = 160;
@@ -19,6 +19,10 @@ fn framing(direction: DVec3, lens: Lens, shadow: bool) -> Framing {
         aspect: 1.0,
         shadow,
     }
+}
+
+fn drawn(mesh: &Mesh, view: &View, options: &RenderOptions) -> Image {
+    raster::render(mesh, view, SIZE, SIZE, options).unwrap()
 }
 
 /// The shadow lies within the picture: nothing of it is at the border, with
@@ -43,18 +47,7 @@ fn shadows_are_framed() {
             let mut options = RenderOptions::default();
             let mut draw = |shadow: bool| {
                 options.ground_shadow = shadow;
-                let mut image = Image::default();
-                Renderer::default()
-                    .draw(
-                        &Prepared::new(&mesh),
-                        &view,
-                        SIZE,
-                        SIZE,
-                        &options,
-                        &mut image,
-                    )
-                    .unwrap();
-                image
+                drawn(&mesh, &view, &options)
             };
             let (with, without) = (draw(true), draw(false));
             let shadow = |image: &Image| image.pixels.iter().filter(|p| p[3] > 8).count();
@@ -81,11 +74,7 @@ fn shadows_darken_backgrounds() {
     let mut options = RenderOptions::default();
     options.ground_shadow = true;
     options.background = csg::Color::from_srgb([1.0; 3]);
-    let mut image = Image::default();
-    let scene = Prepared::new(&mesh);
-    Renderer::default()
-        .draw(&scene, &view, SIZE, SIZE, &options, &mut image)
-        .unwrap();
+    let image = drawn(&mesh, &view, &options);
     let grey = |p: &[u8; 4]| p[0] == p[1] && p[1] == p[2] && (150..250).contains(&p[0]);
     assert!(image.pixels.iter().all(|p| p[3] == 255));
     assert!(image.pixels.iter().filter(|p| grey(p)).count() > 300);
@@ -212,18 +201,7 @@ fn many_hidden_lines_are_faint() {
             let mut edges = EdgeOptions::default();
             edges.hidden = hidden;
             options.edges = Some(edges);
-            let mut image = Image::default();
-            Renderer::default()
-                .draw(
-                    &Prepared::new(&mesh),
-                    &view,
-                    SIZE,
-                    SIZE,
-                    &options,
-                    &mut image,
-                )
-                .unwrap();
-            image
+            drawn(&mesh, &view, &options)
         };
         let (dashed, omitted) = (image_of(HiddenEdges::Dash), image_of(HiddenEdges::Omit));
         let pairs = dashed.pixels.iter().zip(&omitted.pixels);

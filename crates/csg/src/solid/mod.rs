@@ -10,5 +10,5 @@ mod transform;
 mod tree;
 
 pub use primitives::{Plane, Primitive};
-pub use transform::Axis;
+pub use transform::{Axis, shear_matrix};
 pub use tree::{Node, Solid};

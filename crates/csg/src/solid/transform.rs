@@ -24,6 +24,16 @@ impl Axis {
     }
 }
 
+/// The matrix, for column vectors, that adds `factor` times the coordinate along
+/// `by` to the coordinate along `moved`; its inverse is that of `-factor`. Of one
+/// axis twice it is a scaling.
+#[must_use]
+pub fn shear_matrix(moved: Axis, by: Axis, factor: f64) -> DMat3 {
+    let mut columns = DMat3::IDENTITY.to_cols_array_2d();
+    columns[by.index()][moved.index()] = factor;
+    DMat3::from_cols_array_2d(&columns)
+}
+
 /// A unit vector along `direction`, or the fault that it has none.
 fn unit(direction: DVec3, what: &'static str) -> Result<DVec3, NodeFault> {
     if !direction.is_finite() {
@@ -205,9 +215,7 @@ impl Solid {
         if moved == by {
             return self.transform(Err(NodeFault::ShearAlongItself));
         }
-        let mut columns = DMat3::IDENTITY.to_cols_array_2d();
-        columns[by.index()][moved.index()] = factor;
-        self.linear(Ok(DMat3::from_cols_array_2d(&columns)))
+        self.linear(Ok(shear_matrix(moved, by, factor)))
     }
 
     /// Mirrors in the plane through `point` with the given normal.

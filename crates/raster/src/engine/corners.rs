@@ -5,7 +5,8 @@
 //! short loop, so that the waits overlap.
 
 use crate::cluster::CLUSTER_VERTICES;
-use crate::deferred::{Job, ShadeContext};
+use crate::deferred::Job;
+use crate::shading::ShadeContext;
 use crate::simd::{LANES, triple};
 use crate::smooth::ClusterView;
 

@@ -5,142 +5,35 @@
 //! time. Vectors are not normalised first: their scalar products are divided
 //! by their lengths, which takes fewer operations.
 
-use csg::Color;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::camera::View;
 use crate::corners::Corners;
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
-use crate::frame::FrameMatrix;
 use crate::hatch::hatch;
 use crate::interpolate::{
     Cache, interpolate_few, interpolate_scattered, sample_positions, scattered,
 };
 use crate::light::Source;
-use crate::options::RenderOptions;
-use crate::prepared::Prepared;
-use crate::section::Caps;
-use crate::shade::{Incident, Interpolation, Material, phong};
+use crate::shade::Interpolation;
+use crate::shading::ShadeContext;
 use crate::simd::math::pow;
 use crate::simd::vector::{Triple, Triple16, dot, inverse_sqrt, load, splat, store};
 use crate::simd::{FloatLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
 use crate::smooth::ClusterView;
 use crate::tile::{NO_TRIANGLE, decode};
 
-/// All that shading needs to know about a frame.
-pub(crate) struct ShadeContext<'a> {
-    pub scene: &'a Prepared,
-    pub matrix: &'a FrameMatrix,
-    materials: Vec<Material>,
-    /// Index of the material of triangles without a surface.
-    last: usize,
-    ambient: Vec3,
-    lights: Vec<(Source, Vec3)>,
-    pub interpolation: Interpolation,
-    /// Whether all pixels that a triangle covers have their centre in it.
-    pub centred: bool,
-    two_sided: bool,
-    /// Whether shading depends on where on the surface a pixel lies, not only
-    /// on where it is seen.
-    pub positional: bool,
-    pub caps: Caps,
-    /// Whether surfaces have textures, and whether some are seen through.
-    textured: bool,
-    pub transparent: bool,
+/// Some pixels of a block to be shaded: those lanes of `triangles` whose bits
+/// are in `wanted`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Job {
+    pub triangles: [i32; LANES],
+    pub wanted: u32,
+    /// First pixel of the block in the picture.
+    pub at: [usize; 2],
 }
 
-impl<'a> ShadeContext<'a> {
-    pub fn new(
-        scene: &'a Prepared,
-        view: &View,
-        matrix: &'a FrameMatrix,
-        options: &RenderOptions,
-    ) -> Self {
-        let mut ambient = Vec3::ZERO;
-        let mut sources = Vec::new();
-        for light in &options.lights {
-            let intensity = light.intensity();
-            match light.source(view) {
-                Some(Source::Everywhere) => ambient += intensity,
-                Some(Source::Position(position)) => {
-                    sources.push((Source::Position(position - scene.centre), intensity));
-                }
-                Some(source) => sources.push((source, intensity)),
-                None => {}
-            }
-        }
-        let positional = sources
-            .iter()
-            .any(|(s, _)| matches!(s, Source::Position(_)));
-        let looks = scene.looks.iter();
-        let mut materials: Vec<_> = looks.map(|look| look.material(options)).collect();
-        let textured = scene.looks.iter().any(|look| look.texture.is_some());
-        let transparent = scene.is_transparent(options);
-        // Where all are alike, nobody need look which one it is.
-        if !textured && materials.iter().all(|material| *material == materials[0]) {
-            materials.truncate(1);
-        }
-        let last = materials.len() - 1;
-        materials.extend(
-            options
-                .cap_color
-                .map(|color| Material::new(color, options.finish)),
-        );
-        Self {
-            scene,
-            matrix,
-            materials,
-            last,
-            ambient,
-            lights: sources,
-            interpolation: options.interpolation,
-            centred: options.anti_aliasing.samples().len() == 1,
-            // Of solids cut open, backs are seen where a silhouette passes exactly
-            // through a sample, as near as the front.
-            two_sided: options.two_sided || !scene.sections.is_empty() || transparent,
-            positional: positional || textured,
-            textured,
-            transparent,
-            caps: Caps::new(&scene.sections, matrix),
-        }
-    }
-
-    /// Index of a triangle's material.
-    #[inline(always)]
-    pub fn material(&self, triangle: usize) -> usize {
-        let last = self.last;
-        if last == 0 {
-            return 0;
-        }
-        self.scene
-            .triangle_surfaces
-            .get(triangle)
-            .map_or(last, |&surface| (surface as usize).min(last))
-    }
-
-    /// How opaque a triangle is.
-    pub fn opacity(&self, triangle: usize) -> f32 {
-        self.materials[self.material(triangle)].opacity
-    }
-
-    /// A material with its texture's colour at a point.
-    fn textured(&self, material: usize, point: DVec3) -> Material {
-        let plain = self.materials[material];
-        let look = self.scene.looks.get(material).and_then(|look| look.texture);
-        match look {
-            Some((texture, to_part, finish)) => {
-                let at = to_part.transform_point3(point + self.scene.centre);
-                let color = Color::from_linear(texture.color(at).to_array());
-                Material {
-                    opacity: plain.opacity,
-                    ..Material::new(color, finish)
-                }
-            }
-            None => plain,
-        }
-    }
-
+impl ShadeContext<'_> {
     /// The material that the pixels of a job share, or [`MIXED`].
     #[inline(always)]
     pub fn material_of(&self, job: &Job) -> usize {
@@ -157,12 +50,6 @@ impl<'a> ShadeContext<'a> {
         material.unwrap_or(0)
     }
 
-    /// Index of the material of the caps of sections: the default colour, for
-    /// they lie inside the solid, on none of its surfaces.
-    pub fn cap_material(&self) -> usize {
-        self.materials.len() - 1
-    }
-
     /// The point of a cap at one pixel of a job.
     pub fn cap_point(&self, job: &Job, section: usize, lane: usize) -> DVec3 {
         let sample = |axis: usize, within: i32| {
@@ -172,59 +59,6 @@ impl<'a> ShadeContext<'a> {
         let (x, y) = (sample(0, LANE_X[lane]), sample(1, LANE_Y[lane]));
         self.caps.point(section, x, y)
     }
-
-    /// The colour of a cap at one point.
-    pub fn cap_colour(&self, point: DVec3, normal: DVec3) -> Vec3 {
-        self.colour(self.cap_material(), point, normal.as_vec3())
-    }
-
-    /// The colours of a triangle's corners, for Gouraud shading.
-    pub fn corner_colours(
-        &self,
-        triangle: usize,
-        corners: &[DVec3; 3],
-        normals: &[Vec3; 3],
-    ) -> [Vec3; 3] {
-        let material = self.material(triangle);
-        [0, 1, 2].map(|k| self.colour(material, corners[k], normals[k]))
-    }
-
-    /// The colour of a whole triangle, for flat shading.
-    pub fn flat_colour(&self, triangle: usize, [a, b, c]: &[DVec3; 3]) -> Vec3 {
-        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
-        self.colour(self.material(triangle), (a + b + c) / 3.0, normal)
-    }
-
-    /// The colour at one point, for the modes that shade per corner or per
-    /// triangle.
-    fn colour(&self, material: usize, point: DVec3, normal: Vec3) -> Vec3 {
-        let viewer = self.matrix.viewer.truncate() - point * self.matrix.viewer.w;
-        let viewer = viewer.normalize_or_zero().as_vec3();
-        let normal = if self.two_sided && normal.dot(viewer) < 0.0 {
-            -normal
-        } else {
-            normal
-        };
-        let mut incident = vec![Incident {
-            towards: Vec3::ZERO,
-            intensity: self.ambient,
-        }];
-        let lights = self.lights.iter();
-        incident
-            .extend(lights.map(|&(source, intensity)| source.at(point, normal, viewer, intensity)));
-        let material = self.textured(material, point);
-        phong(&material, &incident, normal, viewer)
-    }
-}
-
-/// Some pixels of a block to be shaded: those lanes of `triangles` whose bits
-/// are in `wanted`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Job {
-    pub triangles: [i32; LANES],
-    pub wanted: u32,
-    /// First pixel of the block in the picture.
-    pub at: [usize; 2],
 }
 
 /// The material of pixels that do not share one.

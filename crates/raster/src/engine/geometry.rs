@@ -12,7 +12,6 @@ use glam::{DVec3, DVec4};
 use crate::clip::{ClipVertex, clip_polygon};
 use crate::cluster::{CLUSTER_VERTICES, Cluster};
 use crate::cull::hidden;
-use crate::deferred::ShadeContext;
 use crate::fill::{PixelOfTriangle, Record};
 use crate::frame::{FrameMatrix, GUARD};
 use crate::options::RenderOptions;
@@ -20,6 +19,7 @@ use crate::prepared::Prepared;
 use crate::set_up::{
     MOST_PIXELS, RasterCorners, Stored, corner_plane, depth_plane, set_up_one, set_up_triangles,
 };
+use crate::shading::ShadeContext;
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Kernel, LANES, Lanes, MaskLanes, triple};
 use crate::tile::Tile;
 

@@ -1,7 +1,8 @@
 //! Hatching of section caps.
 
-use crate::deferred::{Batch, ShadeContext};
+use crate::deferred::Batch;
 use crate::fixed::SUBPIXELS;
+use crate::shading::ShadeContext;
 use crate::tile::decode;
 
 /// Strokes of hatching across the diameter of a scene.

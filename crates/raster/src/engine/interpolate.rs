@@ -19,11 +19,12 @@
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
 use crate::corners::Corners;
-use crate::deferred::{Fragments, Job, ShadeContext, shared};
+use crate::deferred::{Fragments, Job, shared};
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::frame::FrameMatrix;
 use crate::shade::Interpolation;
+use crate::shading::ShadeContext;
 use crate::simd::vector::{Triple, load, splat, store};
 use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
 use crate::tile::{NO_TRIANGLE, TILE, decode};

@@ -1,5 +1,6 @@
 //! The fast pipeline: from a prepared scene to shaded pixels.
 
+pub(crate) mod caps;
 pub(crate) mod cluster;
 pub(crate) mod corners;
 pub(crate) mod cull;
@@ -17,6 +18,7 @@ pub(crate) mod prepared;
 pub(crate) mod resolve;
 pub(crate) mod section;
 pub(crate) mod set_up;
+pub(crate) mod shading;
 pub(crate) mod simd;
 pub(crate) mod smooth;
 pub(crate) mod stats;

@@ -11,8 +11,8 @@ use csg::Mesh;
 use rayon::prelude::*;
 
 use crate::camera::View;
+use crate::caps::cap_tile;
 use crate::cull::{Visibility, cluster_visibility};
-use crate::deferred::ShadeContext;
 use crate::edges::draw_edges;
 use crate::error::{MAX_SIZE, RasterError};
 use crate::fill::{FillCounts, fill, fill_pixels};
@@ -20,21 +20,30 @@ use crate::frame::FrameMatrix;
 use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
 use crate::ground::draw_ground_shadow;
 use crate::image::Image;
-use crate::occlusion::darken;
 use crate::options::{AntiAliasing, RenderOptions};
 use crate::prepared::Prepared;
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
-use crate::section::cap_tile;
+use crate::shading::ShadeContext;
 use crate::simd::{Kernel, Lanes, Level};
 use crate::stats::Stats;
 use crate::tile::{PlanePool, TILE, TileBuffer, Tiles};
 use crate::transparent::collect;
 use crate::triad::draw_triad;
 
+/// What is drawn, and how large.
+#[derive(Clone, Copy)]
+struct Shot<'a> {
+    scene: &'a Prepared,
+    view: &'a View,
+    width: u32,
+    height: u32,
+    options: &'a RenderOptions,
+}
+
 /// Draws frames; keeps its working memory from one to the next.
 #[derive(Clone, Debug, Default)]
 pub struct Renderer {
-    level: Level,
+    pub(crate) level: Level,
     /// Size of the last frame.
     pub(crate) width: u32,
     pub(crate) height: u32,
@@ -108,6 +117,13 @@ impl Renderer {
         };
         let behind = options.ground_shadow && backdrop.alpha > 0.0;
         let options = if behind { &cleared } else { options };
+        let mut shot = Shot {
+            scene,
+            view,
+            width,
+            height,
+            options,
+        };
         let scale = options.anti_aliasing.scale();
         if width.max(height).saturating_mul(scale) > MAX_SIZE {
             return Err(RasterError::SizeTooLarge { width, height });
@@ -115,21 +131,21 @@ impl Renderer {
         view.check_size(width, height)?;
         options.check()?;
         let stats = if scale == 1 {
-            self.draw_plain(scene, view, width, height, options, image)?
+            self.draw_faces(shot, image)
         } else {
             let mut large = Image::default();
-            let (w, h) = (width.saturating_mul(scale), height.saturating_mul(scale));
-            let stats = self.draw_plain(scene, view, w, h, options, &mut large)?;
+            (shot.width, shot.height) = (width * scale, height * scale);
+            let stats = self.draw_faces(shot, &mut large);
             *image = large.shrink(scale);
             stats
         };
         (self.width, self.height, self.scale) = (width, height, scale);
         let matrix = FrameMatrix::new(view, scene.centre, width, height);
         if options.ambient_occlusion {
-            darken(image, &self.occlusion(scene, view, options.ground_shadow));
+            self.darken(scene, view, options.ground_shadow, image);
         }
         if options.ground_shadow {
-            draw_ground_shadow(scene, view, image);
+            draw_ground_shadow(self.level, scene, view, image);
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
@@ -143,15 +159,15 @@ impl Renderer {
         Ok(stats)
     }
 
-    fn draw_plain(
-        &mut self,
-        scene: &Prepared,
-        view: &View,
-        width: u32,
-        height: u32,
-        options: &RenderOptions,
-        image: &mut Image,
-    ) -> Result<Stats, RasterError> {
+    /// Draws faces, a pixel for each of the shot's.
+    fn draw_faces(&mut self, shot: Shot, image: &mut Image) -> Stats {
+        let Shot {
+            scene,
+            view,
+            width,
+            height,
+            options,
+        } = shot;
         image.width = width;
         image.height = height;
         let pixels = width as usize * height as usize;
@@ -167,12 +183,11 @@ impl Renderer {
         let samples = options.anti_aliasing.samples().len();
         let windings = !scene.sections.is_empty();
         // Several samples a pixel take more memory than it costs to fill a tile
-        // twice: they are kept only while a tile is worked on. (Windings cannot
-        // be, for they count what is hidden.)
-        let tile_by_tile = samples > 1 && !windings;
-        let kept = if tile_by_tile { 1 } else { samples };
+        // twice: they are kept only while a tile is worked on.
+        let tile_by_tile = samples > 1;
+        let counted = windings && !tile_by_tile;
         self.tiles
-            .begin(columns * rows, kept, windings, context.transparent);
+            .begin(columns * rows, counted, context.transparent);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
@@ -184,7 +199,7 @@ impl Renderer {
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
-        let sizes = batches(order.len(), tile_by_tile);
+        let sizes = batches(order.len(), tile_by_tile, windings);
         let mut rest = &order[..];
         let mut pieces = tile_rows(&mut image.pixels, width as usize);
         for (number, &share) in sizes.iter().enumerate() {
@@ -226,7 +241,7 @@ impl Renderer {
         }
         let tiles = self.tiles.of_picture.iter();
         stats.tiles_empty = tiles.filter(|tile| !tile.drawn).count() as u64;
-        Ok(stats)
+        stats
     }
 
     /// Sets up the triangles of a batch of clusters, sorted into bins.
@@ -281,7 +296,7 @@ impl Renderer {
             .enumerate()
             .map(|(index, mut tile)| {
                 if tile_by_tile && tile.has_planes() {
-                    return pool.with(samples.len(), |planes| {
+                    return pool.with(samples.len(), false, |planes| {
                         let mut tile = tile.on(planes);
                         let counts = level.run(FillTile {
                             tile: &mut tile,
@@ -358,7 +373,8 @@ impl Renderer {
                 if !(tile_by_tile && tile.has_planes()) {
                     return finish(&mut tile);
                 }
-                pool.with(samples.len(), |planes| {
+                let windings = !context.scene.sections.is_empty();
+                pool.with(samples.len(), windings, |planes| {
                     let counts = finish(&mut tile.on(planes));
                     tile.keep_first(planes);
                     counts
@@ -403,8 +419,9 @@ fn origin(index: usize, columns: usize) -> [i32; 2] {
 /// Sizes of the batches that so many clusters are taken in: few enough that
 /// waiting for each other costs nothing, the first ones small so that what
 /// they draw hides much of the rest.
-fn batches(clusters: usize, tile_by_tile: bool) -> Vec<usize> {
-    if clusters < 512 {
+fn batches(clusters: usize, tile_by_tile: bool, windings: bool) -> Vec<usize> {
+    // (Windings count what is hidden: nothing is left out for that.)
+    if clusters < 512 || (tile_by_tile && windings) {
         return vec![clusters];
     }
     if tile_by_tile {

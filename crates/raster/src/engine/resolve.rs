@@ -2,7 +2,8 @@
 
 use csg::Color;
 
-use crate::deferred::{Batch, Job, ShadeContext, shade};
+use crate::deferred::{Batch, Job, shade};
+use crate::shading::ShadeContext;
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
@@ -292,8 +293,9 @@ pub(crate) fn encode(color: Color) -> [u8; 4] {
     [r, g, b, color.alpha].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
-/// Cuts a picture into the row pieces of its tiles, tile by tile.
-pub(crate) fn tile_rows(pixels: &mut [[u8; 4]], width: usize) -> Vec<Vec<&mut [[u8; 4]]>> {
+/// Cuts a picture, or what has as many values, into the row pieces of its tiles,
+/// tile by tile.
+pub(crate) fn tile_rows<T>(pixels: &mut [T], width: usize) -> Vec<Vec<&mut [T]>> {
     let mut tiles = Vec::new();
     for strip in pixels.chunks_mut(width.max(1) * TILE) {
         let first = tiles.len();

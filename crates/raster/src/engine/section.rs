@@ -1,31 +1,16 @@
-//! Section planes: what lies on one side is cut away, and the cut through
-//! solid matter is capped and hatched.
+//! Section planes: what lies on one side of them is cut away.
 //!
-//! What all planes keep is convex: a ray enters it through planes that have
-//! the viewer on the side cut away, the last of which is its *entry*, and
-//! leaves it through others. What lies before the entry is cut off. If the
-//! faces after it turn their backs more often than their fronts, the ray has
-//! entered solid matter through the cut: the sample becomes part of the cap, at
-//! the depth of the entry. The ray may meet faces where it has already left
-//! what is kept through another plane, so faces beyond such planes are drawn
-//! as well: they decide about caps, and are not shown themselves. This needs no
-//! triangulation of the cut and is right for every closed mesh and every
-//! sample, if the far plane is behind the whole mesh: which faces a sample
-//! meets is found exactly, and a mesh whose corners are snapped is still
-//! closed, so that their number does not depend on which of two faces that
-//! meet at a silhouette is the nearer one.
+//! What is cut away but may be met by a ray after it has entered what is kept is
+//! kept apart: it decides about [`caps`](crate::caps).
 
 use std::collections::HashMap;
 
 use csg::Mesh;
-use glam::{DMat4, DVec3, DVec4, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::RasterError;
-use crate::deferred::ShadeContext;
-use crate::frame::FrameMatrix;
 use crate::normals::{CREASE_ANGLE, corner_normals};
 use crate::prepared::{Prepared, finite_bounds};
-use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
 
 /// Most section planes at once.
 pub const MAX_SECTIONS: usize = 4;
@@ -216,211 +201,56 @@ fn cut_mesh(mesh: &Mesh, plane: &SectionPlane, side: Side) -> Mesh {
         }
     }
     if side == Side::Behind && !mesh.feature_edges.is_empty() {
-        for line in &mesh.feature_edges {
-            for pair in line.windows(2) {
-                let ends = [pair[0], pair[1]];
-                let Some([a, b]) = ends_of(mesh, ends) else {
-                    continue;
-                };
-                let (da, db) = (distance(a), distance(b));
-                let key = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-                match (da <= 0.0, db <= 0.0, crossings.get(&key)) {
-                    (true, true, _) => cut.feature_edges.push(ends.to_vec()),
-                    (true, false, Some(&middle)) => cut.feature_edges.push(vec![ends[0], middle]),
-                    (false, true, Some(&middle)) => cut.feature_edges.push(vec![middle, ends[1]]),
-                    _ => {}
-                }
-            }
-        }
+        let kept = |vertex: u32| {
+            let position = mesh.positions.get(vertex as usize);
+            position.map(|&p| distance(p) <= 0.0)
+        };
+        cut.feature_edges = cut_lines(&mesh.feature_edges, kept, &crossings);
         cut.feature_edges.extend(outline);
     }
-    // Vertices that were cut away would still count for framing.
-    let mut used = vec![false; cut.positions.len()];
-    for v in cut.triangles.iter().flatten() {
+    gather_unused(&mut cut);
+    cut
+}
+
+/// What is kept of polylines, piece by piece, given which vertices are kept and
+/// those on the edges that are cut.
+fn cut_lines(
+    lines: &[Vec<u32>],
+    kept: impl Fn(u32) -> Option<bool>,
+    crossings: &HashMap<(u32, u32), u32>,
+) -> Vec<Vec<u32>> {
+    let piece = |pair: &[u32]| {
+        let (a, b) = (pair[0], pair[1]);
+        let middle = crossings.get(&(a.min(b), a.max(b)));
+        match (kept(a)?, kept(b)?, middle) {
+            (true, true, _) => Some(vec![a, b]),
+            (true, false, Some(&middle)) => Some(vec![a, middle]),
+            (false, true, Some(&middle)) => Some(vec![middle, b]),
+            _ => None,
+        }
+    };
+    let pairs = lines.iter().flat_map(|line| line.windows(2));
+    pairs.filter_map(piece).collect()
+}
+
+/// Puts vertices that no triangle uses where one is that does: they would still
+/// count for framing.
+fn gather_unused(mesh: &mut Mesh) {
+    let mut used = vec![false; mesh.positions.len()];
+    for v in mesh.triangles.iter().flatten() {
         used[*v as usize] = true;
     }
-    let kept = used.iter().position(|u| *u).map(|k| cut.positions[k]);
+    let kept = used.iter().position(|u| *u).map(|k| mesh.positions[k]);
     if let Some(kept) = kept {
-        for (position, used) in cut.positions.iter_mut().zip(used) {
+        for (position, used) in mesh.positions.iter_mut().zip(used) {
             if !used {
                 *position = kept;
             }
         }
     }
-    cut
 }
 
 fn corners(mesh: &Mesh, triangle: [u32; 3]) -> Option<[DVec3; 3]> {
     let at = |v: u32| mesh.positions.get(v as usize).copied();
     Some([at(triangle[0])?, at(triangle[1])?, at(triangle[2])?])
-}
-
-fn ends_of(mesh: &Mesh, [a, b]: [u32; 2]) -> Option<[DVec3; 2]> {
-    let at = |v: u32| mesh.positions.get(v as usize).copied();
-    Some([at(a)?, at(b)?])
-}
-
-/// The section planes of one frame.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Caps {
-    /// Those that have the viewer on the side cut away: rays enter through
-    /// them, and leave through others.
-    planes: Vec<Option<CapPlane>>,
-    /// Bits of those.
-    entries: u8,
-}
-
-/// A section plane as seen: at the sample (x, y), in sub-pixels from the
-/// middle of the picture, it shows the homogeneous point x·x_step + y·y_step +
-/// origin, scaled so that W is 1.
-#[derive(Clone, Copy, Debug)]
-struct CapPlane {
-    x_step: DVec4,
-    y_step: DVec4,
-    origin: DVec4,
-    /// The row of the matrix that gives depth.
-    depth: DVec4,
-}
-
-impl CapPlane {
-    fn at(&self, x: f64, y: f64) -> DVec4 {
-        self.x_step * x + self.y_step * y + self.origin
-    }
-}
-
-impl Caps {
-    pub fn new(sections: &[Section], matrix: &FrameMatrix) -> Self {
-        let [x, y, z, w] = matrix.rows;
-        let viewer = matrix.viewer;
-        let planes: Vec<_> = sections
-            .iter()
-            .map(|section| {
-                // Only a cut that faces the viewer shows its cap.
-                if section.normal.dot(viewer.truncate()) <= section.offset * viewer.w {
-                    return None;
-                }
-                let plane = section.normal.extend(-section.offset);
-                let to_window = DMat4::from_cols(x, y, w, plane).transpose();
-                let inverse = to_window.inverse();
-                inverse.is_finite().then_some(CapPlane {
-                    x_step: inverse.x_axis,
-                    y_step: inverse.y_axis,
-                    origin: inverse.z_axis,
-                    depth: z,
-                })
-            })
-            .collect();
-        let bits = planes.iter().enumerate();
-        let entries = bits.fold(0, |bits, (k, plane)| bits | u8::from(plane.is_some()) << k);
-        Self { planes, entries }
-    }
-
-    /// Whether triangles beyond these planes are drawn: if some ray may meet
-    /// them after its entry.
-    pub fn wants(&self, beyond: u8) -> bool {
-        beyond == 0 || (self.entries != 0 && beyond & self.entries == 0)
-    }
-
-    /// The point of a cap at a sample, relative to the scene's centre.
-    pub fn point(&self, plane: usize, x: f64, y: f64) -> DVec3 {
-        self.planes
-            .get(plane)
-            .copied()
-            .flatten()
-            .map_or(DVec3::ZERO, |plane| {
-                let p = plane.at(x, y);
-                p.truncate() / p.w
-            })
-    }
-
-    /// Where the ray of a sample enters what is kept, if it does so
-    /// beyond the near plane.
-    fn entry(&self, sections: &[Section], x: f64, y: f64) -> Option<Entry> {
-        let mut last: Option<(f64, usize, DVec4)> = None;
-        for (k, plane) in self.planes.iter().enumerate() {
-            let Some(plane) = plane else { continue };
-            let p = plane.at(x, y);
-            let depth = plane.depth.dot(p);
-            // Behind the viewer the ray has left for good.
-            if p.w <= 0.0 {
-                return None;
-            }
-            if last.is_none_or(|(before, ..)| depth < before) {
-                last = Some((depth, k, p));
-            }
-        }
-        let (depth, plane, p) = last.filter(|(depth, ..)| *depth <= 1.0)?;
-        let behind = |s: &Section| s.normal.extend(-s.offset).dot(p) <= 0.0;
-        let exits = sections.iter().zip(&self.planes);
-        let kept = exits
-            .filter(|(_, entry)| entry.is_none())
-            .all(|(s, _)| behind(s));
-        Some(Entry {
-            plane,
-            depth: depth as f32,
-            kept,
-        })
-    }
-}
-
-/// Where a ray enters what section planes keep.
-struct Entry {
-    plane: usize,
-    /// Reversed.
-    depth: f32,
-    /// Whether it does, or has left through another plane before.
-    kept: bool,
-}
-
-/// Turns the samples of a tile whose rays enter through a cut into cap, and
-/// clears those that show what is cut away.
-pub(crate) fn cap_tile(
-    buffer: &mut TileBuffer,
-    origin: [i32; 2],
-    samples: &[[i32; 2]],
-    context: &ShadeContext,
-) {
-    let (scene, matrix, caps) = (context.scene, context.matrix, &context.caps);
-    if !buffer.tile.drawn {
-        return;
-    }
-    for (plane, sample) in buffer.planes().zip(samples) {
-        let Some(windings) = plane.winding else {
-            return;
-        };
-        let depths = plane.depth.as_flattened_mut();
-        let numbers = plane.triangle.as_flattened_mut();
-        let here = depths.iter_mut().zip(numbers).zip(windings.as_flattened());
-        for (index, ((depth, number), &winding)) in here.enumerate() {
-            if *number == NO_TRIANGLE {
-                continue;
-            }
-            let in_matter = winding > 0;
-            let cut_away = *number as usize >= scene.kept_triangles;
-            if !in_matter && !cut_away {
-                continue;
-            }
-            let (block, lane) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
-            let column = block % BLOCKS * BLOCK + lane % BLOCK;
-            let row = block / BLOCKS * BLOCK + lane / BLOCK;
-            let at = |pixel: usize, axis: usize| {
-                let sub = (pixel as i32 + origin[axis]) * 256 + sample[axis];
-                f64::from(sub - matrix.middle[axis])
-            };
-            let entry = if in_matter {
-                caps.entry(&scene.sections, at(column, 0), at(row, 1))
-            } else {
-                None
-            };
-            // A face that is kept proves that the matter before it is kept as
-            // well, up to rounding.
-            if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
-                *depth = entry.depth;
-                *number = capped(*number, entry.plane);
-            } else if cut_away {
-                *depth = 0.0;
-                *number = NO_TRIANGLE;
-            }
-        }
-    }
 }

@@ -47,11 +47,9 @@ pub(crate) type OfPixels<T> = [[T; BLOCK_PIXELS]; BLOCKS * BLOCKS];
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tiles {
     pub of_picture: Vec<Tile>,
-    /// Samples a pixel.
-    samples: usize,
     /// How many tiles have memory in this frame.
     used: usize,
-    /// Reversed depth (1 near, 0 far), a plane for each sample of each tile.
+    /// Reversed depth (1 near, 0 far) of the first samples, a plane for each tile.
     depth: Vec<OfPixels<f32>>,
     /// The triangle's number, likewise.
     triangle: Vec<OfPixels<i32>>,
@@ -64,19 +62,19 @@ pub(crate) struct Tiles {
 impl Tiles {
     /// Makes room for so many tiles, none of them drawn; for windings and what
     /// is seen through as well, where there are any.
-    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool, transparent: bool) {
+    pub fn begin(&mut self, tiles: usize, winding: bool, transparent: bool) {
         self.fragments.iter_mut().for_each(Vec::clear);
         let lists = if transparent { tiles } else { 0 };
         self.fragments.resize_with(lists, Vec::new);
         self.of_picture.clear();
         self.of_picture.resize_with(tiles, Tile::default);
-        (self.samples, self.used) = (samples, 0);
-        if self.depth.len() != tiles * samples {
+        self.used = 0;
+        if self.depth.len() != tiles {
             // Zeros from the system, which the threads that draw touch first.
-            self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
-            self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
+            self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles];
+            self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles];
         }
-        let counted = if winding { tiles * samples } else { 0 };
+        let counted = if winding { tiles } else { 0 };
         if self.winding.len() != counted {
             self.winding = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; counted];
         }
@@ -85,10 +83,9 @@ impl Tiles {
     /// All tiles, each for one thread; those that are wanted get memory, if
     /// they have none yet.
     pub fn buffers(&mut self, wanted: impl Fn(usize) -> bool) -> Vec<TileBuffer<'_>> {
-        let samples = self.samples.max(1);
-        let depth = self.depth.chunks_mut(samples);
-        let triangle = self.triangle.chunks_mut(samples);
-        let winding = self.winding.chunks_mut(samples).map(Some);
+        let depth = self.depth.chunks_mut(1);
+        let triangle = self.triangle.chunks_mut(1);
+        let winding = self.winding.chunks_mut(1).map(Some);
         let winding = winding.chain(std::iter::repeat_with(|| None));
         let mut planes: Vec<_> = depth.zip(triangle).zip(winding).collect();
         let used = &mut self.used;
@@ -114,11 +111,18 @@ impl Tiles {
             .collect()
     }
 
+    /// The depths of the first samples of a block of a tile, if anything was drawn in
+    /// the tile.
+    pub fn block_depths(&self, tile: usize, block: usize) -> Option<&[f32; BLOCK_PIXELS]> {
+        let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
+        self.depth.get(tile.slot?)?.get(block)
+    }
+
     /// Number and depth of the first sample of a pixel of a tile, if anything
     /// was drawn there.
     pub fn first_sample(&self, tile: usize, x: usize, y: usize) -> Option<(i32, f32)> {
         let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
-        let plane = tile.slot? * self.samples;
+        let plane = tile.slot?;
         let block = y / BLOCK * BLOCKS + x / BLOCK;
         let lane = y % BLOCK * BLOCK + x % BLOCK;
         let number = self.triangle.get(plane)?.get(block)?[lane];
@@ -176,8 +180,14 @@ pub(crate) struct Plane<'a> {
     pub winding: Option<&'a mut OfPixels<i32>>,
 }
 
-/// The planes of one tile: depths and numbers, for each sample.
-type Planes = (Vec<OfPixels<f32>>, Vec<OfPixels<i32>>);
+/// The planes of one tile, for each sample.
+#[derive(Debug, Default)]
+pub(crate) struct Planes {
+    depth: Vec<OfPixels<f32>>,
+    triangle: Vec<OfPixels<i32>>,
+    /// Nothing, where windings are not counted.
+    winding: Vec<OfPixels<i32>>,
+}
 
 /// Planes that threads take while they work on a tile, and give back.
 #[derive(Debug, Default)]
@@ -191,18 +201,24 @@ impl Clone for PlanePool {
 }
 
 impl PlanePool {
-    /// Lends planes of so many samples, whatever they hold.
-    pub fn with<T>(&self, samples: usize, work: impl FnOnce(&mut Planes) -> T) -> T {
+    /// Lends planes of so many samples, whatever they hold; with windings, if they
+    /// are wanted.
+    pub fn with<T>(
+        &self,
+        samples: usize,
+        windings: bool,
+        work: impl FnOnce(&mut Planes) -> T,
+    ) -> T {
         let mut planes = match self.0.lock() {
             Ok(mut all) => all.pop().unwrap_or_default(),
             Err(_) => Planes::default(),
         };
-        planes
-            .0
-            .resize(samples, [[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]);
-        planes
-            .1
-            .resize(samples, [[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]);
+        let none = [[0; BLOCK_PIXELS]; BLOCKS * BLOCKS];
+        let nowhere = [[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS];
+        planes.depth.resize(samples, nowhere);
+        planes.triangle.resize(samples, none);
+        let counted = if windings { samples } else { 0 };
+        planes.winding.resize(counted, none);
         let result = work(&mut planes);
         if let Ok(mut all) = self.0.lock() {
             all.push(planes);
@@ -233,9 +249,9 @@ impl TileBuffer<'_> {
         let known = (self.tile.farthest, self.tile.farthest_of_all);
         let mut other = TileBuffer {
             tile: self.tile,
-            depth: &mut planes.0,
-            triangle: &mut planes.1,
-            winding: &mut [],
+            depth: &mut planes.depth,
+            triangle: &mut planes.triangle,
+            winding: &mut planes.winding,
             fragments: self.fragments.as_deref_mut(),
         };
         other.begin(false);
@@ -246,7 +262,7 @@ impl TileBuffer<'_> {
     /// Keeps the first sample of each pixel.
     pub fn keep_first(&mut self, planes: &Planes) {
         if let (Some(depth), Some(triangle)) = (self.depth.first_mut(), self.triangle.first_mut())
-            && let (Some(from), Some(numbers)) = (planes.0.first(), planes.1.first())
+            && let (Some(from), Some(numbers)) = (planes.depth.first(), planes.triangle.first())
         {
             *depth = *from;
             *triangle = *numbers;

@@ -9,10 +9,11 @@
 //! so that outlines are as smooth as those of opaque parts.
 
 use crate::blend;
-use crate::deferred::{Job, ShadeContext, shade};
+use crate::deferred::{Job, shade};
 use crate::fill::Record;
 use crate::fixed::SUBPIXELS;
 use crate::resolve::{Block, FindJobs, ResolveTile, Scratch};
+use crate::shading::ShadeContext;
 use crate::simd::{LANES, Level};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::RasterError;
-use crate::image::Image;
+use crate::image::{Image, common_size};
 
 /// Writes pictures of one size as an animated GIF that repeats for ever, each in
 /// its own 256 colours. Pixels that are less than half opaque are transparent.
@@ -17,16 +17,10 @@ pub fn write_gif(
     frames_per_second: u16,
     writer: impl Write,
 ) -> Result<(), RasterError> {
-    let (width, height) = frames.first().map_or((0, 0), |f| (f.width, f.height));
-    let alike = frames
-        .iter()
-        .all(|f| (f.width, f.height) == (width, height));
-    let (Ok(w), Ok(h), true) = (u16::try_from(width), u16::try_from(height), alike) else {
+    let (width, height) = common_size(frames)?;
+    let (Ok(w), Ok(h)) = (u16::try_from(width), u16::try_from(height)) else {
         return Err(RasterError::EmptyImage { width, height });
     };
-    if w == 0 || h == 0 {
-        return Err(RasterError::EmptyImage { width, height });
-    }
     let mut encoder = gif::Encoder::new(writer, w, h, &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     for frame in frames {

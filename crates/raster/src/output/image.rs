@@ -3,6 +3,7 @@
 use csg::Color;
 use rayon::prelude::*;
 
+use crate::RasterError;
 use crate::blend::under;
 
 /// A picture: sRGB-encoded red, green and blue with straight opacity, 8 bits
@@ -129,4 +130,19 @@ impl Image {
             pixels,
         }
     }
+}
+
+/// The size that all pictures have.
+///
+/// # Errors
+/// [`RasterError::EmptyImage`] without pictures or pixels, or if they differ in
+/// size.
+pub(crate) fn common_size(images: &[Image]) -> Result<(u32, u32), RasterError> {
+    let size = |image: &Image| (image.width, image.height);
+    let (width, height) = images.first().map_or((0, 0), size);
+    let alike = images.iter().all(|image| size(image) == (width, height));
+    if width == 0 || height == 0 || !alike {
+        return Err(RasterError::EmptyImage { width, height });
+    }
+    Ok((width, height))
 }

@@ -1,5 +1,6 @@
 //! Pictures and buffers, and the files they are written to.
 
+pub(crate) mod buffer_images;
 pub(crate) mod buffers;
 pub(crate) mod gif_file;
 pub(crate) mod image;

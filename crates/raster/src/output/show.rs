@@ -2,7 +2,8 @@
 //! openness.
 
 use crate::RasterError;
-use crate::buffers::{Buffer, depth_image, id_image, normal_image};
+use crate::buffer_images::{depth_image, id_image, normal_image};
+use crate::buffers::Buffer;
 use crate::camera::View;
 use crate::edges::{MAX_LINE_WIDTH, draw_edges};
 use crate::frame::FrameMatrix;

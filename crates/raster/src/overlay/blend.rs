@@ -28,7 +28,7 @@ pub(crate) fn encode(linear: f32) -> u8 {
     } else {
         curve
     };
-    byte.round() as u8
+    (byte + 0.5) as u8
 }
 
 /// A colour of the given opacity over a pixel.
@@ -51,5 +51,5 @@ pub(crate) fn under(pixel: [u8; 4], color: Color, alpha: f32) -> [u8; 4] {
 }
 
 fn opacity_byte(opacity: f32) -> u8 {
-    (opacity.min(1.0) * 255.0).round() as u8
+    (opacity.min(1.0) * 255.0 + 0.5) as u8
 }

@@ -4,14 +4,16 @@ use std::collections::HashMap;
 
 use csg::Color;
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::frame::FrameMatrix;
 use crate::image::Image;
-use crate::line::{Drawn, LineLayers, project_polyline};
+use crate::line::project_polyline;
 use crate::normals::CREASE_ANGLE;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
-use crate::silhouette::draw_silhouettes;
+use crate::silhouette::silhouettes;
+use crate::visible::{Drawn, LineLayers};
 
 /// What happens to the hidden parts of edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,39 +75,31 @@ pub(crate) fn draw_edges(
     image: &mut Image,
 ) {
     let dashed = options.hidden == HiddenEdges::Dash;
-    let mut layers = LineLayers::new(image.width, image.height, dashed);
+    let mut lines = Lines {
+        layers: LineLayers::new(image.width, image.height, dashed),
+        frame: Drawn {
+            renderer,
+            scene,
+            matrix,
+        },
+    };
     let width = options.width;
-    let frame = Drawn {
-        renderer,
-        scene,
-        matrix,
-    };
-    let mut draw = |points: &[DVec3], width: f64| {
-        project_polyline(matrix, points.iter().copied(), |segment| {
-            layers.draw(&frame, &segment, width);
-        });
-    };
     if options.features {
-        for line in scene.feature_edges() {
-            let points: Vec<_> = line.iter().filter_map(|&v| scene.position(v)).collect();
-            draw(&points, width);
-        }
+        lines.draw(scene.feature_edges(), width, |line| line.iter().copied());
     }
     if options.silhouettes {
-        draw_silhouettes(scene, matrix, |a, b| draw(&[a, b], width));
+        let silhouettes = silhouettes(scene, matrix);
+        lines.draw(&silhouettes, width, |ends| ends.iter().copied());
     }
     if options.wireframe {
-        for index in 0..scene.kept_triangles {
-            if let Some([a, b, c]) = scene.corners(index) {
-                draw(&[a, b, c, a], width);
-            }
-        }
+        let triangles = &scene.triangles[..scene.kept_triangles];
+        lines.draw(triangles, width, |&[a, b, c]| [a, b, c, a].into_iter());
     }
     if options.points {
-        for p in (0..scene.kept_vertices as u32).filter_map(|v| scene.position(v)) {
-            draw(&[p, p], width * 3.0);
-        }
+        let vertices: Vec<_> = (0..scene.kept_vertices as u32).collect();
+        lines.draw(&vertices, width * 3.0, |&v| [v, v].into_iter());
     }
+    let mut layers = lines.layers;
     if let Some(hidden) = &mut layers.hidden {
         hidden.thin();
         let faint = options
@@ -114,6 +108,35 @@ pub(crate) fn draw_edges(
         hidden.composite(image, faint);
     }
     layers.visible.composite(image, options.color);
+}
+
+/// Lines of a scene over a frame of it.
+struct Lines<'a> {
+    layers: LineLayers,
+    frame: Drawn<'a>,
+}
+
+impl Lines<'_> {
+    /// Draws polylines through vertices, of one width.
+    fn draw<'l, L: Sync, V: Iterator<Item = u32>>(
+        &mut self,
+        lines: &'l [L],
+        width: f64,
+        vertices: impl Fn(&'l L) -> V + Sync,
+    ) {
+        /// Lines that are kept in the window's coordinates at a time.
+        const AT_ONCE: usize = 1 << 16;
+        let Drawn { scene, matrix, .. } = self.frame;
+        let project = |line: &'l L| {
+            let points = vertices(line).filter_map(|vertex| scene.position(vertex));
+            project_polyline(matrix, points)
+        };
+        for lines in lines.chunks(AT_ONCE) {
+            let lines = lines.par_iter().with_min_len(64);
+            let segments: Vec<_> = lines.flat_map_iter(project).collect();
+            self.layers.draw(self.frame, &segments, width);
+        }
+    }
 }
 
 /// For each vertex the first one at the same position.

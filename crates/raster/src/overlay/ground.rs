@@ -1,5 +1,7 @@
 //! A soft shadow on the ground, under a light straight above.
 
+use std::ops::Range;
+
 use csg::Color;
 use glam::{DMat3, DVec2, DVec3, DVec4};
 use rayon::prelude::*;
@@ -12,6 +14,9 @@ use crate::image::Image;
 use crate::options::RenderOptions;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
+use crate::simd::{
+    DoubleLanes, FloatLanes, IntLanes, Kernel, LANE_NUMBERS, LANES, Lanes, Level, MaskLanes,
+};
 
 /// Width and height of the shadow's own picture.
 const SIZE: u32 = 256;
@@ -25,11 +30,10 @@ pub(crate) const SHADOW_SPREAD: f64 = 2.7 * BLUR;
 /// Opacity where the whole light is hidden.
 const DARKNESS: f32 = 0.45;
 
-/// A horizontal plane as seen: where on it a pixel's centre shows.
+/// A horizontal plane as seen: where on it points of the window are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ground {
-    height: f64,
-    /// Pixel centres (x, y, 1) to the plane's points (x, y, 1) over W.
+    /// The window, (x, y, 1) in pixels, to the plane's points (x, y, 1) over W.
     to_plane: DMat3,
     /// Reversed depth, of those points.
     depth: DVec3,
@@ -54,20 +58,17 @@ impl Ground {
         );
         let to_plane = to_window.inverse() * to_samples;
         to_plane.is_finite().then_some(Self {
-            height,
             to_plane,
             depth: row(z),
         })
     }
 
-    /// The point of the plane in the middle of a pixel, and its reversed depth;
-    /// `None` behind the viewer or beyond the far plane.
-    pub fn at(&self, x: u32, y: u32) -> Option<(DVec3, f64)> {
-        let pixel = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
-        let p = self.to_plane * pixel;
-        let depth = self.depth.dot(p);
-        let seen = p.z > 0.0 && (0.0..=1.0).contains(&depth);
-        seen.then(|| ((p.truncate() / p.z).extend(self.height), depth))
+    /// Linear functions of the window, by factors of x, y (pixels) and 1: what is
+    /// positive before the viewer, and the reversed depth of the plane, which is seen
+    /// where that is in 0..=1.
+    pub fn in_window(&self) -> [DVec3; 2] {
+        let rows = self.to_plane.transpose();
+        [rows.z_axis, rows * self.depth]
     }
 }
 
@@ -119,20 +120,55 @@ impl Shadow {
         })
     }
 
-    /// The part of the light hidden at a point of the ground.
-    fn at(&self, point: DVec2) -> f32 {
-        let size = f64::from(SIZE);
-        let x = (point.x - self.low.x) / self.extent * size - 0.5;
-        let y = (1.0 - (point.y - self.low.y) / self.extent) * size - 0.5;
-        if !(x >= 0.0 && y >= 0.0 && x < size - 1.0 && y < size - 1.0) {
-            return 0.0;
-        }
-        let (column, row) = (x as usize, y as usize);
-        let (u, v) = (x.fract() as f32, y.fract() as f32);
-        let value = |dx: usize, dy: usize| self.hidden[(row + dy) * SIZE as usize + column + dx];
-        let top = value(0, 0) * (1.0 - u) + value(1, 0) * u;
-        let bottom = value(0, 1) * (1.0 - u) + value(1, 1) * u;
-        top * (1.0 - v) + bottom * v
+    /// Points (x, y, 1) of the ground to columns and rows of [`hidden`](Self::hidden).
+    fn to_cells(&self) -> DMat3 {
+        let per_unit = f64::from(SIZE) / self.extent;
+        let high = self.low.y + self.extent;
+        DMat3::from_cols(
+            DVec3::new(per_unit, 0.0, 0.0),
+            DVec3::new(0.0, -per_unit, 0.0),
+            DVec3::new(-self.low.x * per_unit - 0.5, high * per_unit - 0.5, 1.0),
+        )
+    }
+
+    /// The columns and rows of a picture that a shadow may be seen in.
+    fn pixels(&self, to_cells: DMat3, size: [u32; 2]) -> Option<[Range<usize>; 2]> {
+        let from_cells = to_cells.inverse();
+        let corners = self.corners().map(|cell| from_cells * cell);
+        // Of what reaches behind the viewer, all pixels may show some.
+        let all_before = corners.iter().all(|corner| corner.z > 0.0);
+        let ranges = [0, 1].map(|axis| {
+            let side = f64::from(size[axis]);
+            let along = corners.iter().map(|corner| corner[axis] / corner.z);
+            let low = along.clone().fold(side, f64::min).floor().max(0.0);
+            let high = along.fold(0.0, f64::max).ceil().min(side);
+            let (low, high) = if all_before { (low, high) } else { (0.0, side) };
+            low as usize..high as usize
+        });
+        ranges
+            .iter()
+            .all(|range| !range.is_empty())
+            .then_some(ranges)
+    }
+
+    /// The corners, among the cells, of a rectangle outside of which nobody sees
+    /// a shadow.
+    fn corners(&self) -> [DVec3; 4] {
+        let seen = |&k: &usize| self.hidden[k] * DARKNESS > 0.5 / 255.0;
+        let cells = (0..self.hidden.len()).filter(seen);
+        let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (low, high) = cells.fold(start, |(low, high), k| {
+            let cell = [k % SIZE as usize, k / SIZE as usize].map(|v| v as f64);
+            let cell = DVec2::from_array(cell);
+            (low.min(cell - 1.0), high.max(cell + 1.0))
+        });
+        [
+            low,
+            DVec2::new(high.x, low.y),
+            high,
+            DVec2::new(low.x, high.y),
+        ]
+        .map(|p| p.extend(1.0))
     }
 }
 
@@ -165,7 +201,7 @@ pub(crate) fn ground_height(scene: &Prepared) -> f64 {
 
 /// Puts the shadow that a scene casts on the plane through its lowest point
 /// under the picture. Nothing happens for a viewer below that plane.
-pub(crate) fn draw_ground_shadow(scene: &Prepared, view: &View, image: &mut Image) {
+pub(crate) fn draw_ground_shadow(level: Level, scene: &Prepared, view: &View, image: &mut Image) {
     if scene.triangles.is_empty() || image.pixels.is_empty() {
         return;
     }
@@ -176,18 +212,122 @@ pub(crate) fn draw_ground_shadow(scene: &Prepared, view: &View, image: &mut Imag
     let Some(shadow) = scene.shadow() else {
         return;
     };
-    let width = image.width as usize;
-    let black = Color::from_linear([0.0; 3]);
-    let rows = image.pixels.par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
-        for (x, pixel) in row.iter_mut().enumerate().filter(|(_, p)| p[3] < 255) {
-            let Some((point, _)) = ground.at(x as u32, y as u32) else {
-                continue;
-            };
-            let hidden = shadow.at(point.truncate());
-            if hidden > 0.0 {
-                *pixel = under(*pixel, black, hidden * DARKNESS);
+    let to_cells = shadow.to_cells() * ground.to_plane;
+    let Some([columns, rows]) = shadow.pixels(to_cells, [image.width, image.height]) else {
+        return;
+    };
+    let [_, plane] = ground.in_window();
+    let lines = image
+        .pixels
+        .par_chunks_mut(image.width as usize)
+        .enumerate();
+    lines
+        .skip(rows.start)
+        .take(rows.len())
+        .for_each(|(y, line)| {
+            level.run(ShadowRow {
+                shadow,
+                to_cells: to_cells.transpose(),
+                plane,
+                first: [columns.start as f64 + 0.5, y as f64 + 0.5],
+                pixels: &mut line[columns.clone()],
+            });
+        });
+}
+
+/// Puts the shadow under some pixels of a row.
+struct ShadowRow<'a> {
+    shadow: &'a Shadow,
+    /// The window to the shadow's cells, row by row.
+    to_cells: DMat3,
+    /// The ground's depth.
+    plane: DVec3,
+    /// The middle of the first pixel.
+    first: [f64; 2],
+    pixels: &'a mut [[u8; 4]],
+}
+
+impl Kernel for ShadowRow<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Lanes>(self, s: S) {
+        let [x, y] = self.first;
+        for (number, pixels) in self.pixels.chunks_mut(LANES).enumerate() {
+            if pixels.iter().any(|pixel| pixel[3] < 255) {
+                let first = x + (number * LANES) as f64;
+                let x = s.load_f(&LANE_NUMBERS).to_double() + s.d(first);
+                put_shadow(
+                    s,
+                    self.shadow,
+                    &self.to_cells,
+                    self.plane,
+                    [x, s.d(y)],
+                    pixels,
+                );
             }
         }
-    });
+    }
+}
+
+/// The same of at most sixteen.
+#[inline(always)]
+fn put_shadow<S: Lanes>(
+    s: S,
+    shadow: &Shadow,
+    to_cells: &DMat3,
+    plane: DVec3,
+    at: [S::D; 2],
+    pixels: &mut [[u8; 4]],
+) {
+    let (zero, one, last) = (s.f(0.0), s.f(1.0), s.f((SIZE - 1) as f32));
+    let w = on_plane(s, to_cells.z_axis, at);
+    let x = (on_plane(s, to_cells.x_axis, at) / w).to_single();
+    let y = (on_plane(s, to_cells.y_axis, at) / w).to_single();
+    let depth = on_plane(s, plane, at).to_single();
+    let on_ground = zero.lt(w.to_single()) & zero.le(depth) & depth.le(one);
+    let seen = on_ground & zero.le(x) & x.lt(last) & zero.le(y) & y.lt(last);
+    if seen.bits() == 0 {
+        return;
+    }
+    let (x, y) = (seen.select_f(x, zero), seen.select_f(y, zero));
+    // (A whole number may be a cell's end as well.)
+    let half = s.f(0.5);
+    let (column, row) = ((x - half).round(), (y - half).round());
+    let mut cells = [0; LANES];
+    (row * s.i(SIZE.cast_signed()) + column).store(&mut cells);
+    let mut corners = [[0.0; LANES]; 4];
+    for (lane, cell) in cells.into_iter().enumerate() {
+        let around = shadow
+            .hidden
+            .get(cell as usize..cell as usize + SIZE as usize + 2);
+        if let Some(&[a, b, .., c, d]) = around {
+            for (corner, value) in corners.iter_mut().zip([a, b, c, d]) {
+                corner[lane] = value;
+            }
+        }
+    }
+    let [a, b, c, d] = corners.map(|corner| s.load_f(&corner));
+    let (u, v) = (x - column.to_float(), y - row.to_float());
+    let top = a * (one - u) + b * u;
+    let bottom = c * (one - u) + d * u;
+    let hidden = top * (one - v) + bottom * v;
+    let opacity = seen.select_f(hidden * s.f(DARKNESS), zero);
+    let (mut opacities, mut bytes) = ([0.0; LANES], [0; LANES]);
+    opacity.store(&mut opacities);
+    (opacity * s.f(255.0)).round().store(&mut bytes);
+    let black = Color::from_linear([0.0; 3]);
+    for (lane, pixel) in pixels.iter_mut().enumerate() {
+        match pixel[3] {
+            255 => {}
+            0 if bytes[lane] == 0 => {}
+            0 => *pixel = [0, 0, 0, bytes[lane] as u8],
+            _ => *pixel = under(*pixel, black, opacities[lane]),
+        }
+    }
+}
+
+/// What a linear function, by its factors of x, y and 1, is at some places.
+#[inline(always)]
+fn on_plane<S: Lanes>(s: S, function: DVec3, [x, y]: [S::D; 2]) -> S::D {
+    s.d(function.x) * x + (s.d(function.y) * y + s.d(function.z))
 }

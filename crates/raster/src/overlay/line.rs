@@ -6,6 +6,8 @@
 //! by maximum, so that joints of polylines are not darker than their parts
 //! and order does not matter, and the layer is put over the picture once.
 
+use std::ops::Range;
+
 use csg::Color;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -14,9 +16,6 @@ use crate::blend::over;
 use crate::clip::clip_segment;
 use crate::frame::FrameMatrix;
 use crate::image::Image;
-use crate::pipeline::Renderer;
-use crate::prepared::Prepared;
-use crate::tile::decode;
 
 /// The coverage of some lines or points, in 0..=1 for each pixel.
 #[derive(Clone, Debug)]
@@ -25,9 +24,6 @@ pub(crate) struct Layer {
     height: u32,
     coverage: Vec<u8>,
 }
-
-/// Length of a dash and of the gap after it, in pixels.
-const DASH: [f64; 2] = [5.0, 4.0];
 
 /// A segment in the window: x and y in pixels, z the reversed depth.
 #[derive(Clone, Copy, Debug)]
@@ -38,26 +34,40 @@ pub(crate) struct Segment {
     pub start: f64,
 }
 
-impl Layer {
-    pub fn new(width: u32, height: u32) -> Self {
-        Self {
-            width,
-            height,
-            coverage: vec![0; width as usize * height as usize],
-        }
+/// Rows of a layer, for one thread.
+pub(crate) struct Band<'a> {
+    width: u32,
+    first: u32,
+    coverage: &'a mut [u8],
+}
+
+impl Band<'_> {
+    /// Its columns and rows.
+    pub fn region(&self) -> [Range<u32>; 2] {
+        let rows = self.coverage.len() / (self.width as usize).max(1);
+        [0..self.width, self.first..self.first + rows as u32]
     }
 
-    fn raise(&mut self, x: u32, y: u32, coverage: f64) {
-        let at = y as usize * self.width as usize + x as usize;
+    /// Adds the coverage of one pixel.
+    #[inline]
+    pub fn raise(&mut self, x: u32, y: u32, coverage: f64) {
+        let at = (y - self.first) as usize * self.width as usize + x as usize;
         if let Some(value) = self.coverage.get_mut(at) {
-            *value = (*value).max((coverage * 255.0).round() as u8);
+            *value = (*value).max((coverage * 255.0 + 0.5) as u8);
         }
     }
+}
 
+impl Segment {
     /// Calls `pixel` with column, row, coverage and the nearest parameter of
-    /// the segment for all pixels it touches.
-    fn trace(&self, segment: &Segment, width: f64, mut pixel: impl FnMut(u32, u32, f64, f64)) {
-        let (a, b) = (segment.a.truncate(), segment.b.truncate());
+    /// the segment for all pixels of a region that it touches, if it is so wide.
+    pub fn trace(
+        &self,
+        width: f64,
+        [columns, rows]: &[Range<u32>; 2],
+        mut pixel: impl FnMut(u32, u32, f64, f64),
+    ) {
+        let (a, b) = (self.a.truncate(), self.b.truncate());
         if !(a.is_finite() && b.is_finite()) {
             return;
         }
@@ -68,25 +78,24 @@ impl Layer {
         // Walks along the longer axis, and across it by the reach.
         let major = usize::from(along.y.abs() > along.x.abs());
         let minor = 1 - major;
-        let size = [f64::from(self.width), f64::from(self.height)];
+        let low = [columns.start, rows.start].map(f64::from);
+        let end = [columns.end, rows.end].map(|end| f64::from(end) - 1.0);
         let slope = if along[major] == 0.0 {
             0.0
         } else {
             along[minor] / along[major]
         };
         let spread = reach * (1.0 + slope * slope).sqrt() + slope.abs();
-        let first = (a[major].min(b[major]) - reach).floor().max(0.0);
-        let last = (a[major].max(b[major]) + reach)
-            .floor()
-            .min(size[major] - 1.0);
+        let first = (a[major].min(b[major]) - reach).floor().max(low[major]);
+        let last = (a[major].max(b[major]) + reach).floor().min(end[major]);
         let mut step = first;
         while step <= last {
             let centre = step + 0.5;
             let inside = centre.clamp(a[major].min(b[major]), a[major].max(b[major]));
             let middle = a[minor] + slope * (inside - a[major]);
-            let mut across = (middle - spread).floor().max(0.0);
-            let end = (middle + spread).floor().min(size[minor] - 1.0);
-            while across <= end {
+            let mut across = (middle - spread).floor().max(low[minor]);
+            let last = (middle + spread).floor().min(end[minor]);
+            while across <= last {
                 let mut p = DVec2::ZERO;
                 p[major] = centre;
                 p[minor] = across + 0.5;
@@ -105,15 +114,52 @@ impl Layer {
         }
     }
 
+    /// The rows that it may touch, if it is so wide.
+    pub fn rows(&self, width: f64) -> [f64; 2] {
+        let reach = width / 2.0 + 1.0;
+        [
+            self.a.y.min(self.b.y) - reach,
+            self.a.y.max(self.b.y) + reach,
+        ]
+    }
+}
+
+impl Layer {
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            coverage: vec![0; width as usize * height as usize],
+        }
+    }
+
+    /// All of it.
+    fn whole(&mut self) -> Band<'_> {
+        Band {
+            width: self.width,
+            first: 0,
+            coverage: &mut self.coverage,
+        }
+    }
+
+    /// Cuts it into bands of so many rows, the last of which may have fewer.
+    pub fn bands(&mut self, rows: u32) -> impl Iterator<Item = Band<'_>> {
+        let width = self.width;
+        let values = (width as usize * rows as usize).max(1);
+        let pieces = self.coverage.chunks_mut(values).zip(0..);
+        pieces.map(move |(coverage, number)| Band {
+            width,
+            first: number * rows,
+            coverage,
+        })
+    }
+
     /// Adds a segment without looking at depth.
     pub fn draw(&mut self, segment: &Segment, width: f64) {
-        let mut found = Vec::new();
-        self.trace(segment, width, |x, y, coverage, _| {
-            found.push((x, y, coverage));
+        let mut band = self.whole();
+        segment.trace(width, &band.region(), |x, y, coverage, _| {
+            band.raise(x, y, coverage);
         });
-        for (x, y, coverage) in found {
-            self.raise(x, y, coverage);
-        }
     }
 
     /// Puts the layer in one colour over a picture.
@@ -158,162 +204,22 @@ impl Layer {
     }
 }
 
-/// What is visible of a line, and what is hidden.
-pub(crate) struct LineLayers {
-    pub visible: Layer,
-    /// Only where it is wanted.
-    pub hidden: Option<Layer>,
-}
-
-impl LineLayers {
-    pub fn new(width: u32, height: u32, hidden: bool) -> Self {
-        Self {
-            visible: Layer::new(width, height),
-            hidden: hidden.then(|| Layer::new(width, height)),
-        }
-    }
-
-    /// Adds a segment; what the frame hides of it goes, dashed, to the hidden
-    /// layer.
-    pub fn draw(&mut self, frame: &Drawn, segment: &Segment, width: f64) {
-        let length = segment.a.truncate().distance(segment.b.truncate());
-        let (mut seen, mut dashes) = (Vec::new(), Vec::new());
-        self.visible.trace(segment, width, |x, y, coverage, t| {
-            if frame.shows_at(x, y, segment.a.lerp(segment.b, t)) {
-                seen.push((x, y, coverage));
-            } else if (segment.start + length * t).rem_euclid(DASH[0] + DASH[1]) < DASH[0] {
-                dashes.push((x, y, coverage));
-            }
-        });
-        for (x, y, coverage) in seen {
-            self.visible.raise(x, y, coverage);
-        }
-        if let Some(hidden) = &mut self.hidden {
-            for (x, y, coverage) in dashes {
-                hidden.raise(x, y, coverage);
-            }
-        }
-    }
-}
-
-/// A renderer's last frame, and what it shows.
-#[derive(Clone, Copy)]
-pub(crate) struct Drawn<'a> {
-    pub renderer: &'a Renderer,
-    pub scene: &'a Prepared,
-    pub matrix: &'a FrameMatrix,
-}
-
-impl Drawn<'_> {
-    /// Whether a point of the window on the surface of what is drawn is seen
-    /// at a pixel that the line around it touches.
-    fn shows_at(&self, x: u32, y: u32, point: DVec3) -> bool {
-        let of_edge = self.shows_on_triangles(x, y, point);
-        of_edge.unwrap_or_else(|| self.shows_nearby(x, y, point))
-    }
-
-    /// Whether a point of an edge is not behind one of the triangles that are
-    /// drawn at a pixel or at one next to it and cover the point: exact, however
-    /// thin a wall is. None where there is no such triangle: where they are smaller
-    /// than pixels, or at the border of what is drawn.
-    fn shows_on_triangles(&self, x: u32, y: u32, point: DVec3) -> Option<bool> {
-        /// Of the depth, and more than rounding.
-        const SAME: f64 = 1e-9;
-        let at = point.truncate();
-        let mut covered = None;
-        for (x, y) in self.pixels_around(x, y) {
-            let number = self.renderer.number(x, y).map(|(number, _)| number);
-            if let Some(corners) = number.and_then(|number| self.triangle(number))
-                && covers(corners, at)
-                && let Some(plane) = plane_depth(corners, at)
-            {
-                if point.z * (1.0 + SAME) >= plane {
-                    return Some(true);
-                }
-                covered = Some(false);
-            }
-        }
-        covered
-    }
-
-    /// Whether a point is not behind what is drawn at a pixel or at one next to it,
-    /// or not behind its plane. For surfaces slope: on both sides of an edge that
-    /// two faces turn towards the viewer, what is drawn is nearer than the edge
-    /// itself.
-    fn shows_nearby(&self, x: u32, y: u32, point: DVec3) -> bool {
-        let depth = point.z * (1.0 + 1e-4);
-        self.pixels_around(x, y).any(|(x, y)| {
-            let Some((number, kept)) = self.renderer.number(x, y) else {
-                return true;
-            };
-            let corners = || self.triangle(number);
-            let plane = || plane_depth(corners()?, point.truncate());
-            depth >= f64::from(kept) || plane().is_some_and(|plane| depth >= plane)
-        })
-    }
-
-    /// A pixel, and those next to it. Beyond the picture's border nothing is known.
-    fn pixels_around(&self, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> {
-        let last = (self.renderer.width - 1, self.renderer.height - 1);
-        let columns = x.saturating_sub(1)..=(x + 1).min(last.0);
-        let rows = y.saturating_sub(1)..=(y + 1).min(last.1);
-        let around = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
-        std::iter::once((x, y)).chain(around)
-    }
-
-    /// The corners in the window of the triangle that a pixel shows, if all are
-    /// before the viewer. Not of the cap of a section, which hides what is behind
-    /// it, and is seen but from outside: no edge lies in a valley with it.
-    fn triangle(&self, number: i32) -> Option<[DVec3; 3]> {
-        let (triangle, None) = decode(number) else {
-            return None;
-        };
-        let corners = self.scene.corners(triangle)?;
-        let clip = corners.map(|corner| self.matrix.clip(corner));
-        let is_before = clip.iter().all(|corner| corner.w > 0.0);
-        is_before.then(|| clip.map(|corner| self.matrix.window(corner)))
-    }
-}
-
-/// Whether a point of the window is in a triangle, or on its border.
-fn covers([a, b, c]: [DVec3; 3], at: DVec2) -> bool {
-    /// Of a triangle's width, and more than rounding.
-    const BORDER: f64 = 1e-9;
-    let [a, b, c] = [a, b, c].map(DVec3::truncate);
-    let area = (b - a).perp_dot(c - a);
-    let weight = |p: DVec2, q: DVec2| (q - p).perp_dot(at - p) / area;
-    let weights = [weight(a, b), weight(b, c), weight(c, a)];
-    weights.iter().all(|&weight| weight >= -BORDER)
-}
-
-/// The reversed depth of a triangle's plane at a point of the window, kept
-/// between those of its corners.
-fn plane_depth([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
-    let normal = (b - a).cross(c - a);
-    let away = at - a.truncate();
-    let depth = a.z - normal.truncate().dot(away) / normal.z;
-    let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-    depth.is_finite().then(|| depth.clamp(low, high))
-}
-
 /// Puts a polyline given in scene coordinates into the window, cut to the
 /// view volume.
 pub(crate) fn project_polyline(
     matrix: &FrameMatrix,
     points: impl Iterator<Item = DVec3>,
-    mut segment: impl FnMut(Segment),
-) {
+) -> impl Iterator<Item = Segment> {
     let mut previous = None;
     let mut start = 0.0;
-    for p in points {
+    points.filter_map(move |p| {
         let clip = matrix.clip(p);
-        if let Some(from) = previous.replace(clip)
-            && let Some((enter, leave)) = clip_segment(from, clip)
-        {
-            let a = matrix.window(from.lerp(clip, enter));
-            let b = matrix.window(from.lerp(clip, leave));
-            segment(Segment { a, b, start });
-            start += a.truncate().distance(b.truncate());
-        }
-    }
+        let from = previous.replace(clip)?;
+        let (enter, leave) = clip_segment(from, clip)?;
+        let a = matrix.window(from.lerp(clip, enter));
+        let b = matrix.window(from.lerp(clip, leave));
+        let segment = Segment { a, b, start };
+        start += a.truncate().distance(b.truncate());
+        Some(segment)
+    })
 }

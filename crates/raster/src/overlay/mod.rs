@@ -12,3 +12,4 @@ pub(crate) mod occlusion;
 pub(crate) mod silhouette;
 pub(crate) mod thickness;
 pub(crate) mod triad;
+pub(crate) mod visible;

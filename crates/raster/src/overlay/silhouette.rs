@@ -3,7 +3,6 @@
 //! drawn, up to the apex of a cone; how near that is to the outline of the
 //! surface is for the mesh's tolerance to say.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::frame::FrameMatrix;
@@ -17,12 +16,8 @@ pub(crate) struct SharedEdge {
     pub triangles: [u32; 2],
 }
 
-/// Calls `segment` for each edge of the silhouette.
-pub(crate) fn draw_silhouettes(
-    scene: &Prepared,
-    matrix: &FrameMatrix,
-    mut segment: impl FnMut(DVec3, DVec3),
-) {
+/// The edges of the silhouette, as pairs of vertices.
+pub(crate) fn silhouettes(scene: &Prepared, matrix: &FrameMatrix) -> Vec<[u32; 2]> {
     let faces: Vec<bool> = (0..scene.kept_triangles)
         .into_par_iter()
         .map(|index| {
@@ -32,35 +27,60 @@ pub(crate) fn draw_silhouettes(
             })
         })
         .collect();
-    for edge in scene.shared_edges() {
-        let [one, other] = edge.triangles.map(|t| faces.get(t as usize));
-        if one != other
-            && let (Some(a), Some(b)) = (scene.position(edge.ends[0]), scene.position(edge.ends[1]))
-        {
-            segment(a, b);
-        }
-    }
+    let edges = scene.shared_edges().iter();
+    edges
+        .filter(|edge| {
+            let [one, other] = edge.triangles.map(|t| faces.get(t as usize));
+            one != other
+        })
+        .map(|edge| edge.ends)
+        .collect()
 }
 
-/// The edges that two triangles share. O(n log n).
+/// The edges that two triangles share, by their lesser ends and then by their
+/// others. O(n).
 pub(crate) fn find_shared_edges(scene: &Prepared) -> Vec<SharedEdge> {
-    let mut edges: Vec<[u32; 3]> = scene.triangles[..scene.kept_triangles]
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(index, &[a, b, c])| {
+    let kept = &scene.triangles[..scene.kept_triangles];
+    let vertices = scene.positions.len();
+    let sides = || {
+        kept.iter().zip(0..).flat_map(|(&[a, b, c], index)| {
             let sides = [(a, b), (b, c), (c, a)];
-            sides.map(|(i, j)| [i.min(j), i.max(j), index as u32])
+            sides.map(|(i, j)| ([i.min(j), i.max(j)], index))
         })
-        .collect();
-    edges.par_sort_unstable();
-    edges
-        .chunk_by(|a, b| a[..2] == b[..2])
-        .filter_map(|group| match *group {
-            [[a, b, s], [_, _, t]] if a != b => Some(SharedEdge {
-                ends: [a, b],
+    };
+    let known = |ends: [u32; 2]| (ends[1] as usize) < vertices;
+    // Where the edges of each lesser end begin, and the edges in that order.
+    let mut ends = vec![0u32; vertices + 1];
+    for (edge, _) in sides().filter(|side| known(side.0)) {
+        ends[edge[0] as usize] += 1;
+    }
+    let mut sum = 0;
+    for count in &mut ends {
+        sum += std::mem::replace(count, sum);
+    }
+    let mut edges = vec![[0u32; 2]; sum as usize];
+    for ([lesser, greater], triangle) in sides().filter(|side| known(side.0)) {
+        let place = &mut ends[lesser as usize];
+        edges[*place as usize] = [greater, triangle];
+        *place += 1;
+    }
+    // (Now each is where those of its vertex end.)
+    let mut shared = Vec::with_capacity(edges.len() / 2);
+    let mut rest = &mut edges[..];
+    let mut start = 0;
+    for (&end, vertex) in ends.iter().zip(0..) {
+        let own = rest.split_off_mut(..(end - start) as usize);
+        start = end;
+        let own = own.unwrap_or_default();
+        own.sort_unstable();
+        let groups = own.chunk_by(|a, b| a[0] == b[0]);
+        shared.extend(groups.filter_map(|group| match *group {
+            [[other, s], [_, t]] if vertex != other => Some(SharedEdge {
+                ends: [vertex, other],
                 triangles: [s, t],
             }),
             _ => None,
-        })
-        .collect()
+        }));
+    }
+    shared
 }

@@ -53,7 +53,25 @@ impl Window {
     /// The centre of the window.
     #[must_use]
     pub fn centre(&self) -> DVec2 {
-        DVec2::new(self.left + self.right, self.bottom + self.top) / 2.0
+        self.sums().truncate() / 2.0
+    }
+
+    /// right - left, top - bottom, far - near.
+    fn sides(&self) -> DVec3 {
+        DVec3::new(
+            self.right - self.left,
+            self.top - self.bottom,
+            self.far - self.near,
+        )
+    }
+
+    /// right + left, top + bottom, far + near.
+    fn sums(&self) -> DVec3 {
+        DVec3::new(
+            self.right + self.left,
+            self.top + self.bottom,
+            self.far + self.near,
+        )
     }
 }
 
@@ -61,24 +79,12 @@ impl Window {
 /// far planes onto the clip cube.
 #[must_use]
 pub fn orthographic(window: &Window) -> DMat4 {
-    let Window {
-        left: l,
-        right: r,
-        bottom: b,
-        top: t,
-        near: n,
-        far: f,
-    } = *window;
+    let (sides, sums) = (window.sides(), window.sums());
     DMat4::from_cols(
-        DVec4::new(2.0 / (r - l), 0.0, 0.0, 0.0),
-        DVec4::new(0.0, 2.0 / (t - b), 0.0, 0.0),
-        DVec4::new(0.0, 0.0, -2.0 / (f - n), 0.0),
-        DVec4::new(
-            -(r + l) / (r - l),
-            -(t + b) / (t - b),
-            -(f + n) / (f - n),
-            1.0,
-        ),
+        DVec4::X * (2.0 / sides.x),
+        DVec4::Y * (2.0 / sides.y),
+        DVec4::Z * (-2.0 / sides.z),
+        (-sums / sides).extend(1.0),
     )
 }
 
@@ -163,11 +169,8 @@ pub fn shear_to_axis(window: &Window) -> DMat4 {
 /// the sides of the (already centred) frustum planes at 45 degrees.
 #[must_use]
 pub fn scale_to_canonical(window: &Window) -> DMat4 {
-    DMat4::from_scale(DVec3::new(
-        2.0 * window.near / (window.right - window.left),
-        2.0 * window.near / (window.top - window.bottom),
-        1.0,
-    ))
+    let scale = 2.0 * window.near / window.sides().truncate();
+    DMat4::from_scale(scale.extend(1.0))
 }
 
 /// Second factor of the off-axis frustum: w = -z, and z so that the plane
@@ -187,24 +190,13 @@ pub fn normalised_perspective(near: f64, far: f64) -> DMat4 {
 /// [`shear_to_axis`].
 #[must_use]
 pub fn frustum(window: &Window) -> DMat4 {
-    let Window {
-        left: l,
-        right: r,
-        bottom: b,
-        top: t,
-        near: n,
-        far: f,
-    } = *window;
+    let (sides, sums) = (window.sides(), window.sums());
+    let doubled = 2.0 * window.near;
     DMat4::from_cols(
-        DVec4::new(2.0 * n / (r - l), 0.0, 0.0, 0.0),
-        DVec4::new(0.0, 2.0 * n / (t - b), 0.0, 0.0),
-        DVec4::new(
-            (r + l) / (r - l),
-            (t + b) / (t - b),
-            -(f + n) / (f - n),
-            -1.0,
-        ),
-        DVec4::new(0.0, 0.0, -2.0 * f * n / (f - n), 0.0),
+        DVec4::X * (doubled / sides.x),
+        DVec4::Y * (doubled / sides.y),
+        (sums / sides * DVec3::new(1.0, 1.0, -1.0)).extend(-1.0),
+        DVec4::Z * (-doubled * window.far / sides.z),
     )
 }
 
@@ -220,12 +212,7 @@ pub fn symmetric_frustum(width: f64, height: f64, near: f64, far: f64) -> DMat4 
 #[must_use]
 pub fn perspective(fov_y: f64, aspect: f64, near: f64, far: f64) -> DMat4 {
     let cot = 1.0 / (fov_y / 2.0).tan();
-    DMat4::from_cols(
-        DVec4::new(cot / aspect, 0.0, 0.0, 0.0),
-        DVec4::new(0.0, cot, 0.0, 0.0),
-        DVec4::new(0.0, 0.0, -(far + near) / (far - near), -1.0),
-        DVec4::new(0.0, 0.0, -2.0 * far * near / (far - near), 0.0),
-    )
+    DMat4::from_scale(DVec3::new(cot / aspect, cot, 1.0)) * normalised_perspective(near, far)
 }
 
 /// [`perspective`] in the limit of an infinitely far plane: nothing is cut
@@ -264,13 +251,8 @@ pub fn orthographic_translation(window: &Window) -> DMat4 {
 /// centred box to the clip cube; z is turned round.
 #[must_use]
 pub fn box_scaling(window: &Window) -> DMat4 {
-    DMat4::from_scale(
-        2.0 / DVec3::new(
-            window.right - window.left,
-            window.top - window.bottom,
-            window.near - window.far,
-        ),
-    )
+    let sides = window.sides();
+    DMat4::from_scale(2.0 / DVec3::new(sides.x, sides.y, -sides.z))
 }
 
 /// The perspective of textbooks between [`box_scaling`] and [`shear_to_axis`]:

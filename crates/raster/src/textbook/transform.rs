@@ -4,6 +4,7 @@
 //! cheap inverses. Points move under translation, directions do not: that is
 //! what [`point`] and [`direction`] say, w = 1 and w = 0.
 
+use csg::Axis;
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
 pub use crate::euler::{EulerOrder, GimbalLock};
@@ -110,14 +111,14 @@ impl Shear {
 
     /// The axis that changes, and the one it changes by.
     #[must_use]
-    pub const fn axes(self) -> (usize, usize) {
+    pub const fn axes(self) -> (Axis, Axis) {
         match self {
-            Self::XByY => (0, 1),
-            Self::XByZ => (0, 2),
-            Self::YByX => (1, 0),
-            Self::YByZ => (1, 2),
-            Self::ZByX => (2, 0),
-            Self::ZByY => (2, 1),
+            Self::XByY => (Axis::X, Axis::Y),
+            Self::XByZ => (Axis::X, Axis::Z),
+            Self::YByX => (Axis::Y, Axis::X),
+            Self::YByZ => (Axis::Y, Axis::Z),
+            Self::ZByX => (Axis::Z, Axis::X),
+            Self::ZByY => (Axis::Z, Axis::Y),
         }
     }
 }
@@ -126,9 +127,7 @@ impl Shear {
 #[must_use]
 pub fn shear(shear: Shear, k: f64) -> DMat4 {
     let (changed, by) = shear.axes();
-    let mut columns = DMat4::IDENTITY.to_cols_array_2d();
-    columns[by][changed] = k;
-    DMat4::from_cols_array_2d(&columns)
+    DMat4::from_mat3(csg::shear_matrix(changed, by, k))
 }
 
 /// Rotation by `angle` radians about a unit `axis` through the origin,

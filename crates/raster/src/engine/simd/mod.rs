@@ -47,6 +47,11 @@ pub(crate) use triple;
 /// Number of lanes.
 pub const LANES: usize = 16;
 
+/// 0 to 15.
+pub const LANE_NUMBERS: [f32; LANES] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
+
 /// A level of instruction set: makes vectors of [`LANES`] lanes.
 pub trait Lanes: Copy + Send + Sync + 'static {
     /// 32-bit floats.
