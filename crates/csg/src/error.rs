@@ -3,6 +3,8 @@
 use std::fmt;
 
 use crate::limits::LimitReached;
+use crate::profile::ProfileFault;
+use crate::solid::PolyhedronFault;
 
 /// Why a solid could not be lowered, measured or meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -104,6 +106,29 @@ pub enum NodeFault {
     PolygonNotConvex {
         /// What exactly is wrong.
         problem: &'static str,
+    },
+    /// A profile that cannot be made into a solid.
+    #[error("the profile: {0}")]
+    Profile(#[from] ProfileFault),
+    /// Faces that bound no solid.
+    #[error("{0}")]
+    Polyhedron(Box<PolyhedronFault>),
+    /// Points that span no volume.
+    #[error("the points lie in one plane, or are too few: their hull has no volume")]
+    Flat,
+    /// An angle of revolution that is zero or more than a turn.
+    #[error(
+        "the angle is {value}: it must be in radians, not 0 and at most a turn (2 pi) either way"
+    )]
+    AngleOutOfRange {
+        /// The angle.
+        value: f64,
+    },
+    /// Too few steps to go around.
+    #[error("{steps} steps: a turn takes at least three, and each less than half a turn")]
+    TooFewSteps {
+        /// How many there are.
+        steps: usize,
     },
     /// A number whose square or product leaves the range of f64.
     #[error("{what} is out of range: keep lengths between 1e-100 and 1e100")]

@@ -12,6 +12,7 @@ pub mod mesh;
 mod mesher;
 mod net;
 mod pages;
+mod profile;
 pub mod program;
 #[cfg(test)]
 mod random;
@@ -28,7 +29,8 @@ pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
+pub use profile::{FillRule, Join, Path, Profile, ProfileFault, turn};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
-pub use solid::{Axis, Node, Plane, Primitive, Solid, shear_matrix};
+pub use solid::{Axis, Made, Node, Plane, PolyhedronFault, Primitive, Solid, Twist, shear_matrix};
 pub use undecided::{Undecided, Why};

@@ -23,7 +23,7 @@ use super::unify::WorldMap;
 use super::{Bounds, Origin, Program};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
-use crate::solid::{Node, Primitive, Solid};
+use crate::solid::{Made, Node, Primitive, Solid};
 
 impl Program {
     /// Lowers a solid. Time and memory are linear in the number of nodes, a
@@ -267,6 +267,9 @@ impl<'a> Lowering<'a> {
         });
         match node {
             Node::Primitive(primitive) => self.lower_primitive(primitive, context),
+            Node::Made(Made {
+                solid: Err(fault), ..
+            }) => Err(self.error(fault.clone())),
             _ if nary.is_some() && node.operands().is_empty() => {
                 let operation = nary.map_or("", |(name, _)| name);
                 Err(self.error(NodeFault::NoOperands { operation }))
@@ -293,6 +296,19 @@ impl<'a> Lowering<'a> {
             let value = Value::combined(&mut self.builder, operation, values)?;
             self.values.truncate(frame.base);
             self.values.push(value);
+        }
+        if let Node::Made(Made {
+            within: Some(corners),
+            ..
+        }) = frame.solid.node()
+            && !frame.context.negated
+        {
+            // As with a primitive's half-spaces: together they are within.
+            let map = self.maps[frame.context.map as usize].map;
+            let bounds = Bounds::of_box(&map, *corners);
+            for value in &mut self.values[frame.base..] {
+                value.bounds = value.bounds.intersected(bounds);
+            }
         }
         if self.repeated.contains(&frame.solid.id())
             && let [value] = self.values[frame.base..]

@@ -36,6 +36,11 @@ impl Bounds {
         })
     }
 
+    /// The box around the image of a box, rounding allowed for.
+    pub(super) fn of_box(map: &DAffine3, [min, max]: [DVec3; 2]) -> Self {
+        Self::of_points(map, corners(min, max)).rounded_outward(map)
+    }
+
     /// The box around the image of an ellipse across z, about a point of the z axis.
     fn of_ellipse(map: &DAffine3, radii: DVec2, z: f64) -> Self {
         let linear = map.matrix3;
@@ -55,15 +60,16 @@ impl Bounds {
     }
 }
 
+fn corners(min: DVec3, max: DVec3) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |k| {
+        let is_upper = [1, 2, 4].map(|bit| k & bit != 0);
+        DVec3::select(is_upper.into(), max, min)
+    })
+}
+
 /// A box around a primitive put in place by a map; infinite for those without end, and
 /// for some that only their planes together bound.
 pub(super) fn reach(primitive: &Primitive, map: &DAffine3) -> Bounds {
-    let corners = |min: DVec3, max: DVec3| {
-        (0..8).map(move |k| {
-            let is_upper = [1, 2, 4].map(|bit| k & bit != 0);
-            DVec3::select(is_upper.into(), max, min)
-        })
-    };
     let bounds = match primitive {
         Primitive::Empty => Bounds::NOTHING,
         Primitive::Cuboid { min, max } => Bounds::of_points(map, corners(*min, *max)),

@@ -5,10 +5,19 @@
 //! node is found, with its place in the tree, when the solid is lowered
 //! ([`crate::Program::lower`]).
 
+mod extrude;
+mod hull;
+mod partition;
+mod polyhedron;
 mod primitives;
+mod revolve;
+mod rounded;
 mod transform;
 mod tree;
+mod twist;
 
+pub use polyhedron::PolyhedronFault;
 pub use primitives::{Plane, Primitive};
 pub use transform::{Axis, shear_matrix};
-pub use tree::{Node, Solid};
+pub use tree::{Made, Node, Solid};
+pub use twist::Twist;

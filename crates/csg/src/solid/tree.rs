@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Not, Sub};
 use std::sync::Arc;
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 use super::primitives::Primitive;
 use crate::color::Color;
@@ -41,10 +41,25 @@ pub enum Node {
     /// The image of the operand under an affine map, or what is wrong with
     /// the arguments the map was to be made from.
     Transform(Result<DAffine3, NodeFault>, Solid),
+    /// What an authoring function made of other nodes.
+    Made(Made),
     /// The operand under a name.
     Named(Arc<str>, Solid),
     /// The operand in a colour.
     Colored(Color, Solid),
+}
+
+/// What an authoring function made of other nodes, as an extrusion is of
+/// half-spaces.
+#[derive(Debug)]
+pub struct Made {
+    /// The function's name.
+    pub function: &'static str,
+    /// What it made, or what is wrong with its arguments.
+    pub solid: Result<Solid, NodeFault>,
+    /// The least and greatest corner of a box around the solid, if it has an
+    /// end: half-spaces alone may not tell.
+    pub within: Option<[DVec3; 2]>,
 }
 
 impl Node {
@@ -53,6 +68,7 @@ impl Node {
     pub fn operands(&self) -> &[Solid] {
         match self {
             Self::Primitive(_) => &[],
+            Self::Made(made) => made.solid.as_ref().map_or(&[], std::slice::from_ref),
             Self::Union(operands) | Self::Intersection(operands) | Self::Difference(operands) => {
                 operands
             }
@@ -71,6 +87,7 @@ impl Node {
             Self::Intersection(_) => "intersection",
             Self::Difference(_) => "difference",
             Self::Transform(..) => "transform",
+            Self::Made(made) => made.function,
             Self::Named(..) => "named",
             Self::Colored(..) => "colored",
         }
@@ -95,6 +112,11 @@ impl Drop for Node {
 fn take_operands(node: &mut Node, pending: &mut Vec<Solid>) {
     match node {
         Node::Primitive(_) => {}
+        Node::Made(made) => {
+            if let Ok(operand) = &mut made.solid {
+                pending.push(std::mem::replace(operand, Solid::empty()));
+            }
+        }
         Node::Union(operands) | Node::Intersection(operands) | Node::Difference(operands) => {
             pending.append(operands);
         }

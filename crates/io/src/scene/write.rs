@@ -158,6 +158,12 @@ impl Writer {
             Node::Transform(Ok(map), _) if map.is_finite() => multmatrix(map),
             Node::Transform(Ok(_), _) => return Err(self.fault("the map is not finite".into())),
             Node::Transform(Err(fault), _) => return Err(self.fault(fault.to_string())),
+            Node::Made(csg::Made {
+                solid: Err(fault), ..
+            }) => {
+                return Err(self.fault(fault.to_string()));
+            }
+            Node::Made(_) => "group()".to_owned(),
             Node::Named(name, _) => {
                 let comment: String = name
                     .chars()

@@ -1,0 +1,196 @@
+//! Extrusion: a profile moved along z, straight or to a scale.
+//!
+//! Sides become planes and discs cylinders or cones, one surface each, in the
+//! profile's own formula: at every height the cross-section is the profile.
+
+use std::ops::Range;
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use super::tree::{Made, Node, Solid};
+use crate::error::NodeFault;
+use crate::profile::{Leaf, PlaneSet, Profile, plane_set};
+
+/// Chords stray so much of a profile's size where circles cannot be kept.
+pub(super) const OF_SIZE: f64 = 1e-4;
+
+/// Solids from profiles, in the xy plane.
+impl Solid {
+    /// What a function made, and the corners of a box around it.
+    pub(super) fn made(
+        function: &'static str,
+        made: Result<(Self, [DVec3; 2]), NodeFault>,
+    ) -> Self {
+        let (solid, within) = match made {
+            Ok((solid, within)) => (Ok(solid), Some(within)),
+            Err(fault) => (Err(fault), None),
+        };
+        Self::from_node(Node::Made(Made {
+            function,
+            solid,
+            within,
+        }))
+    }
+
+    /// The profile moved along z, from `z.start` to `z.end`. Lines become
+    /// planes, circles and arcs cylinders.
+    #[must_use]
+    pub fn extrude(profile: &Profile, z: Range<f64>) -> Self {
+        Self::made("extrude", extruded(profile, &z, DVec2::ONE))
+    }
+
+    /// The profile moved along z and scaled about the z axis on the way, by 1
+    /// at `z.start` to `scale` along x and y at `z.end`; a scale of 0 along both
+    /// ends in a point.
+    ///
+    /// Lines become planes, circles and arcs cones. Where the scales differ, a
+    /// line becomes a hyperbolic paraboloid (a plane if it is along x or y), and
+    /// circles and arcs become chords within 1e-4 of the profile's size first
+    /// (for another tolerance, see [`Profile::flattened`]).
+    #[must_use]
+    pub fn extrude_scaled(profile: &Profile, z: Range<f64>, scale: impl Into<DVec2>) -> Self {
+        Self::made("extrude_scaled", extruded(profile, &z, scale.into()))
+    }
+
+    /// The profile at `z.start`, drawn together to the point above `apex` at
+    /// `z.end`: a pyramid or a cone over it.
+    #[must_use]
+    pub fn extrude_to_point(profile: &Profile, z: Range<f64>, apex: impl Into<DVec2>) -> Self {
+        let apex = apex.into();
+        let centred = profile.translate(-apex);
+        let solid = extruded(&centred, &z, DVec2::ZERO).map(|(solid, within)| {
+            let apex = apex.extend(0.0);
+            (solid.translate(apex), within.map(|corner| corner + apex))
+        });
+        Self::made("extrude_to_point", solid)
+    }
+}
+
+pub(super) fn extent(z: &Range<f64>) -> Result<f64, NodeFault> {
+    let height = z.end - z.start;
+    if !(z.start.is_finite() && z.end.is_finite()) {
+        return Err(NodeFault::NotFinite {
+            what: "both ends of the extent",
+        });
+    }
+    if height > 0.0 {
+        Ok(height)
+    } else {
+        Err(NodeFault::NotPositive {
+            what: "the height",
+            value: height,
+        })
+    }
+}
+
+fn extruded(
+    profile: &Profile,
+    z: &Range<f64>,
+    scale: DVec2,
+) -> Result<(Solid, [DVec3; 2]), NodeFault> {
+    let height = extent(z)?;
+    for scale in scale.to_array() {
+        if !(scale >= 0.0 && scale.is_finite()) {
+            return Err(NodeFault::NotPositive {
+                what: "the scale",
+                value: scale,
+            });
+        }
+    }
+    let even = scale.x == scale.y;
+    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let set = plane_set(profile, tolerance, &|_| even)?;
+    let Some((min, max)) = profile.bounds(tolerance)? else {
+        return Ok((Solid::empty(), [DVec3::ZERO; 2]));
+    };
+    let within = [
+        (min.min(scale * min) - tolerance).extend(z.start),
+        (max.max(scale * max) + tolerance).extend(z.end),
+    ];
+    let solid = between(&set, z, |leaf| match *leaf {
+        Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
+        Leaf::Disc(map) => {
+            if even && scale.x != 1.0 {
+                let apex = z.start + height / (1.0 - scale.x);
+                cone(
+                    map.matrix2.x_axis,
+                    map.matrix2.y_axis,
+                    map.translation,
+                    z.start,
+                    apex,
+                )
+            } else {
+                let map = DAffine3 {
+                    matrix3: DMat3::from_cols(
+                        map.matrix2.x_axis.extend(0.0),
+                        map.matrix2.y_axis.extend(0.0),
+                        DVec3::Z,
+                    ),
+                    translation: map.translation.extend(0.0),
+                };
+                Solid::infinite_cylinder(1.0).affine(map)
+            }
+        }
+    });
+    Ok((solid, within))
+}
+
+/// What the leaves' solids make of a formula, between two heights.
+pub(super) fn between(
+    set: &PlaneSet,
+    z: &Range<f64>,
+    solid_of: impl FnMut(&Leaf) -> Solid,
+) -> Solid {
+    Solid::intersection([
+        set.solid(solid_of),
+        Solid::half_space_through(z.start * DVec3::Z, -DVec3::Z),
+        Solid::half_space_through(z.end * DVec3::Z, DVec3::Z),
+    ])
+}
+
+/// What is to the left of a line from one point to another, which is scaled on
+/// the way up.
+fn side(from: DVec2, to: DVec2, bottom: f64, height: f64, scale: DVec2) -> Solid {
+    let outward = -(to - from).normalize_or_zero().perp();
+    let offset = outward.dot(from.midpoint(to));
+    let (n, slope) = (outward, (scale - 1.0) / height);
+    let flat = |slope: f64| {
+        let normal = n.extend(-offset * slope);
+        Solid::half_space_through(from.extend(bottom), normal)
+    };
+    if slope.x == slope.y || n.y == 0.0 {
+        flat(slope.x)
+    } else if n.x == 0.0 {
+        flat(slope.y)
+    } else {
+        // n.x x / (1 + sx z) + n.y y / (1 + sy z) <= offset, times both.
+        let DVec2 { x: sx, y: sy } = slope;
+        let coefficients = [
+            0.0,
+            0.0,
+            -offset * sx * sy,
+            0.0,
+            n.y * sx,
+            n.x * sy,
+            n.x,
+            n.y,
+            -offset * (sx + sy),
+            -offset,
+        ];
+        Solid::quadric(coefficients).translate(bottom * DVec3::Z)
+    }
+}
+
+/// The double cone over an ellipse at height `base` with its tip on the z axis.
+fn cone(x: DVec2, y: DVec2, center: DVec2, base: f64, apex: f64) -> Solid {
+    let map = DAffine3 {
+        matrix3: DMat3::from_cols(x.extend(0.0), y.extend(0.0), center.extend(base - apex)),
+        translation: apex * DVec3::Z,
+    };
+    double_cone().affine(map)
+}
+
+/// x² + y² <= z².
+pub(super) fn double_cone() -> Solid {
+    Solid::quadric([1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+}

@@ -1,0 +1,331 @@
+//! Closed polyhedra from vertices and faces.
+//!
+//! Faces are checked, put on planes, and these combined: a convex polyhedron is
+//! the intersection of its half-spaces; any other is cut by the planes of its
+//! own faces until nothing is left on either side (W. C. Thibault, B. F. Naylor,
+//! "Set operations on polyhedra using binary space partitioning trees", 1987),
+//! and that tree read as a formula.
+
+use glam::{DVec2, DVec3};
+use rustc_hash::FxHashMap;
+
+use super::partition::{Facet, Tree};
+use super::primitives::Plane;
+use super::tree::Solid;
+use crate::error::NodeFault;
+use crate::mesh::Mesh;
+use crate::profile::Profile;
+
+/// The most faces: each is an infinite plane to whatever is cut by it.
+const MOST_FACES: usize = 20_000;
+/// Corners off the plane of their face by more than this, relative to the
+/// polyhedron's size, make triangles of it.
+const FLAT: f64 = 1e-13;
+
+/// What is wrong with the faces of a polyhedron.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolyhedronFault {
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is not finite: give ordinary numbers")]
+    NotFinite {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {vertex}, but there are only {vertices}")]
+    NoSuchVertex {
+        /// Index of the face.
+        face: usize,
+        /// What it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// An edge that only one face has, or faces that run the same way along it.
+    #[error(
+        "the surface is not closed: the edge of face {face} from ({:.6}, {:.6}, {:.6}) to ({:.6}, {:.6}, {:.6}) has no face on its other side, or one that runs the same way",
+        .edge[0].x, .edge[0].y, .edge[0].z, .edge[1].x, .edge[1].y, .edge[1].z
+    )]
+    Open {
+        /// Index of the face.
+        face: usize,
+        /// The ends of the edge.
+        edge: [DVec3; 2],
+    },
+    /// The faces look inwards.
+    #[error(
+        "the faces are inside out: list the corners of every face counter-clockwise seen from outside"
+    )]
+    InsideOut,
+    /// No volume.
+    #[error("the faces enclose nothing")]
+    Degenerate,
+    /// Faces run through each other or overlap.
+    #[error("faces {} and {} run through each other at about ({:.6}, {:.6}, {:.6})", .faces[0], .faces[1], .place.x, .place.y, .place.z)]
+    Crossing {
+        /// Indices of the faces.
+        faces: [usize; 2],
+        /// A corner of one of them.
+        place: DVec3,
+    },
+    /// More faces than formulas over infinite planes can serve.
+    #[error("{faces} faces: at most {limit} can be made into a solid")]
+    TooManyFaces {
+        /// How many there are.
+        faces: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+}
+
+impl Solid {
+    /// The solid that faces bound: closed, each listing the indices of its
+    /// corners counter-clockwise seen from outside. A face whose corners do not
+    /// lie in a plane is cut into triangles; faces without area are passed
+    /// over. Vertices at the same place are one.
+    ///
+    /// Lowering reports faces that are open, inside out or run through each
+    /// other, with their numbers and places. Every face is an infinite plane to
+    /// whatever is cut by it: cheap up to some hundred faces, slow beyond a few
+    /// thousand, refused beyond 20,000.
+    #[must_use]
+    pub fn polyhedron<P: Into<DVec3>, F: AsRef<[u32]>>(
+        vertices: impl IntoIterator<Item = P>,
+        faces: impl IntoIterator<Item = F>,
+    ) -> Self {
+        let vertices: Vec<DVec3> = vertices.into_iter().map(Into::into).collect();
+        let faces: Vec<Vec<u32>> = faces.into_iter().map(|f| f.as_ref().to_vec()).collect();
+        let made = Faces::new(vertices, &faces).and_then(|faces| {
+            faces.check()?;
+            Ok(faces.solid())
+        });
+        Self::made("polyhedron", made.map_err(NodeFault::from))
+    }
+
+    /// Convex polyhedra that do not overlap and make up the solid that a mesh
+    /// bounds, each as its planes.
+    ///
+    /// # Errors
+    /// As with [`Solid::polyhedron`].
+    pub fn convex_parts(mesh: &Mesh) -> Result<Vec<Vec<Plane>>, NodeFault> {
+        let faces: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
+        let faces = Faces::new(mesh.positions.clone(), &faces)?;
+        Ok(match faces.convex() {
+            Some(planes) => vec![planes],
+            None => faces.tree().cells(),
+        })
+    }
+}
+
+/// Faces on planes.
+struct Faces {
+    vertices: Vec<DVec3>,
+    /// Triangles or flat polygons, each with the number of the face given.
+    faces: Vec<(Vec<u32>, usize)>,
+    size: f64,
+}
+
+impl Faces {
+    fn new(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Result<Self, PolyhedronFault> {
+        if faces.len() > MOST_FACES {
+            return Err(PolyhedronFault::TooManyFaces {
+                faces: faces.len(),
+                limit: MOST_FACES,
+            });
+        }
+        let far = |v: &DVec3| v.is_nan() || v.abs().max_element() >= 1e100;
+        if let Some(vertex) = vertices.iter().position(far) {
+            return Err(PolyhedronFault::NotFinite { vertex });
+        }
+        let mut places: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+        let same: Vec<u32> = (0..)
+            .zip(&vertices)
+            .map(|(index, vertex)| {
+                // Adding zero makes -0 and 0 the same.
+                let key = vertex.to_array().map(|c| (c + 0.0).to_bits());
+                *places.entry(key).or_insert(index)
+            })
+            .collect();
+        let size = vertices
+            .iter()
+            .map(|v| v.abs().max_element())
+            .fold(0.0, f64::max);
+        let mut result = Self {
+            vertices,
+            faces: Vec::with_capacity(faces.len()),
+            size,
+        };
+        for (face, corners) in faces.iter().enumerate() {
+            let mut named = Vec::with_capacity(corners.len());
+            for &corner in corners {
+                let Some(&vertex) = same.get(corner as usize) else {
+                    return Err(PolyhedronFault::NoSuchVertex {
+                        face,
+                        vertex: corner,
+                        vertices: same.len(),
+                    });
+                };
+                named.push(vertex);
+            }
+            named.dedup();
+            while named.len() > 1 && named.first() == named.last() {
+                named.pop();
+            }
+            if named.len() >= 3 {
+                result.add(named, face);
+            }
+        }
+        Ok(result)
+    }
+
+    fn add(&mut self, corners: Vec<u32>, face: usize) {
+        let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
+        let flat = plane_of(&points).is_none_or(|plane| {
+            let off = |p: &DVec3| (plane.normal.dot(*p) - plane.offset).abs();
+            points.iter().all(|p| off(p) <= FLAT * self.size)
+        });
+        if corners.len() == 3 || flat {
+            self.faces.push((corners, face));
+            return;
+        }
+        for triangle in triangles_of(&points) {
+            let corners = triangle.map(|k| corners[k]).to_vec();
+            self.faces.push((corners, face));
+        }
+    }
+
+    fn points(&self, corners: &[u32]) -> Vec<DVec3> {
+        corners.iter().map(|&i| self.vertices[i as usize]).collect()
+    }
+
+    fn check(&self) -> Result<(), PolyhedronFault> {
+        let mut balance: FxHashMap<(u32, u32), (i32, usize)> = FxHashMap::default();
+        for (corners, face) in &self.faces {
+            let next = corners.iter().cycle().skip(1);
+            for (&a, &b) in corners.iter().zip(next) {
+                let (key, sign) = if a < b { ((a, b), 1) } else { ((b, a), -1) };
+                balance.entry(key).or_insert((0, *face)).0 += sign;
+            }
+        }
+        let open = balance.iter().filter(|(_, (sum, _))| *sum != 0);
+        if let Some((&(a, b), &(_, face))) = open.min_by_key(|(edge, (_, face))| (*face, **edge)) {
+            let edge = [a, b].map(|i| self.vertices[i as usize]);
+            return Err(PolyhedronFault::Open { face, edge });
+        }
+        let (mesh, owners) = self.mesh();
+        let volume = mesh.volume();
+        if volume < 0.0 {
+            return Err(PolyhedronFault::InsideOut);
+        }
+        if volume <= 1e-15 * self.size.powi(3) {
+            return Err(PolyhedronFault::Degenerate);
+        }
+        let crossings = mesh.self_intersections();
+        let real = |pair: &&[u32; 2]| owners[pair[0] as usize] != owners[pair[1] as usize];
+        if let Some(pair) = crossings.iter().find(real) {
+            return Err(PolyhedronFault::Crossing {
+                faces: pair.map(|t| owners[t as usize]),
+                place: mesh.corners(pair[0] as usize)[0],
+            });
+        }
+        Ok(())
+    }
+
+    /// All faces as triangles, and whose they are.
+    fn mesh(&self) -> (Mesh, Vec<usize>) {
+        let mut triangles = Vec::new();
+        let mut owners = Vec::new();
+        for (corners, face) in &self.faces {
+            for triangle in triangles_of(&self.points(corners)) {
+                triangles.push(triangle.map(|k| corners[k]));
+                owners.push(*face);
+            }
+        }
+        (Mesh::new(self.vertices.clone(), triangles), owners)
+    }
+
+    fn solid(&self) -> (Solid, [DVec3; 2]) {
+        let used = self.faces.iter().flat_map(|(corners, _)| corners);
+        let mut within = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for &vertex in used {
+            let vertex = self.vertices[vertex as usize];
+            within = [within[0].min(vertex), within[1].max(vertex)];
+        }
+        let solid = match self.convex() {
+            Some(planes) => Solid::convex_polyhedron(planes),
+            None => self.tree().solid(),
+        };
+        (solid, within)
+    }
+
+    /// The planes, if all vertices are behind or on each.
+    fn convex(&self) -> Option<Vec<Plane>> {
+        let mut planes: Vec<Plane> = Vec::new();
+        let slack = FLAT * self.size;
+        for (corners, _) in &self.faces {
+            let Some(plane) = plane_of(&self.points(corners)) else {
+                continue;
+            };
+            for (corners, _) in &self.faces {
+                for &i in corners {
+                    if plane.normal.dot(self.vertices[i as usize]) - plane.offset > slack {
+                        return None;
+                    }
+                }
+            }
+            planes.push(plane);
+        }
+        Some(planes)
+    }
+
+    fn tree(&self) -> Tree {
+        let facets = self.faces.iter().filter_map(|(corners, _)| {
+            let points = self.points(corners);
+            let plane = plane_of(&points)?;
+            Some(Facet { plane, points })
+        });
+        Tree::of(facets.collect(), self.size)
+    }
+}
+
+impl From<PolyhedronFault> for NodeFault {
+    fn from(fault: PolyhedronFault) -> Self {
+        Self::Polyhedron(Box::new(fault))
+    }
+}
+
+/// The plane of a polygon (M. E. Newell's method, about its middle), with a
+/// unit normal; none if it has no area to speak of.
+pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    let mut normal = DVec3::ZERO;
+    let mut longest: f64 = 0.0;
+    for (&a, &b) in points.iter().zip(points.iter().cycle().skip(1)) {
+        normal += (a - middle).cross(b - middle);
+        longest = longest.max(a.distance_squared(b));
+    }
+    if normal.length() <= 1e-14 * longest {
+        return None;
+    }
+    let normal = normal.normalize();
+    Some(Plane::through(middle, normal))
+}
+
+/// Triangles that make up a polygon, seen along its normal: ears cut off.
+fn triangles_of(points: &[DVec3]) -> Vec<[usize; 3]> {
+    let Some(plane) = plane_of(points) else {
+        return (2..points.len()).map(|k| [0, k - 1, k]).collect();
+    };
+    let (x, y) = plane.normal.any_orthonormal_pair();
+    let (x, y) = if x.cross(y).dot(plane.normal) > 0.0 {
+        (x, y)
+    } else {
+        (y, x)
+    };
+    let flat: Vec<DVec2> = points
+        .iter()
+        .map(|p| DVec2::new(p.dot(x), p.dot(y)))
+        .collect();
+    Profile::ears(&flat)
+}

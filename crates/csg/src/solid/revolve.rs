@@ -1,0 +1,225 @@
+//! Revolution: a profile turned about an axis.
+//!
+//! In the half-plane x >= 0 the side of a line is the inside or outside of a
+//! cone (a cylinder, a plane), and a disc around a point of the axis a
+//! spheroid: again one surface each, in the profile's own formula.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DAffine2, DVec2, DVec3};
+
+use super::extrude::{OF_SIZE, double_cone};
+use super::primitives::Plane;
+use super::tree::Solid;
+use crate::error::NodeFault;
+use crate::profile::{Leaf, PlaneSet, Profile, ProfileFault, plane_set, turn};
+
+impl Solid {
+    /// The profile turned about its y axis, which becomes the z axis; its x is
+    /// the distance from the axis and must not be negative.
+    ///
+    /// Lines become planes, cylinders and cones, and circles and ellipses
+    /// centred on the axis spheres and spheroids. Others would become tori: these
+    /// circles and arcs become chords within 1e-4 of the profile's size first
+    /// (for another tolerance, see [`Profile::flattened`]).
+    #[must_use]
+    pub fn revolve(profile: &Profile) -> Self {
+        Self::made("revolve", round(profile))
+    }
+
+    /// [`Solid::revolve`] through an angle in radians from the xz plane, up to
+    /// a whole turn, counter-clockwise seen from +z; clockwise if negative.
+    #[must_use]
+    pub fn revolve_by(profile: &Profile, radians: f64) -> Self {
+        let solid = round(profile).and_then(|whole| within(whole, radians));
+        Self::made("revolve_by", solid)
+    }
+
+    /// [`Solid::revolve_by`] in flat steps, as programs without curved surfaces
+    /// do: the profile at `steps` + 1 angles (of a whole turn: at `steps`),
+    /// joined by flat faces. Circles and arcs of the profile become chords.
+    #[must_use]
+    pub fn revolve_in_steps(profile: &Profile, radians: f64, steps: usize) -> Self {
+        let solid = stepped(profile, radians, steps);
+        Self::made("revolve_in_steps", solid)
+    }
+}
+
+/// A solid, and the corners of a box around it.
+type Boxed = (Solid, [DVec3; 2]);
+
+fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
+    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let (set, corners) = half_plane_set(profile, tolerance, &is_on_axis)?;
+    let solid = set.solid(|leaf| match *leaf {
+        Leaf::HalfPlane { from, to } => match Side::of(from, to) {
+            Side::Flat { height, up } => flat(height, up),
+            Side::Wall {
+                radius,
+                slope,
+                height,
+                inside,
+            } => {
+                let wall = if slope == 0.0 {
+                    Solid::infinite_cylinder(radius)
+                } else {
+                    nappe(radius, slope, height)
+                };
+                if inside { wall } else { !wall }
+            }
+            Side::Everything(true) => Solid::space(),
+            Side::Everything(false) => Solid::empty(),
+        },
+        Leaf::Disc(map) => {
+            let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+            let radii = DVec2::new(x.x.hypot(y.x), x.y.hypot(y.y));
+            Solid::ellipsoid([radii.x, radii.x, radii.y]).translate(map.translation.y * DVec3::Z)
+        }
+    });
+    Ok((solid, corners))
+}
+
+/// The profile's formula, and the corners of a box around its revolution.
+fn half_plane_set(
+    profile: &Profile,
+    tolerance: f64,
+    keeps: &dyn Fn(&DAffine2) -> bool,
+) -> Result<(PlaneSet, [DVec3; 2]), NodeFault> {
+    let Some((min, max)) = profile.bounds(tolerance)? else {
+        return Ok((PlaneSet::EMPTY, [DVec3::ZERO; 2]));
+    };
+    if min.x < -1e-12 * max.abs().max(min.abs()).max_element() {
+        return Err(ProfileFault::BeyondAxis { x: min.x }.into());
+    }
+    let set = plane_set(profile, tolerance, keeps)?;
+    let corner = |radius: f64, height: f64| DVec3::new(radius, radius, height);
+    let (radius, below, above) = (max.x + tolerance, min.y - tolerance, max.y + tolerance);
+    Ok((set, [corner(-radius, below), corner(radius, above)]))
+}
+
+/// Whether an ellipse is centred on the axis, with its axes along x and y.
+fn is_on_axis(map: &DAffine2) -> bool {
+    let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+    let size = x.length().max(y.length());
+    let upright = x.x * x.y + y.x * y.y;
+    map.translation.x.abs() <= 1e-12 * size && upright.abs() <= 1e-12 * size * size
+}
+
+/// What is to the left of a line in the half-plane of distances and heights.
+enum Side {
+    /// Below a height, or above it (`up`).
+    Flat { height: f64, up: bool },
+    /// Nearer to the axis than `radius` at `height`, and by `slope` more for
+    /// each height above it; or further from it.
+    Wall {
+        radius: f64,
+        slope: f64,
+        height: f64,
+        inside: bool,
+    },
+    /// All of it, or nothing.
+    Everything(bool),
+}
+
+impl Side {
+    fn of(from: DVec2, to: DVec2) -> Self {
+        let along = to - from;
+        if along.y == 0.0 {
+            return Self::Flat {
+                height: from.y,
+                up: along.x > 0.0,
+            };
+        }
+        let inside = along.y > 0.0;
+        let slope = along.x / along.y;
+        let middle = from.midpoint(to);
+        if slope == 0.0 && middle.x <= 0.0 {
+            return Self::Everything(!inside);
+        }
+        Self::Wall {
+            radius: middle.x,
+            slope,
+            height: middle.y,
+            inside,
+        }
+    }
+}
+
+fn flat(height: f64, up: bool) -> Solid {
+    let normal = if up { -DVec3::Z } else { DVec3::Z };
+    Solid::half_space_through(height * DVec3::Z, normal)
+}
+
+/// The inside of a cone, the nappe that has a circle of `radius` at `height`.
+fn nappe(radius: f64, slope: f64, height: f64) -> Solid {
+    let apex = height - radius / slope;
+    let cone = double_cone()
+        .scale_xyz([slope.abs(), slope.abs(), 1.0])
+        .translate(apex * DVec3::Z);
+    cone & flat(apex, slope > 0.0)
+}
+
+/// The part of a solid of revolution within an angle from the xz plane.
+fn within((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
+    if !(radians != 0.0 && radians.abs() <= TAU) {
+        return Err(NodeFault::AngleOutOfRange { value: radians });
+    }
+    if radians.abs() == TAU {
+        return Ok((solid, corners));
+    }
+    let behind = |angle: f64, sign: f64| {
+        let normal = sign * DVec2::from_angle(angle).perp();
+        Solid::half_space_through(DVec3::ZERO, normal.extend(0.0))
+    };
+    let sign = radians.signum();
+    let (first, last) = (behind(0.0, -sign), behind(radians, sign));
+    let wedge = if radians.abs() <= PI {
+        first & last
+    } else {
+        first | last
+    };
+    Ok((solid & wedge, corners))
+}
+
+fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeFault> {
+    let full = radians.abs() == TAU;
+    if steps < if full { 3 } else { 1 } || !full && radians.abs() / steps as f64 >= PI {
+        return Err(NodeFault::TooFewSteps { steps });
+    }
+    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let (set, corners) = half_plane_set(profile, tolerance, &|_| false)?;
+    // The directions of the middles of steps, and how far they fall short.
+    let middles: Vec<DVec2> = (0..steps)
+        .map(|k| {
+            if full {
+                turn(2 * k + 1, 2 * steps)
+            } else {
+                DVec2::from_angle(radians * (k as f64 + 0.5) / steps as f64)
+            }
+        })
+        .collect();
+    let short = (0.5 * radians / steps as f64).cos();
+    let solid = set.solid(|leaf| match *leaf {
+        Leaf::HalfPlane { from, to } => match Side::of(from, to) {
+            Side::Flat { height, up } => flat(height, up),
+            Side::Wall {
+                radius,
+                slope,
+                height,
+                inside,
+            } => {
+                let planes = middles.iter().map(|middle| {
+                    let normal = middle.extend(-short * slope);
+                    let point = (middle * (short * radius)).extend(height);
+                    Plane::through(point, normal)
+                });
+                let wall = Solid::convex_polyhedron(planes);
+                if inside { wall } else { !wall }
+            }
+            Side::Everything(true) => Solid::space(),
+            Side::Everything(false) => Solid::empty(),
+        },
+        Leaf::Disc(_) => Solid::empty(),
+    });
+    within((solid, corners), radians)
+}

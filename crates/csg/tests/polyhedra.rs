@@ -1,0 +1,333 @@
+//! Polyhedra from faces, hulls from points: volumes against what the faces
+//! themselves enclose, membership against brute force, mistakes by name.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use csg::glam::{self, DQuat, DVec2, DVec3, dvec3};
+use csg::{Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid, Twist, turn};
+
+#[path = "../src/random.rs"]
+#[allow(dead_code)]
+mod random;
+use random::Random;
+
+fn meshed(what: &str, solid: &Solid) -> Mesh {
+    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
+    let meshed = Mesher::new().mesh(&program);
+    let meshed = meshed.unwrap_or_else(|e| panic!("{what}: {e}"));
+    assert_eq!(meshed.report.method, "polyhedral", "{what}");
+    assert_eq!(meshed.report.fallbacks, [], "{what}");
+    assert!(meshed.report.check.is_manifold(), "{what}");
+    assert_eq!(meshed.mesh.self_intersections().len(), 0, "{what}");
+    meshed.mesh
+}
+
+fn assert_volume(what: &str, solid: &Solid, volume: f64) {
+    let found = meshed(what, solid).volume();
+    assert!(
+        (found - volume).abs() <= 1e-11 * volume,
+        "{what}: {found}, not {volume}"
+    );
+}
+
+fn random_point(random: &mut Random) -> DVec3 {
+    dvec3(random.unit(), random.unit(), random.unit()) - 0.5
+}
+
+#[test]
+fn hulls_hold_their_points_and_touch_them() {
+    let mut random = Random(3);
+    for count in [4, 5, 8, 20, 100] {
+        for _ in 0..4 {
+            let points: Vec<DVec3> = (0..count).map(|_| random_point(&mut random)).collect();
+            let mesh = meshed("a hull", &Solid::hull(points.clone()));
+            // Its corners are points given, and all points are within.
+            for corner in &mesh.positions {
+                let nearest = points
+                    .iter()
+                    .map(|p| p.distance(*corner))
+                    .fold(1.0, f64::min);
+                assert!(nearest < 1e-9, "{nearest:e}");
+            }
+            for index in 0..mesh.triangles.len() {
+                let [a, b, c] = mesh.corners(index);
+                let normal = (b - a).cross(c - a).normalize();
+                assert!(points.iter().all(|p| normal.dot(*p - a) < 1e-9));
+            }
+        }
+    }
+}
+
+/// Flat sides with many points on them, some inside, all moved and rounded.
+#[test]
+fn hulls_of_regular_points_have_few_faces() {
+    let grid = |n: u32| {
+        let at = move |k: u32| f64::from(k) / f64::from(n - 1);
+        (0..n * n * n).map(move |k| dvec3(at(k % n), at(k / n % n), at(k / n / n)))
+    };
+    let turned = glam::DAffine3::from_axis_angle(dvec3(1.0, 2.0, 3.0).normalize(), 0.7);
+    for n in [2, 3, 6] {
+        let solid = Solid::hull(grid(n).map(|p| turned.transform_point3(p) + 0.3));
+        let program = Program::lower(&solid).expect("a program");
+        assert_eq!(program.surfaces().len(), 6);
+        assert_volume("a cube", &solid, 1.0);
+    }
+    let rings = |z: f64, n: usize| (0..n).map(move |k| turn(k, n).extend(z));
+    for n in [3, 7, 30, 64] {
+        let solid = Solid::hull(rings(0.0, n).chain(rings(2.0, n)));
+        assert_eq!(
+            Program::lower(&solid).expect("a program").surfaces().len(),
+            n + 2
+        );
+        assert_volume("a prism", &solid, n as f64 * turn(1, n).y);
+    }
+    for flat in [
+        vec![],
+        vec![DVec3::ZERO; 5],
+        grid(3).map(|p| p * dvec3(1.0, 1.0, 0.0)).collect(),
+    ] {
+        let error = Program::lower(&Solid::hull(flat)).expect_err("no volume");
+        assert!(
+            matches!(
+                error,
+                Error::InvalidNode {
+                    fault: NodeFault::Flat,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+}
+
+/// The faces of a prism over a polygon.
+fn prism(polygon: &[DVec2], height: f64) -> (Vec<DVec3>, Vec<Vec<u32>>) {
+    let n = polygon.len() as u32;
+    let at = |z: f64| polygon.iter().map(move |p| p.extend(z));
+    let vertices = at(0.0).chain(at(height)).collect();
+    let mut faces = vec![(0..n).rev().collect(), (n..2 * n).collect::<Vec<u32>>()];
+    for k in 0..n {
+        let next = (k + 1) % n;
+        faces.push(vec![k, next, n + next, n + k]);
+    }
+    (vertices, faces)
+}
+
+#[test]
+fn polyhedra_enclose_what_their_faces_do() {
+    let mut random = Random(4);
+    let star: Vec<DVec2> = (0..24)
+        .map(|k| turn(k, 24) * if k % 2 == 0 { 1.0 } else { 0.4 })
+        .collect();
+    let (vertices, faces) = prism(&star, 0.5);
+    let area = 12.0 * 0.4 * turn(1, 24).y;
+    assert_volume("a star", &Solid::polyhedron(vertices, faces), 0.5 * area);
+    // A terrain: triangles that bend every way, above a flat bottom.
+    for n in [3_u32, 6] {
+        let mut vertices = Vec::new();
+        for height in [0.0, 1.0] {
+            for k in 0..(n + 1) * (n + 1) {
+                let bumps = height * (1.0 + 0.5 * random.unit());
+                vertices.push(dvec3(f64::from(k % (n + 1)), f64::from(k / (n + 1)), bumps));
+            }
+        }
+        let lift = (n + 1) * (n + 1);
+        let mut faces = Vec::new();
+        let index = |x: u32, y: u32| x + y * (n + 1);
+        for k in 0..n * n {
+            let (x, y) = (k % n, k / n);
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| index(x + i, y + j));
+            faces.push([a + lift, b + lift, c + lift]);
+            faces.push([a + lift, c + lift, d + lift]);
+            faces.push([c, b, a]);
+            faces.push([d, c, a]);
+        }
+        for k in 0..n {
+            for (from, to) in [
+                (index(k, 0), index(k + 1, 0)),
+                (index(n, k), index(n, k + 1)),
+                (index(k + 1, n), index(k, n)),
+                (index(0, k + 1), index(0, k)),
+            ] {
+                faces.push([from, to, to + lift]);
+                faces.push([from, to + lift, from + lift]);
+            }
+        }
+        let volume = Mesh::new(vertices.clone(), faces.clone()).volume();
+        assert_volume("a terrain", &Solid::polyhedron(vertices, faces), volume);
+    }
+}
+
+#[test]
+fn convex_parts_make_up_the_whole() {
+    let corners = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]].map(DVec2::from);
+    let (vertices, faces) = prism(&corners, 1.0);
+    let mesh = meshed("an l", &Solid::polyhedron(vertices, faces));
+    let parts = Solid::convex_parts(&mesh).expect("parts");
+    assert_eq!(parts.len(), 2);
+    let volume: f64 = parts
+        .into_iter()
+        .map(|planes| meshed("a part", &Solid::convex_polyhedron(planes)).volume())
+        .sum();
+    assert!((volume - 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn twisted_extrusions_enclose_what_their_triangles_do() {
+    let square = Profile::rectangle([2.0, 1.0]);
+    // Between levels turned by a the sections of ruled sides would shrink to
+    // (2 + cos a) / 3 of their area in the mean; the shorter diagonal of a side
+    // of length l adds half of the tetrahedron l² sin a / 6 per height.
+    let plain = Twist {
+        radians: 0.0,
+        scale: DVec2::ONE,
+        steps: 3,
+    };
+    assert_volume(
+        "plain",
+        &Solid::extrude_in_steps(&square, 0.0..2.0, plain),
+        4.0,
+    );
+    let narrow = Twist {
+        radians: 0.0,
+        scale: DVec2::new(0.5, 0.0),
+        steps: 1,
+    };
+    assert_volume(
+        "roof",
+        &Solid::extrude_in_steps(&square, 0.0..2.0, narrow),
+        2.0 * 2.0 * 2.5 / 6.0,
+    );
+    for (radians, steps) in [(FRAC_PI_2, 6), (-1.0, 4), (TAU, 24)] {
+        let twist = Twist {
+            radians,
+            scale: DVec2::ONE,
+            steps,
+        };
+        let frame = &square - Profile::rectangle([0.5, 0.5]);
+        // Sides of both, squared.
+        for (what, profile, area, squares) in
+            [("bar", &square, 2.0, 10.0), ("pipe", &frame, 1.75, 9.0)]
+        {
+            let mesh = meshed(what, &Solid::extrude_in_steps(profile, 0.0..2.0, twist));
+            let (sin, cos) = (radians.abs() / steps as f64).sin_cos();
+            let volume = 2.0 * (area * (2.0 + cos) / 3.0 + squares * sin / 12.0);
+            let off = (mesh.volume() / volume - 1.0).abs();
+            assert!(
+                off < 1e-11,
+                "{what} {steps}: {}, not {volume}",
+                mesh.volume()
+            );
+        }
+    }
+}
+
+#[test]
+fn mistakes_are_named() {
+    let corners = [[0., 0.], [1., 0.], [0., 1.]].map(DVec2::from);
+    let (vertices, faces) = prism(&corners, 1.0);
+    let fault = |vertices: &[DVec3], faces: &[Vec<u32>]| {
+        let solid = Solid::polyhedron(vertices.iter().copied(), faces.iter().cloned());
+        match Program::lower(&solid) {
+            Err(Error::InvalidNode {
+                fault: NodeFault::Polyhedron(fault),
+                ..
+            }) => *fault,
+            other => panic!("{other:?}"),
+        }
+    };
+    let open = fault(&vertices, &faces[1..]);
+    assert!(matches!(open, PolyhedronFault::Open { .. }), "{open}");
+    let turned: Vec<Vec<u32>> = faces
+        .iter()
+        .map(|f| f.iter().rev().copied().collect())
+        .collect();
+    assert_eq!(fault(&vertices, &turned), PolyhedronFault::InsideOut);
+    let mut mixed = faces.clone();
+    mixed[3].reverse();
+    assert!(matches!(
+        fault(&vertices, &mixed),
+        PolyhedronFault::Open { .. }
+    ));
+    let mut beyond = faces.clone();
+    beyond[2][0] = 77;
+    assert!(matches!(
+        fault(&vertices, &beyond),
+        PolyhedronFault::NoSuchVertex {
+            face: 2,
+            vertex: 77,
+            vertices: 6
+        }
+    ));
+    let mut infinite = vertices.clone();
+    infinite[4].y = f64::INFINITY;
+    assert_eq!(
+        fault(&infinite, &faces),
+        PolyhedronFault::NotFinite { vertex: 4 }
+    );
+    assert_eq!(fault(&vertices, &[]), PolyhedronFault::Degenerate);
+    // Two prisms through each other.
+    let both: Vec<DVec3> = vertices
+        .iter()
+        .copied()
+        .chain(vertices.iter().map(|v| *v + 0.1))
+        .collect();
+    let twice: Vec<Vec<u32>> = faces
+        .iter()
+        .cloned()
+        .chain(faces.iter().map(|f| f.iter().map(|i| i + 6).collect()))
+        .collect();
+    assert!(matches!(
+        fault(&both, &twice),
+        PolyhedronFault::Crossing { .. }
+    ));
+}
+
+/// Steiner's formula: volume, area, edges by their angles, a ball.
+#[test]
+fn hulls_of_balls_are_rounded() {
+    let r: f64 = 0.25;
+    let ball = 4.0 / 3.0 * PI * r.powi(3);
+    let cube: Vec<DVec3> = (0..8)
+        .map(|k| dvec3(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)))
+        .collect();
+    let tetrahedron =
+        [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]].map(DVec3::from);
+    let edge = 8.0_f64.sqrt();
+    let outer = PI - (1.0_f64 / 3.0).acos();
+    for (what, centers, volume) in [
+        ("ball", cube[..1].to_vec(), ball),
+        (
+            "capsule",
+            vec![cube[0], cube[7]],
+            ball + PI * r * r * 3.0_f64.sqrt(),
+        ),
+        (
+            "rounded box",
+            cube.clone(),
+            1.0 + 6.0 * r + 3.0 * PI * r * r + ball,
+        ),
+        (
+            "tetrahedron",
+            tetrahedron.to_vec(),
+            edge.powi(3) / (6.0 * 2.0_f64.sqrt())
+                + 3.0_f64.sqrt() * edge * edge * r
+                + 6.0 * edge * 0.5 * outer * r * r
+                + ball,
+        ),
+    ] {
+        let turned = centers.iter().map(|c| DQuat::from_rotation_y(0.3) * *c);
+        for centers in [centers.clone(), turned.collect()] {
+            let solid = Solid::hull_of_balls(&centers, r).expect("a solid");
+            let program = Program::lower(&solid).expect("a program");
+            let meshed = Mesher::new()
+                .tolerance(1e-3)
+                .mesh(&program)
+                .expect("a mesh");
+            assert!(meshed.report.check.is_manifold(), "{what}");
+            assert_eq!(meshed.report.fallbacks, [], "{what}");
+            let off = (meshed.mesh.volume() - volume).abs();
+            assert!(off <= 1e-3 * meshed.mesh.area(), "{what}: {off}");
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Extrusions and revolutions: volumes against closed forms, meshes closed,
+//! manifold, and not through themselves.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use csg::{Error, Join, Mesher, NodeFault, Path, Profile, ProfileFault, Program, Solid, turn};
+
+const TOLERANCE: f64 = 2e-3;
+
+/// Meshes a solid and holds its volume to `volume`, exactly if it is bounded
+/// by planes.
+fn assert_volume(what: &str, solid: &Solid, volume: f64) {
+    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
+    let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
+    let meshed = meshed.unwrap_or_else(|e| panic!("{what}: {e}"));
+    let report = &meshed.report;
+    assert!(report.check.is_manifold(), "{what}: {}", report.check);
+    assert_eq!(report.fallbacks, [], "{what}");
+    assert_eq!(meshed.mesh.self_intersections().len(), 0, "{what}");
+    let found = meshed.mesh.volume();
+    let allowed = if report.method == "polyhedral" {
+        1e-12 * volume
+    } else {
+        meshed.mesh.area() * TOLERANCE
+    };
+    assert!(
+        (found - volume).abs() <= allowed,
+        "{what}: {found}, not {volume} (within {allowed:e})"
+    );
+}
+
+fn l_shape() -> Profile {
+    Profile::polygon([[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]])
+}
+
+fn gear(teeth: usize) -> Profile {
+    let corner = |k: usize| {
+        let radius = if k % 4 < 2 { 1.0 } else { 0.8 };
+        turn(k, 4 * teeth) * radius
+    };
+    Profile::polygon((0..4 * teeth).map(corner)) - Profile::circle(0.3)
+}
+
+#[test]
+fn straight_extrusions() {
+    let slot = Profile::slot(1.0, 0.3);
+    for (what, profile, area) in [
+        ("l", l_shape(), 3.0),
+        ("circle", Profile::circle(1.0), PI),
+        ("ellipse", Profile::ellipse([1.0, 0.5]), FRAC_PI_2),
+        ("slot", slot.clone(), 0.6 + 0.09 * PI),
+        ("turned slot", slot.rotate(0.4), 0.6 + 0.09 * PI),
+        (
+            "rounded",
+            Profile::rounded_rectangle([2.0, 1.0], 0.2),
+            2.0 - (4.0 - PI) * 0.04,
+        ),
+        (
+            "frame",
+            Profile::rectangle([2.0, 2.0]) - Profile::rectangle([1.0, 1.0]),
+            3.0,
+        ),
+        (
+            "grown l",
+            l_shape().offset(0.2, Join::Round),
+            3.0 + 1.6 - 0.04 + 1.25 * PI * 0.04,
+        ),
+        ("gear", gear(12), gear(12).area(1e-9).expect("an area")),
+    ] {
+        let solid = Solid::extrude(&profile, -0.5..1.0);
+        assert_volume(what, &solid, 1.5 * area);
+    }
+}
+
+#[test]
+fn scaled_extrusions() {
+    // ∫ (1 + (sx - 1) t) (1 + (sy - 1) t) dt.
+    let share = |sx: f64, sy: f64| (2.0 * sx * sy + sx + sy + 2.0) / 6.0;
+    let off = Profile::circle(0.5).translate([1.0, 0.0]);
+    for (what, profile, scale, area) in [
+        (
+            "frustum",
+            Profile::regular_polygon(5, 1.0),
+            [0.5, 0.5],
+            2.5 * turn(1, 5).y,
+        ),
+        ("l", l_shape(), [2.0, 2.0], 3.0),
+        ("pyramid", l_shape(), [0.0, 0.0], 3.0),
+        ("cone", Profile::circle(1.0), [0.3, 0.3], PI),
+        ("oblique cone", off.clone(), [0.5, 0.5], 0.25 * PI),
+        ("oblique tip", off, [0.0, 0.0], 0.25 * PI),
+        ("wedge", Profile::rectangle([2.0, 1.0]), [0.5, 2.0], 2.0),
+        ("roof", Profile::rectangle([2.0, 1.0]), [0.5, 0.0], 2.0),
+        (
+            "saddles",
+            Profile::regular_polygon(3, 1.0),
+            [0.5, 1.5],
+            1.5 * turn(1, 3).y,
+        ),
+    ] {
+        let solid = Solid::extrude_scaled(&profile, 1.0..3.0, scale);
+        assert_volume(what, &solid, 2.0 * area * share(scale[0], scale[1]));
+    }
+    let pyramid = Solid::extrude_to_point(&l_shape(), 0.0..1.0, [0.5, 0.5]);
+    assert_volume("pointed", &pyramid, 1.0);
+}
+
+#[test]
+fn revolutions() {
+    let vase = Path::from([0.0, 0.0])
+        .line_to([1.0, 0.0])
+        .line_to([1.5, 1.0])
+        .line_to([0.7, 2.0])
+        .line_to([0.7, 2.5])
+        .line_to([0.5, 2.5])
+        .line_to([0.5, 2.0])
+        .line_to([1.2, 1.0])
+        .line_to([0.8, 0.3])
+        .line_to([0.0, 0.3])
+        .close();
+    let frustum = |a: f64, b: f64, h: f64| PI * h / 3.0 * (a * a + a * b + b * b);
+    let vase_volume = frustum(1.0, 1.5, 1.0) + frustum(1.5, 0.7, 1.0) + frustum(0.7, 0.7, 0.5)
+        - frustum(0.8, 1.2, 0.7)
+        - frustum(1.2, 0.5, 1.0)
+        - frustum(0.5, 0.5, 0.5);
+    let half_disc = Profile::circle(1.0) & Profile::rectangle_between([0.0, -2.0], [2.0, 2.0]);
+    let washer = Profile::rectangle_between([1.0, 0.0], [2.0, 0.5]);
+    let diamond = Profile::polygon([[1.0, 0.0], [1.5, -0.5], [2.0, 0.0], [1.5, 0.5]]);
+    let bullet = Path::from([0.0, 0.0])
+        .line_to([1.0, 0.0])
+        .line_to([1.0, 2.0])
+        .arc_to([0.0, 3.0], FRAC_PI_2)
+        .close();
+    for (what, profile, volume) in [
+        ("vase", vase, vase_volume),
+        ("ball", half_disc, 4.0 / 3.0 * PI),
+        ("washer", washer, 1.5 * PI),
+        ("diamond", diamond, TAU * 1.5 * 0.5),
+        ("bullet", bullet, 2.0 * PI + 2.0 / 3.0 * PI),
+    ] {
+        assert_volume(what, &Solid::revolve(&profile), volume);
+        for share in [0.2, 0.5, 0.8] {
+            let part = Solid::revolve_by(&profile, TAU * share);
+            assert_volume(&format!("{share} {what}"), &part, volume * share);
+        }
+        let other = Program::lower(&Solid::revolve_by(&profile, -1.0)).expect("a program");
+        let here = Program::lower(&Solid::revolve_by(&profile, 1.0)).expect("a program");
+        for k in 0..200 {
+            let (side, z) = (turn(k, 200), f64::from(k as u32 % 11) * 0.25 - 0.9);
+            let at = |y: f64| [1.3 * side.x, y, z];
+            assert_eq!(
+                other.contains(at(-1.3 * side.y)),
+                here.contains(at(1.3 * side.y))
+            );
+        }
+    }
+}
+
+/// A ring of round section is faceted along its section alone.
+#[test]
+fn tori_are_faceted_to_a_tolerance() {
+    let section = Profile::circle(0.3).translate([1.0, 0.0]).flattened(5e-3);
+    let ring = Solid::revolve(&section);
+    // Pappus, of the polygon.
+    assert_volume("ring", &ring, TAU * section.area(1.0).expect("an area"));
+}
+
+#[test]
+fn flat_steps() {
+    let washer = Profile::rectangle_between([1.0, 0.0], [2.0, 0.5]);
+    let diamond = Profile::polygon([[1.0, 0.0], [1.5, -0.5], [2.0, 0.0], [1.5, 0.5]]);
+    // Each step is a prism whose section shrinks towards the axis.
+    for (what, profile, moment) in [("washer", washer, 0.75), ("diamond", diamond, 0.75)] {
+        for (angle, steps) in [(TAU, 3), (TAU, 16), (2.0, 5), (4.5, 7), (-1.0, 1)] {
+            let solid = Solid::revolve_in_steps(&profile, angle, steps);
+            let step = angle.abs() / steps as f64;
+            let volume = moment * step.sin() * steps as f64;
+            assert_volume(&format!("{what} {angle} {steps}"), &solid, volume);
+        }
+    }
+}
+
+#[test]
+fn mistakes_say_where() {
+    let circle = Profile::circle(1.0);
+    let fault = |solid: &Solid| match Program::lower(&(Solid::cube(1.0) | solid)) {
+        Err(Error::InvalidNode { path, fault }) => {
+            assert_eq!(path.steps.len(), 2);
+            (path.steps[1].kind, fault)
+        }
+        other => panic!("{other:?}"),
+    };
+    let (function, found) = fault(&Solid::extrude(&Profile::circle(-1.0), 0.0..1.0));
+    assert_eq!(function, "extrude");
+    assert!(matches!(
+        found,
+        NodeFault::Profile(ProfileFault::NotPositive { .. })
+    ));
+    let (_, found) = fault(&Solid::extrude(&circle, 1.0..1.0));
+    assert!(matches!(found, NodeFault::NotPositive { .. }));
+    let (_, found) = fault(&Solid::extrude(&circle, 0.0..f64::NAN));
+    assert!(matches!(found, NodeFault::NotFinite { .. }));
+    let (_, found) = fault(&Solid::extrude_scaled(&circle, 0.0..1.0, [1.0, -1.0]));
+    assert!(matches!(found, NodeFault::NotPositive { .. }));
+    let (function, found) = fault(&Solid::revolve(&circle));
+    assert_eq!(function, "revolve");
+    assert!(matches!(found, NodeFault::Profile(ProfileFault::BeyondAxis { x }) if x < -0.99));
+    let off = circle.translate([2.0, 0.0]);
+    let (_, found) = fault(&Solid::revolve_by(&off, 7.0));
+    assert!(matches!(found, NodeFault::AngleOutOfRange { .. }));
+    let (_, found) = fault(&Solid::revolve_in_steps(&off, TAU, 2));
+    assert!(matches!(found, NodeFault::TooFewSteps { .. }));
+}
