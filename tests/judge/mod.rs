@@ -252,7 +252,7 @@ impl<'a> Judge<'a> {
     fn about(&self, place: DVec3, reach: f64, random: &mut Random) -> Option<f64> {
         let through = self.distance(place, reach, random);
         through.or_else(|| {
-            (0..8 * THOROUGH).find_map(|_| {
+            (0..64 * THOROUGH).find_map(|_| {
                 // Near by or far: where surfaces meet at a small angle, or part soon.
                 let aside = 0.99 * reach * (1e-6f64).powf(random.unit());
                 let near = place + aside * direction(random);

@@ -2,9 +2,11 @@
 //! the others go on.
 
 use std::fs;
-use std::io::Read;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use csg::{Meshed, Mesher, Program, Report, Solid};
@@ -33,7 +35,11 @@ pub struct Outcome {
     pub faults: Vec<String>,
 }
 
-/// Meshes a solid and judges the mesh, on one thread, and prints the outcome.
+/// What a process prints when it has a mesh, or an error: judging it takes longer.
+const ANSWERED: &str = "answered";
+
+/// Meshes a solid and judges the mesh, on one thread, and prints a line as soon as
+/// there is a mesh, and the outcome.
 pub fn alone(class: Class, seed: u64, tolerance: f64) {
     let solid = class.solid(seed);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -63,6 +69,7 @@ fn outcome(solid: &Solid, seed: u64, tolerance: f64) -> Outcome {
     let program = Program::lower(solid);
     let made = program.and_then(|program| Mesher::new().tolerance(tolerance).mesh(&program));
     let seconds = start.elapsed().as_secs_f64();
+    println!("{ANSWERED}");
     let Meshed { mesh, report, .. } = match made {
         Ok(meshed) => meshed,
         Err(error) => {
@@ -102,8 +109,10 @@ fn reported(report: &Report, tolerance: f64) -> Vec<String> {
     words
 }
 
-/// The same by a process of its own, which ends after some time at the latest.
+/// The same by a process of its own, which is ended if it has no answer after some time.
 pub fn apart(class: Class, seed: u64, tolerance: f64, limit: Duration) -> Outcome {
+    /// In which a mesh is judged at the longest.
+    const JUDGING: Duration = Duration::from_secs(600);
     let start = Instant::now();
     let name = clap::ValueEnum::to_possible_value(&class).expect("a name");
     let mut child = Command::new(std::env::current_exe().expect("this program"))
@@ -115,30 +124,42 @@ pub fn apart(class: Class, seed: u64, tolerance: f64, limit: Duration) -> Outcom
         .stderr(Stdio::null())
         .spawn()
         .expect("this program again");
-    let mut output = child.stdout.take().expect("its output");
+    let output = BufReader::new(child.stdout.take().expect("its output"));
+    let (sender, lines) = mpsc::channel();
+    thread::spawn(move || {
+        for line in output.lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                return;
+            }
+        }
+    });
     let failed = |ended: bool, words: String| Outcome {
         seconds: start.elapsed().as_secs_f64(),
         refused: Some(words),
         ended,
         ..Outcome::default()
     };
-    let status = loop {
-        match child.try_wait().expect("a process") {
-            Some(status) => break status,
-            None if start.elapsed() > limit => {
-                // It may be over by now.
-                let _ = child.kill();
-                let _ = child.wait();
-                return failed(true, format!("no answer in {limit:?}"));
-            }
-            None => std::thread::sleep(Duration::from_millis(2)),
-        }
+    let answer = lines.recv_timeout(limit);
+    let judged = match &answer {
+        Ok(_) => lines.recv_timeout(JUDGING),
+        Err(why) => Err(*why),
     };
-    let mut text = String::new();
-    let read = output.read_to_string(&mut text);
-    let value: Value = match serde_json::from_str(text.trim()) {
-        Ok(value) if read.is_ok() => value,
-        _ => return failed(false, format!("ended with {status}")),
+    if judged == Err(RecvTimeoutError::Timeout) {
+        // It may be over by now.
+        let _ = child.kill();
+    }
+    let status = child.wait().expect("a process");
+    let value: Value = match (answer, judged) {
+        (Err(RecvTimeoutError::Timeout), _) => {
+            return failed(true, format!("no answer in {limit:?}"));
+        }
+        (_, Err(RecvTimeoutError::Timeout)) => {
+            return failed(false, format!("not judged in {JUDGING:?}"));
+        }
+        (_, judged) => match judged.map(|line| serde_json::from_str(&line)) {
+            Ok(Ok(value)) => value,
+            _ => return failed(false, format!("ended with {status}")),
+        },
     };
     let words = |name: &str| -> Vec<String> {
         let list = value[name].as_array().into_iter().flatten();

@@ -49,10 +49,10 @@ pub(super) type Place = (f64, DVec3);
 impl Arc<'_> {
     /// The sine of the angle from one half-plane to another one, counter-clockwise
     /// about the curve, whose sign is the same all along it; 0 where that is not
-    /// known. Conics without nodes are nowhere singular, and there alone surfaces
-    /// have a tangent plane in common.
+    /// known. Conics without nodes, on which this is to be asked, are nowhere singular,
+    /// and there alone surfaces have a tangent plane in common.
     pub fn turn(&self, half_planes: [HalfPlane; 2], at: f64) -> f64 {
-        if !self.nodes.is_empty() || matches!(self.curve, Curve::Rulings(_)) {
+        if matches!(self.curve, Curve::Rulings(_)) {
             return 0.0;
         }
         let point = self.curve.at(at);

@@ -287,11 +287,7 @@ impl ArcTracer {
                 self.cut(arc, plane, range);
             }
         }
-        self.events.extend(arc.nodes.iter().map(|&at| Event {
-            at,
-            ends: Ends::Node,
-            touched: NOTHING,
-        }));
+        self.add_nodes(arc, range);
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
         let crossings = self.events.iter().map(|event| match event.ends {
@@ -300,6 +296,32 @@ impl ArcTracer {
         });
         self.sectors.crossings.extend(crossings);
         Ok(true)
+    }
+
+    /// Adds where the pair's curves pass through each other, and the apexes of all
+    /// surfaces through the curve: there these turn over.
+    fn add_nodes(&mut self, arc: &Arc<'_>, [start, end]: [f64; 2]) {
+        let Arc {
+            scene,
+            curve,
+            nodes,
+            ..
+        } = *arc;
+        let is_near = |at: f64, apex: DVec3| curve.at(at).distance(apex) <= scene.near;
+        let ids = &arc.block.cell.surfaces;
+        let through = self.through.iter().map(|&position| ids[position as usize]);
+        let apexes = through.filter_map(|id| scene.surfaces[id as usize].apex());
+        let at_apexes = apexes.filter_map(|apex| {
+            let at = curve.place(apex).filter(|at| start < *at && *at < end)?;
+            let is_new = is_near(at, apex) && !nodes.iter().any(|&node| is_near(node, apex));
+            is_new.then_some(at)
+        });
+        let places = nodes.iter().copied().chain(at_apexes);
+        self.events.extend(places.map(|at| Event {
+            at,
+            ends: Ends::Node,
+            touched: NOTHING,
+        }));
     }
 
     /// Whether a curve lies in a surface that comes before the arc's first one, and
@@ -372,7 +394,11 @@ impl ArcTracer {
         };
         if let &[a, b, c, d] = around {
             let [low, high] = self.ends(first, range);
-            let turn = arc.turn([a, b], 0.5 * (low + high));
+            let has_nodes = self.events.iter().any(|e| matches!(e.ends, Ends::Node));
+            let turn = match has_nodes {
+                true => 0.0,
+                false => arc.turn([a, b], 0.5 * (low + high)),
+            };
             if turn.abs() <= SAME_DIRECTION {
                 self.sectors.order_is(&[]);
             } else if turn < 0.0 {
@@ -424,8 +450,8 @@ impl ArcTracer {
             let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
             off * gradient.dot(direction.cross(towards))
         };
-        let is_clear =
-            self.sectors.is_in_order() || self.sort_around(towards, bend, direction, scene.near);
+        let is_clear = self.sectors.is_in_order()
+            || self.sort_around(towards, bend, direction, scene.same_bend());
         if self.sectors.around.len() > 64 {
             return None;
         }

@@ -137,7 +137,9 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     };
     // Of whose size `near` is a share.
     let scene = near / NEAR;
-    let is_ruled = second == 0.0 && y.abs() <= NEGLIGIBLE * quadric.gradient(center).length();
+    // How steep the quadric is on the axis: at a cone's apex not at all.
+    let steepest = [0.0, scene].map(|off| quadric.gradient(center + off * v).length());
+    let is_ruled = second == 0.0 && y.abs() <= NEGLIGIBLE * steepest[0].max(steepest[1]);
     if !is_ruled && let Some(parts) = near_lines(quadric, foot, axes, scene) {
         return Ok(parts.into_iter().map(Branch::new).collect());
     }

@@ -11,7 +11,7 @@ use crate::undecided::{Stop, Why};
 /// Directions in a face that differ by less are the same, in radians.
 const SAME_DIRECTION: f64 = 1e-9;
 
-/// Of curvatures as a face is seen, about 1 where it has the size of its surface.
+/// Curvatures that differ by less than this share of themselves are the same.
 const SAME_BEND: f64 = 1e-9;
 
 /// How a curve leaves a vertex in the plane in which its face is seen.
@@ -107,7 +107,7 @@ impl Boundary {
     /// their curves are.
     fn is_left(&self, scene: &Scene<'_>, one: &Departure, other: &Departure) -> bool {
         let bends = one.bend - other.bend;
-        if bends.abs() > SAME_BEND * one.bend.abs().max(1.0) {
+        if bends.abs() > (SAME_BEND * one.bend.abs()).max(scene.same_bend()) {
             return bends > 0.0;
         }
         // Beside the far end of the shorter one.

@@ -325,34 +325,45 @@ impl Curve {
                 if most <= on * slope {
                     return Meets::Curve;
                 }
-                let mut add = |s: f64| {
-                    if s.abs() < half {
-                        roots.simple.push(middle + s);
+                let mut add = |t: f64| {
+                    if start < t && t < end {
+                        roots.simple.push(t);
                     }
                 };
                 if square.abs() * half * half <= 1e-3 * on * slope {
                     if linear != 0.0 {
-                        add(-constant / linear);
+                        add(middle - constant / linear);
                     }
                     return Meets::Points;
                 }
+                // About where the line runs along the surface, if that is on the stretch:
+                // next to an apex or a thin one what is left there is less than the
+                // rounding of values farther off.
+                let expanded = |t: f64| {
+                    let at = point + t * direction;
+                    (surface.gradient(at).dot(*direction), surface.value(at))
+                };
+                let vertex = middle - linear / (2.0 * square);
+                let is_within = start < vertex && vertex < end;
+                let center = if is_within { vertex } else { middle };
+                let (linear, constant) = expanded(center);
                 let vertex = -linear / (2.0 * square);
                 let lowest = constant - square * vertex * vertex;
                 // A root is so far from there that f is as steep as this at it, however
                 // flat it is between two of them that are close to each other.
-                let across = surface.gradient(point + (middle + vertex) * direction);
+                let across = surface.gradient(point + (center + vertex) * direction);
                 let slope = across.length().hypot(2.0 * (square * lowest).abs().sqrt());
                 if lowest.abs() <= near * slope {
-                    if vertex.abs() < half {
-                        roots.touching.push(middle + vertex);
+                    if is_within {
+                        roots.touching.push(center + vertex);
                     }
                     return Meets::Points;
                 }
                 let discriminant = -4.0 * square * lowest;
                 if discriminant > 0.0 {
                     let q = -0.5 * (linear + discriminant.sqrt().copysign(linear));
-                    add(q / square);
-                    add(constant / q);
+                    add(center + q / square);
+                    add(center + constant / q);
                 }
                 Meets::Points
             }

@@ -172,6 +172,12 @@ impl Scene<'_> {
         self.control.check().map_err(|_| Stop::Halted)
     }
 
+    /// Curvatures that differ by less are the same: those of curves that over the
+    /// length of the scene part by less than what is near.
+    fn same_bend(&self) -> f64 {
+        NEAR * NEAR / self.near
+    }
+
     /// Next to where surfaces touch, points nearer to each other may not be told apart:
     /// where a curve touches a surface to the fourth order, the place is known to a
     /// quarter of the digits.

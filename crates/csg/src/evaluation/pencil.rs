@@ -62,6 +62,9 @@ enum Carrier {
 /// they touch.
 pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Unknown> {
     let pencil = Pencil::of([a, b]);
+    if let Some(lines) = pencil.common_vertex(near) {
+        return Ok(lines);
+    }
     let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
     let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
         let other = pencil.combined([-y, x]);
@@ -161,6 +164,22 @@ impl<'a> Pencil<'a> {
             multiple: multiple_roots(&trig).into_iter().map(half).collect(),
             angles: roots.simple.into_iter().map(half).collect(),
         }
+    }
+
+    /// The lines in which two cones of one apex meet: then all quadrics of the pencil
+    /// are such, and the determinant, being 0 of each, tells nothing.
+    fn common_vertex(&self, near: f64) -> Option<Branches> {
+        let [Some(one), Some(other)] = self.surfaces.map(Surface::apex) else {
+            return None;
+        };
+        if one.distance(other) > near {
+            return None;
+        }
+        let Carrier::Cone(lines) = carrier(&self.matrices[0]) else {
+            return None;
+        };
+        let form = lines.form(&self.matrices[1]);
+        Some(self.through_vertex(&lines, &form.a, near))
     }
 
     /// A point in space.

@@ -89,6 +89,13 @@ impl<'a> Picture<'a> {
         self.scene.flatten(self.side, positions[vertex as usize])
     }
 
+    /// Whether a triangle has its corners counter-clockwise.
+    pub fn is_seen(&self, triangle: u32, positions: &[DVec3]) -> bool {
+        let corners = self.triangles[triangle as usize];
+        let [a, b, c] = corners.map(|corner| self.seen(corner, positions));
+        (b - a).perp_dot(c - a) > 0.0
+    }
+
     /// Puts a triangle where another one was.
     fn put(&mut self, triangle: u32, corners: [u32; 3], twins: [u32; 3]) {
         self.triangles[triangle as usize] = corners;

@@ -104,8 +104,9 @@ impl Roots {
                 continue;
             }
             if is_monotonic || halvings == MOST_HALVINGS || off <= 0.1 * tolerance {
-                // Of a function that rises or falls one end is next to 0.
-                let stretch = match is_monotonic {
+                // Of a function that rises or falls one end is next to 0, or all of it.
+                let is_all = at_a.abs().max(at_b.abs()) <= tolerance;
+                let stretch = match is_monotonic && !is_all {
                     true if at_a.abs() <= at_b.abs() => [from, from],
                     true => [to, to],
                     false => [from, to],

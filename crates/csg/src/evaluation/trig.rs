@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::curve::BEGIN;
 use super::roots::{Roots, bend_within};
 
 /// The highest degree there is.
@@ -185,7 +186,16 @@ impl Trig {
         t
     }
 
-    /// Adds the roots from 0 to 2π.
+    /// A place that is no root, nor near one, so that a search all around from there
+    /// meets each root once. Surfaces are often placed such that 0 is one.
+    fn clear_start(&self, tolerance: f64) -> f64 {
+        let places = (0..=2 * DEGREE).map(|k| BEGIN + k as f64);
+        let mut clear = places.filter(|&t| self.value(t).abs() > 2.0 * tolerance);
+        clear.next().unwrap_or(BEGIN)
+    }
+
+    /// Adds the roots from 0 to 2π, simple and touching ones each in order, and each
+    /// once though the function has a period.
     pub(super) fn roots(&self, tolerance: f64, roots: &mut Roots) {
         let constant = self.terms[0][0];
         let mut amplitudes = [0.0; DEGREE + 1];
@@ -206,10 +216,28 @@ impl Trig {
             let second = self.derivative().derivative();
             let bend =
                 |from: f64, to: f64| bend_within([from, to], most, |t| second.value(t), third);
-            let before = roots.touching.len();
-            roots.find([0.0, TAU], |t| self.value(t), bend, tolerance);
-            for touching in &mut roots.touching[before..] {
-                *touching = self.extremum_near(*touching);
+            let start = self.clear_start(tolerance);
+            let before = [roots.simple.len(), roots.touching.len()];
+            let whole = [start, start + TAU];
+            roots.find(whole, |t| self.value(t), bend, tolerance);
+            let Roots {
+                simple, touching, ..
+            } = roots;
+            // Where the sign changes, too, there is no extremum.
+            for place in &mut touching[before[1]..] {
+                if !simple[before[0]..].contains(place) {
+                    *place = self.extremum_near(*place);
+                }
+            }
+            let found = [
+                &mut roots.simple[before[0]..],
+                &mut roots.touching[before[1]..],
+            ];
+            for places in found {
+                for place in places.iter_mut() {
+                    *place = place.rem_euclid(TAU);
+                }
+                places.sort_unstable_by(f64::total_cmp);
             }
             return;
         }
@@ -239,6 +267,19 @@ mod tests {
     fn with_roots([a, b]: [f64; 2]) -> Trig {
         let (sin, cos) = (0.5 * (a + b)).sin_cos();
         Trig::linear([0.5 * (0.5 * (a - b)).cos(), -0.5 * cos, -0.5 * sin])
+    }
+
+    #[test]
+    fn roots_where_the_search_might_begin_are_found_once() {
+        for at in [0.0, BEGIN, 0.25 * TAU, 0.5 * TAU] {
+            let touching = with_roots([at, at]).times(&with_roots([at + 1.0, at + 2.0]));
+            let mut roots = Roots::default();
+            touching.roots(1e-12, &mut roots);
+            assert_eq!(roots.touching.len(), 1, "{at}: {roots:?}");
+            assert_eq!(roots.simple.len(), 2, "{at}: {roots:?}");
+            let off = (roots.touching[0] - at + 1.0).rem_euclid(TAU) - 1.0;
+            assert!(off.abs() < 1e-9, "{at}: {roots:?}");
+        }
     }
 
     #[test]

@@ -56,16 +56,19 @@ pub(super) fn unfold(
         let before = positions.len();
         for triangle in 0..picture.triangles.len() as u32 {
             let corners = picture.triangles[triangle as usize];
-            if is_good(&corners, positions) {
+            // One that is turned over as it is seen, by rounding, is so in all its parts.
+            if is_good(&corners, positions) || !picture.is_seen(triangle, positions) {
                 continue;
             }
             let length = |half: &u32| {
                 let [from, to] = picture.ends(*half);
                 positions[from as usize].distance_squared(positions[to as usize])
             };
-            let inner = 3 * triangle..3 * triangle + 3;
-            let inner = inner.filter(|&half| picture.twins[half as usize] != NONE);
-            let Some(half) = inner.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+            let halves = 3 * triangle..3 * triangle + 3;
+            let longest = halves.max_by(|a, b| length(a).total_cmp(&length(b)));
+            // While the longest side is a chord at the rim, others need not be shorter.
+            let is_inner = |half: &u32| picture.twins[*half as usize] != NONE;
+            let Some(half) = longest.filter(is_inner) else {
                 continue;
             };
             // In its middle, as it is seen.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Where a surface's half-space f <= 0 lies relative to a set of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Surface {
     /// sign the other two do not have. Some direction for other surfaces.
     #[must_use]
     pub fn cone_axis(&self) -> DVec3 {
-        let (values, vectors) = super::eigen_symmetric(self.quadratic);
+        let (values, vectors) = self.principal_axes();
         let negative = values.iter().filter(|&&v| v < 0.0).count();
         let is_odd = |v: f64| (v < 0.0) == (negative == 1);
         let odd = values.into_iter().position(is_odd).unwrap_or(2);
@@ -173,6 +173,42 @@ impl Surface {
         Self {
             anchor: self.anchor - origin,
             ..*self
+        }
+    }
+
+    /// The same surface after an affine map M, by its inverse and where that takes the
+    /// anchor: f(M⁻¹ (p - M anchor)), whose quadratic form is M⁻ᵀ A M⁻¹ and whose linear one
+    /// M⁻ᵀ g.
+    #[must_use]
+    pub(crate) fn pulled_back(&self, inverse: &DMat3, anchor: DVec3) -> Self {
+        let transposed = inverse.transpose();
+        let linear = transposed * self.linear;
+        if self.is_plane() {
+            return Self {
+                anchor,
+                linear,
+                ..*self
+            };
+        }
+        let [xx, yy, zz, xy, yz, zx] = self.quadratic;
+        let form = DMat3::from_cols(
+            DVec3::new(xx, 0.5 * xy, 0.5 * zx),
+            DVec3::new(0.5 * xy, yy, 0.5 * yz),
+            DVec3::new(0.5 * zx, 0.5 * yz, zz),
+        );
+        let image = transposed * form * *inverse;
+        Self {
+            anchor,
+            quadratic: [
+                image.x_axis.x,
+                image.y_axis.y,
+                image.z_axis.z,
+                image.x_axis.y + image.y_axis.x,
+                image.y_axis.z + image.z_axis.y,
+                image.z_axis.x + image.x_axis.z,
+            ],
+            linear,
+            constant: self.constant,
         }
     }
 

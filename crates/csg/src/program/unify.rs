@@ -76,47 +76,13 @@ impl WorldMap {
         let surface = if self.is_identity() {
             *local
         } else {
-            pulled_back(local, &inverse, self.map.transform_point3(local.anchor))
+            local.pulled_back(&inverse, self.map.transform_point3(local.anchor))
         };
         Some(Placed {
             surface: normalised(&surface)?,
             position_error,
             shape_error,
         })
-    }
-}
-
-/// f(M⁻¹ (p - M anchor)): the quadratic form becomes M⁻ᵀ A M⁻¹, the linear
-/// one M⁻ᵀ g.
-fn pulled_back(local: &Surface, inverse: &DMat3, anchor: DVec3) -> Surface {
-    let transposed = inverse.transpose();
-    let linear = transposed * local.linear;
-    if local.is_plane() {
-        return Surface {
-            anchor,
-            linear,
-            ..*local
-        };
-    }
-    let [xx, yy, zz, xy, yz, zx] = local.quadratic;
-    let form = DMat3::from_cols(
-        DVec3::new(xx, 0.5 * xy, 0.5 * zx),
-        DVec3::new(0.5 * xy, yy, 0.5 * yz),
-        DVec3::new(0.5 * zx, 0.5 * yz, zz),
-    );
-    let image = transposed * form * *inverse;
-    Surface {
-        anchor,
-        quadratic: [
-            image.x_axis.x,
-            image.y_axis.y,
-            image.z_axis.z,
-            image.x_axis.y + image.y_axis.x,
-            image.y_axis.z + image.z_axis.y,
-            image.z_axis.x + image.x_axis.z,
-        ],
-        linear,
-        constant: local.constant,
     }
 }
 

@@ -113,6 +113,19 @@ impl Round {
         self.to_round * (point - self.center)
     }
 
+    /// Another surface as it lies with the round one.
+    pub fn image(&self, surface: &Surface) -> Surface {
+        surface.pulled_back(&self.to_round.inverse(), self.place(surface.anchor))
+    }
+
+    /// No distance is so many times as long as with the round surface.
+    pub fn longest(&self) -> f64 {
+        // Its rows are at right angles to each other.
+        let rows = self.to_round.transpose();
+        let lengths = [rows.x_axis, rows.y_axis, rows.z_axis].map(DVec3::length);
+        lengths.into_iter().fold(f64::INFINITY, f64::min).recip()
+    }
+
     /// The direction of f's gradient at a place with the round surface.
     #[inline]
     pub fn gradient(&self, place: DVec3) -> DVec3 {

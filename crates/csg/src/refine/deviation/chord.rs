@@ -5,7 +5,11 @@ use smallvec::SmallVec;
 
 use super::{hessian_norm, of_triangle, shrinkage, shrunk};
 use crate::program::Surface;
-use crate::refine::round::LEAST_ASPECT;
+use crate::refine::round::{LEAST_ASPECT, Round};
+
+/// A bound of this share of a chord or more tells hardly more than that its points are
+/// near its ends.
+const HARDLY: f64 = 0.125;
 
 /// Sine of an angle between surfaces that is none.
 const PARALLEL: f64 = 1e-6;
@@ -53,18 +57,22 @@ fn across_curve(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
         let bounds = surfaces.map(|s| of_triangle(s, [p, q, q]));
         return bounds[0].max(bounds[1]);
     }
-    let chord = Chord {
-        surfaces,
-        p,
-        along: q - p,
-        at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
-        turns: surfaces.map(|s| s.gradient(p).distance(s.gradient(q))),
-    };
-    let (bound, first_order) = chord.bound(0.0, 1.0);
-    if bound <= 1.02 * first_order {
+    let chord = Chord::new(surfaces, p, q);
+    let bound = chord.proven();
+    if bound < HARDLY * p.distance(q) {
         return bound;
     }
-    bound.min(chord.bound_by_halves(first_order))
+    let rounds = surfaces.into_iter().filter_map(Round::of);
+    rounds.fold(bound, |bound, round| {
+        bound.min(round_bound(&round, surfaces, [p, q]))
+    })
+}
+
+/// The same in coordinates in which one of the surfaces is round.
+fn round_bound(round: &Round, surfaces: [&Surface; 2], ends: [DVec3; 2]) -> f64 {
+    let images = surfaces.map(|s| round.image(s));
+    let [p, q] = ends.map(|end| round.place(end));
+    round.longest() * Chord::new(images.each_ref(), p, q).proven()
 }
 
 /// The same in a plane, to which the chord and the way from it are held: there
@@ -135,7 +143,26 @@ struct Chord<'a> {
     turns: [f64; 2],
 }
 
-impl Chord<'_> {
+impl<'a> Chord<'a> {
+    fn new(surfaces: [&'a Surface; 2], p: DVec3, q: DVec3) -> Self {
+        Self {
+            surfaces,
+            p,
+            along: q - p,
+            at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
+            turns: surfaces.map(|s| s.gradient(p).distance(s.gradient(q))),
+        }
+    }
+
+    /// A bound for all of it.
+    fn proven(&self) -> f64 {
+        let (bound, first_order) = self.bound(0.0, 1.0);
+        if bound <= 1.02 * first_order {
+            return bound;
+        }
+        bound.min(self.bound_by_halves(first_order))
+    }
+
     /// A bound for the part between two shares of the chord, and the distance
     /// to first order.
     fn bound(&self, from: f64, to: f64) -> (f64, f64) {
