@@ -7,7 +7,7 @@ use cli::clap;
 use stereotomy::csg::glam::DVec2;
 use stereotomy::csg::{Profile, Solid};
 
-#[derive(clap::Args)]
+#[derive(Clone, Copy, clap::Args)]
 struct Arguments {
     /// How many teeth
     #[arg(default_value_t = 24, value_parser = clap::value_parser!(u32).range(8..))]

@@ -191,12 +191,7 @@ fn the_outer_color_wins() {
 fn errors_say_where_and_what() {
     for (text, line, column, says) in [
         ("fill() { sphere(r = 1); }", 1, 1, "`fill`"),
-        (
-            "group() {\n\tminkowski(convexity = 0);\n}",
-            2,
-            2,
-            "cylinder",
-        ),
+        ("group() {\n\tsurface(convexity = 0);\n}", 2, 2, "cylinder"),
         ("group() {", 1, 1, "never closed"),
         ("group(); }", 1, 10, "no `{` is open"),
         ("group()", 1, 8, "the end of the text, not `;`"),

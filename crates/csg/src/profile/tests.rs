@@ -9,7 +9,7 @@ use super::*;
 use crate::random::Random;
 
 fn set_of(profile: &Profile) -> PlaneSet {
-    plane_set(profile, 1e-6, &|_| true).expect("a formula")
+    plane_set(profile, Sagitta::of_length(1e-6), &|_| true).expect("a formula")
 }
 
 /// How often closed contours wind around a point.

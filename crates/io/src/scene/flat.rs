@@ -403,10 +403,10 @@ impl Builder<'_> {
             Solid::revolve_by(&profile, radians)
         };
         // Whole turns begin on the far side.
-        let turned = if mirrored != whole {
-            solid.rotate_z(PI)
-        } else {
+        let turned = if mirrored == whole {
             solid.clone()
+        } else {
+            solid.rotate_z(PI)
         };
         match self.made(node, solid)? {
             Piece::Nothing => Ok(Piece::Nothing),
