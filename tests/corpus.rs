@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use stereotomy::csg::glam::{DVec3, dvec3};
 use stereotomy::csg::{Bounds, Mesher, Program};
-use stereotomy::io::scene::{ReadOptions, SceneError, read_file};
+use stereotomy::io::scene::{ReadOptions, read_file};
 
 /// One tree of the corpus.
 struct Tree {
@@ -81,61 +81,6 @@ fn program(tree: &Tree, faceted: bool) -> Program {
     let scene = read_file(&tree.path, &ReadOptions::default().faceted(faceted));
     let solid = scene.unwrap_or_else(|e| panic!("{e}")).solid;
     Program::lower(&solid).unwrap_or_else(|e| panic!("{}: {e}", tree.path.display()))
-}
-
-/// Trees with other nodes are read, or the place of what cannot be is told.
-#[test]
-fn other_trees_are_read_or_refused_with_their_place() {
-    let trees = corpus();
-    let mut read = 0;
-    for tree in trees.iter().filter(|tree| !tree.core) {
-        match read_file(&tree.path, &ReadOptions::default().faceted(true)) {
-            Ok(_) => read += 1,
-            Err(
-                SceneError::Unsupported { place, node } | SceneError::Argument { place, node, .. },
-            ) => {
-                let text = std::fs::read_to_string(&tree.path).expect("a text");
-                let line = text.lines().nth(place.line - 1).expect("the line");
-                let rest: String = line.chars().skip(place.column - 1).collect();
-                assert!(rest.starts_with(&node), "{place}: {node}");
-                assert_eq!(place.file.as_ref(), Some(&tree.path));
-            }
-            Err(other) => panic!("{other}"),
-        }
-    }
-    assert!(trees.is_empty() || read >= 50, "only {read} were read");
-}
-
-/// Where OpenSCAD's own kernel and an independent one agree; but for
-/// - a Minkowski sum of a solid with a pocket, which takes too long,
-/// - polyhedra whose rounded faces are planes only within a millionth,
-/// - two whose second reference has rounded its profiles: one is 210 exactly.
-#[test]
-fn other_faceted_boundaries_are_exact() {
-    const EXCEPTIONS: [&str; 5] = [
-        "issue1069",
-        "issue1198",
-        "polyhedron-nonplanar-tests",
-        "horn-torus",
-        "issue1105d",
-    ];
-    for tree in corpus().iter().filter(|tree| !tree.core) {
-        let name = tree.path.display().to_string();
-        if tree.faceted_precision > 1e-9 || EXCEPTIONS.iter().any(|part| name.contains(part)) {
-            continue;
-        }
-        let Ok(scene) = read_file(&tree.path, &ReadOptions::default().faceted(true)) else {
-            continue;
-        };
-        let program = Program::lower(&scene.solid).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let meshed = Mesher::new().mesh(&program);
-        let meshed = meshed.unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(meshed.report.method, "polyhedral", "{name}");
-        assert!(meshed.report.check.is_manifold(), "{name}");
-        assert!(meshed.report.fallbacks.is_empty(), "{name}");
-        let off = (meshed.mesh.volume() / tree.faceted - 1.0).abs();
-        assert!(off <= tree.faceted_precision, "{name}: off by {off:e}");
-    }
 }
 
 /// Meshes every core tree, and holds the mesh closed and its volume to the
