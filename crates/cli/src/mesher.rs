@@ -169,6 +169,8 @@ pub(crate) struct Product {
     pub(crate) mesh: Mesh,
     /// Of the mesher; `None` for a mesh that was read from a file.
     pub(crate) report: Option<Report>,
+    /// What was meshed; `None` for a mesh that was read from a file.
+    pub(crate) program: Option<Program>,
     /// The tolerance that the mesh keeps, where that was chosen for it.
     pub(crate) tolerance: Option<f64>,
     /// Seconds of each stage so far.
@@ -260,6 +262,7 @@ pub(crate) fn produce(
             Ok(Product {
                 mesh: meshed.mesh,
                 report: Some(meshed.report),
+                program: Some(program),
                 tolerance,
                 seconds,
             })
@@ -267,6 +270,7 @@ pub(crate) fn produce(
         Subject::Mesh(mesh) => Ok(Product {
             mesh,
             report: None,
+            program: None,
             tolerance: None,
             seconds,
         }),

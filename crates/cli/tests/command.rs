@@ -274,6 +274,14 @@ fn render_has_an_option_for_every_look() {
         "--plain --color-by draft",
         "--plain --color-by curvature",
         "--plain --color-by thickness",
+        "--plain --color-by deviation",
+        "--plain --checker 0.3 --checker-by surface",
+        "--plain --vpn 1,-1,1",
+        "--plain --vpn 1,-1,1 --vrp 0,0,0.5 --vup 1,0,0",
+        "--plain --vpn 1,-1,1 --window -1,1,-0.75,0.75",
+        "--plain --vpn 1,-1,1 --prp 0.5,0,2",
+        "--plain --vpn 0,-1,0 --projection ortho --prp 2,1,4",
+        "--plain --vpn 1,-1,1 --clip-planes 0.2,-2",
         "--plain --section -y=0 --cap-color ff0000",
         "--turntable 3",
     ] {
@@ -311,6 +319,11 @@ fn render_has_an_option_for_every_look() {
         &folder.run("render in.csg -o out.png --dimension no:such"),
         4,
     );
+    succeeded(&folder.run("mesh in.csg -o in.glb --cells 16"));
+    let told = folder.run("render in.glb -o out.png --color-by deviation");
+    assert!(failed(&told, 4).contains("solid"));
+    let wide = "render in.csg -o out.png --vpn 0,-1,0 --window -2,2,-1,1 --size 90x90";
+    assert!(failed(&folder.run(wide), 4).contains("stretched"));
     let message = failed(&folder.run("render in.csg -o out.png --section up"), 2);
     assert!(message.contains("y=0"), "{message}");
 }

@@ -296,6 +296,12 @@ impl View {
         })
     }
 
+    /// The same for pictures of that width by height.
+    pub(crate) fn for_aspect(mut self, aspect: f64) -> Self {
+        self.aspect = Some(aspect);
+        self
+    }
+
     /// Refuses a picture that the view would be stretched into.
     pub(crate) fn check_size(&self, width: u32, height: u32) -> Result<(), RasterError> {
         let fits = |aspect: f64| {

@@ -214,8 +214,8 @@ use engine::{
 };
 use output::{buffer_images, buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
-    blend, color_map, dimension, edges, explode, ground, lettering, line, occlusion, silhouette,
-    thickness, triad, visible,
+    blend, color_map, deviation, dimension, edges, explode, ground, lettering, line, occlusion,
+    silhouette, thickness, triad, visible,
 };
 pub use textbook::{
     clip, cohen_sutherland, fixed, hidden_surface, polygon_model, projection, scanline, shade,
@@ -228,6 +228,7 @@ pub use buffers::{Buffer, Pick};
 pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
+pub use deviation::color_by_deviation;
 pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written};
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};

@@ -3,11 +3,12 @@
 
 mod common;
 
-use csg::{Color, Mesh};
+use csg::{Color, Mesh, MeshSurface, Mesher, Program, Solid};
 use glam::DVec3;
 use raster::{
     ColorBy, Dimension, Image, Legend, Lens, ProjectionAngle, RasterError, StandardView,
-    draw_dimensions, draw_legend, draw_scale_bar, exploded, ramp, write_gif, written,
+    color_by_deviation, draw_dimensions, draw_legend, draw_scale_bar, exploded, ramp, write_gif,
+    written,
 };
 
 const SIZE: u32 = 240;
@@ -118,6 +119,75 @@ fn curvature_of_a_ball_is_one_by_its_radius() {
     assert!(
         (low - 0.25).abs() < 1e-5 && (high - 0.25).abs() < 1e-5,
         "{low} {high}"
+    );
+}
+
+/// A ball's triangles are off by the radius less the way to their middles; a box's
+/// by nothing; and nothing is known of triangles without a surface.
+#[test]
+fn deviation_is_the_way_to_the_surface() {
+    let lowered = |solid: &Solid| Program::lower(solid).unwrap();
+    let program = lowered(&Solid::sphere(2.0).translate(DVec3::new(1.0, 2.0, 3.0)));
+    let centre = DVec3::new(1.0, 2.0, 3.0);
+    let mut mesh = common::icosphere(centre, 2.0, 2);
+    mesh.surfaces = vec![MeshSurface::default()];
+    mesh.triangle_surfaces = vec![0; mesh.triangles.len()];
+    let off = |[a, b, c]: [u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|v| mesh.positions[v as usize]);
+        let middles = [
+            (a + b) / 2.0,
+            (b + c) / 2.0,
+            (c + a) / 2.0,
+            (a + b + c) / 3.0,
+        ];
+        middles
+            .map(|p| 2.0 - p.distance(centre))
+            .into_iter()
+            .fold(0.0, f64::max)
+    };
+    let wanted: Vec<f64> = mesh.triangles.iter().map(|&t| off(t)).collect();
+    let Legend::Range { low, high, .. } = color_by_deviation(&mut mesh, program.surfaces()) else {
+        panic!("no range");
+    };
+    let range = wanted.iter().fold((f64::MAX, 0.0f64), |(low, high), &v| {
+        (low.min(v), high.max(v))
+    });
+    assert!(
+        (low - range.0).abs() < 1e-12 && (high - range.1).abs() < 1e-12,
+        "{low} {high} {range:?}"
+    );
+    // The farther a triangle, the brighter.
+    let step = |t: usize| mesh.triangle_surfaces[t];
+    let (least, most) = (0..wanted.len()).fold((0, 0), |(least, most), t| {
+        let least = if wanted[t] < wanted[least] { t } else { least };
+        (least, if wanted[t] > wanted[most] { t } else { most })
+    });
+    assert_eq!((step(least), step(most)), (0, 63));
+
+    let meshed = Mesher::new()
+        .mesh(&lowered(&Solid::cuboid(DVec3::ONE)))
+        .unwrap();
+    let program = lowered(&Solid::cuboid(DVec3::ONE));
+    let mut mesh = meshed.mesh;
+    let legend = color_by_deviation(&mut mesh, program.surfaces());
+    assert!(
+        matches!(
+            legend,
+            Legend::Range {
+                low: 0.0,
+                high: 0.0,
+                ..
+            }
+        ),
+        "{legend:?}"
+    );
+    let mut bare = common::icosphere(DVec3::ZERO, 1.0, 1);
+    bare.triangle_surfaces.clear();
+    color_by_deviation(&mut bare, program.surfaces());
+    assert!(
+        bare.triangle_surfaces
+            .iter()
+            .all(|&k| k as usize >= bare.surfaces.len())
     );
 }
 

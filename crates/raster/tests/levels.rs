@@ -188,6 +188,32 @@ fn every_look_is_the_same_at_every_level_on_any_threads() {
     }
 }
 
+/// A renderer that keeps samples from its second frame on draws what its first
+/// one shows, also where it has drawn something else between.
+#[test]
+fn every_frame_of_a_renderer_is_the_same() {
+    let mesh = common::icosphere(DVec3::ZERO, 1.0, 7);
+    let (prepared, other) = (Prepared::new(&mesh), scene());
+    let (view, other_view) = (view(&mesh, 203, 149), view(&other, 203, 149));
+    let other = Prepared::new(&other);
+    for anti_aliasing in [AntiAliasing::None, AntiAliasing::Msaa4, AntiAliasing::Msaa8] {
+        let mut options = RenderOptions::default();
+        options.anti_aliasing = anti_aliasing;
+        let mut renderer = Renderer::default();
+        let mut draw = |scene: &Prepared, view: &View| {
+            let mut image = Image::default();
+            renderer
+                .draw(scene, view, 203, 149, &options, &mut image)
+                .unwrap();
+            (image, renderer.depth_buffer())
+        };
+        let first = draw(&prepared, &view);
+        assert!(draw(&prepared, &view) == first, "{anti_aliasing:?}");
+        draw(&other, &other_view);
+        assert!(draw(&prepared, &view) == first, "{anti_aliasing:?}");
+    }
+}
+
 /// Where no two triangles have equal depths, their order does not matter.
 #[test]
 fn any_order_of_triangles_draws_the_same_bytes() {

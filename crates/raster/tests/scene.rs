@@ -2,13 +2,14 @@
 
 mod common;
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use csg::{Color, Mesh};
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec2, DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, Finish, Image, Interpolation, Lens, Light, Material, Part, RenderOptions,
-    Scene, Texture, transform::Shear,
+    AntiAliasing, Camera, Finish, Image, Interpolation, Lens, Light, Material, Part, Prepared,
+    RenderOptions, Renderer, Scene, StandardView, Texture, transform::Shear,
 };
 
 const SIZE: u32 = 120;
@@ -336,8 +337,7 @@ fn spheres_and_cylinders_have_parameters() {
     let tower = Texture::cylinder(DVec3::ONE, 12, 0.5, [white, black]);
     for k in 0..12 * 6 {
         let (column, row) = (k % 12, k / 12);
-        let longitude =
-            (f64::from(column) + 0.5) / 12.0 * std::f64::consts::TAU - std::f64::consts::PI;
+        let longitude = (f64::from(column) + 0.5) / 12.0 * TAU - std::f64::consts::PI;
         let latitude = ((f64::from(row) + 0.5) / 6.0 - 0.5) * std::f64::consts::PI;
         let around = DVec3::new(longitude.cos(), longitude.sin(), 0.0);
         let on_globe = DVec3::ONE + around * latitude.cos() * 2.0 + DVec3::Z * latitude.sin() * 2.0;
@@ -362,4 +362,106 @@ fn pictures_are_saved() {
     std::fs::remove_file(&path).unwrap();
     assert!(image.save(path.join("nowhere")).is_err());
     assert!(Scene::new().camera(&options).is_err());
+}
+
+/// Steps along the parameters of planes, spheres, cylinders and cones in any
+/// place are steps of the pattern.
+#[test]
+fn checkers_go_by_the_parameters_of_surfaces() {
+    let colors = [0.0, 1.0].map(|v| Color::from_linear([v; 3]));
+    let (offset, turn) = (DVec3::new(3.0, -1.0, 2.0), DQuat::from_rotation_x(0.6));
+    let placed = |p: DVec3| turn * p + offset;
+    let side = 0.25;
+    let curved = |solid: &csg::Solid| {
+        let solid = solid.rotate_x(0.6).translate(offset);
+        let program = csg::Program::lower(&solid).unwrap();
+        let surface = program.surfaces().iter().find(|s| !s.is_plane());
+        let surface = *surface.unwrap_or(&program.surfaces()[0]);
+        Texture::on_surface(&surface, side, colors)
+    };
+    let at = |(texture, matrix): &(Texture, DMat4), p: DVec3| {
+        texture.parameters(matrix.transform_point3(placed(p)))
+    };
+    let step = |a: DVec3, b: DVec3, count: f64| {
+        let d = (a - b).abs();
+        let u = d.x.min((count - d.x).abs());
+        DVec2::new(u, d.y)
+    };
+    let around =
+        |radius: f64, angle: f64, z: f64| DVec3::new(radius * angle.cos(), radius * angle.sin(), z);
+
+    let cylinder = curved(&csg::Solid::cylinder(0.7, 0.0..2.0));
+    // Even, so that the pattern closes: the nearest to the length of a turn.
+    let count = 2.0 * (std::f64::consts::PI * 0.7 / side).round();
+    let cone = curved(&csg::Solid::cone(1.0, 0.0..2.0));
+    for (texture, count) in [(&cylinder, count), (&cone, 12.0)] {
+        for (angle, z) in [(0.1, 0.3), (2.0, 1.1), (-2.5, 0.9)] {
+            let radius = if count == 12.0 { 1.0 - z / 2.0 } else { 0.7 };
+            let here = at(texture, around(radius, angle, z));
+            let next = at(texture, around(radius, angle + TAU / count, z));
+            assert!(step(here, next, count).abs_diff_eq(DVec2::X, 1e-9));
+            let radius = if count == 12.0 {
+                radius - side / 2.0
+            } else {
+                0.7
+            };
+            let above = at(texture, around(radius, angle, z + side));
+            assert!(step(here, above, count).abs_diff_eq(DVec2::Y, 1e-9));
+        }
+    }
+
+    let ball = curved(&csg::Solid::sphere(0.5));
+    let count = 2.0 * (std::f64::consts::PI * 0.5 / side).round();
+    // (A sphere's axis is upright however it was turned.)
+    let on_ball = |longitude: f64, latitude: f64| {
+        let p = around(0.5 * f64::cos(latitude), longitude, 0.5 * latitude.sin());
+        at(&ball, turn.inverse() * p)
+    };
+    let here = on_ball(0.4, 0.2);
+    let east = on_ball(0.4 + TAU / count, 0.2);
+    assert!(step(here, east, count).abs_diff_eq(DVec2::X, 1e-9));
+    let north = on_ball(0.4, 0.2 + TAU / count);
+    assert!(step(here, north, count).abs_diff_eq(DVec2::Y, 1e-9));
+
+    let plane = curved(&csg::Solid::cuboid(DVec3::ONE));
+    let corner = at(&plane, DVec3::splat(0.5));
+    let found: Vec<f64> = DVec3::AXES
+        .map(|axis| (at(&plane, DVec3::splat(0.5) - axis * side) - corner).length())
+        .to_vec();
+    // One across, two along; nothing changes across.
+    assert_eq!(found.iter().filter(|d| **d < 1e-9).count(), 1, "{found:?}");
+    assert_eq!(found.iter().filter(|d| (**d - 1.0).abs() < 1e-9).count(), 2);
+}
+
+/// Every surface gets its own pattern in a picture.
+#[test]
+fn surfaces_are_dyed_one_by_one() {
+    let [red, white, blue] = [[1.0, 0.0, 0.0], [1.0; 3], [0.0, 0.0, 1.0]].map(Color::from_linear);
+    let mesh = common::cuboid(DVec3::ZERO, DVec3::ONE);
+    let plain = |color| (Texture::checker(1e3, [color; 2]), DMat4::IDENTITY);
+    // left, right, front, back, bottom, top
+    let dyes = [white, red, blue, white, white, white].map(plain);
+    let scene = Prepared::new(&mesh).with_textures(dyes);
+    let camera = Camera::standard(&mesh, StandardView::Iso, Lens::DEFAULT, 1.0).unwrap();
+    let mut image = Image::default();
+    let (view, options) = (camera.view(64, 64).unwrap(), RenderOptions::default());
+    let mut renderer = Renderer::default();
+    renderer
+        .draw(&scene, &view, 64, 64, &options, &mut image)
+        .unwrap();
+    let surfaces = renderer.surface_buffer(&scene);
+    let mut seen = [0; 6];
+    for (pixel, surface) in image.pixels.iter().zip(&surfaces.values) {
+        let Some(surface) = surface else { continue };
+        seen[*surface as usize] += 1;
+        match surface {
+            1 => assert!(pixel[0] > 2 * pixel[2], "{pixel:?}"),
+            2 => assert!(pixel[2] > 2 * pixel[0], "{pixel:?}"),
+            _ => assert!(pixel[0].abs_diff(pixel[2]) < 30, "{pixel:?}"),
+        }
+    }
+    assert!(
+        seen.iter().filter(|count| **count > 100).count() == 3,
+        "{seen:?}"
+    );
 }

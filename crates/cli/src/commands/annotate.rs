@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 use std::str::FromStr;
 
-use csg::{LengthUnit, Mesh};
+use csg::{LengthUnit, Mesh, Surface};
 use glam::DVec3;
 use raster::{
-    Camera, ColorBy, Dimension, Image, Legend, View, draw_dimensions, draw_legend, draw_scale_bar,
-    exploded, ink_on,
+    Camera, ColorBy, Dimension, Image, Legend, View, color_by_deviation, draw_dimensions,
+    draw_legend, draw_scale_bar, exploded, ink_on,
 };
 
 use super::parse::color;
@@ -69,6 +69,22 @@ enum Told {
     Curvature,
     /// How thick the solid is behind the face
     Thickness,
+    /// How far a triangle is from the surface of the solid that it stands for
+    Deviation,
+}
+
+impl Told {
+    fn apply(self, mesh: &mut Mesh, surfaces: &[Surface]) -> Legend {
+        let told = match self {
+            Self::Surface => ColorBy::Surface,
+            Self::Part => ColorBy::Part,
+            Self::Draft => ColorBy::Draft,
+            Self::Curvature => ColorBy::Curvature,
+            Self::Thickness => ColorBy::Thickness,
+            Self::Deviation => return color_by_deviation(mesh, surfaces),
+        };
+        told.apply(mesh)
+    }
 }
 
 fn factor(text: &str) -> Result<f64, String> {
@@ -127,19 +143,19 @@ impl Annotations {
         if self.color_by.is_some() { 0.68 } else { 1.0 }
     }
 
-    /// Moves parts apart and colours faces, as the options say.
-    pub(super) fn prepare(&self, mesh: &mut Mesh) -> Option<Legend> {
+    /// Colours faces and moves parts apart, as the options say; the surfaces are
+    /// those of the solid, if the mesh was made from one.
+    pub(super) fn prepare(&self, mesh: &mut Mesh, surfaces: &[Surface]) -> Option<Legend> {
+        let legend = self.color_by.map(|told| told.apply(mesh, surfaces));
         if let Some(factor) = self.explode {
             *mesh = exploded(mesh, factor);
         }
-        let told = match self.color_by? {
-            Told::Surface => ColorBy::Surface,
-            Told::Part => ColorBy::Part,
-            Told::Draft => ColorBy::Draft,
-            Told::Curvature => ColorBy::Curvature,
-            Told::Thickness => ColorBy::Thickness,
-        };
-        Some(told.apply(mesh))
+        legend
+    }
+
+    /// Whether colours tell something that only a solid knows.
+    pub(super) fn needs_solid(&self) -> bool {
+        self.color_by == Some(Told::Deviation)
     }
 
     /// The dimensions of a mesh as a view shows it; or the names that are not

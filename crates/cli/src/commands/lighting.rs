@@ -2,9 +2,9 @@
 
 use std::str::FromStr;
 
-use csg::Color;
+use csg::{Color, Surface};
 use glam::{DVec3, Vec3};
-use raster::{Finish, Light, RenderOptions, Texture};
+use raster::{Finish, Light, Prepared, RenderOptions, Texture};
 
 use super::parse::{color, point};
 
@@ -29,9 +29,23 @@ pub(super) struct Lighting {
     /// Light from a sky and a ground, in place of that from everywhere
     #[arg(long, value_name = "SKY:GROUND", value_parser = environment, conflicts_with = "ambient")]
     environment: Option<(Color, Color)>,
-    /// Dye the model in cubes of this side length, light and dark in turn
+    /// Dye the model in cubes of this side length, or squares about so long, light
+    /// and dark in turn
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     checker: Option<f64>,
+    /// What the checker goes by: the place of points, or the parameters of the
+    /// surface that each lies on
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t = By::Position, requires = "checker")]
+    checker_by: By,
+}
+
+/// What a pattern goes by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum By {
+    /// Cubes
+    Position,
+    /// Squares along and around each surface of a solid
+    Surface,
 }
 
 /// A light's place or direction, and its colour.
@@ -112,12 +126,30 @@ impl Lighting {
         options.lights.push(around);
     }
 
-    /// The pattern that the model is dyed in.
-    pub(super) fn texture(&self, options: &RenderOptions) -> Option<Texture> {
+    /// Dyes the surfaces of a solid, or the whole scene, in the pattern asked for.
+    pub(super) fn dye(
+        &self,
+        scene: Prepared,
+        surfaces: &[Surface],
+        options: &RenderOptions,
+    ) -> Prepared {
+        let Some(side) = self.checker else {
+            return scene;
+        };
         let light = options.default_color;
-        let dark = Color::from_linear(light.rgb.map(|c| c * 0.35));
-        self.checker
-            .map(|side| Texture::checker(side, [light, dark]))
+        let colors = [light, Color::from_linear(light.rgb.map(|c| c * 0.35))];
+        match self.checker_by {
+            By::Position => scene.textured(Texture::checker(side, colors)),
+            By::Surface => {
+                let patterns = surfaces.iter();
+                scene.with_textures(patterns.map(|s| Texture::on_surface(s, side, colors)))
+            }
+        }
+    }
+
+    /// Whether the pattern goes by what only a solid knows.
+    pub(super) fn needs_solid(&self) -> bool {
+        self.checker_by == By::Surface
     }
 }
 

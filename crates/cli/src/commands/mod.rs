@@ -8,3 +8,4 @@ pub(crate) mod measure;
 pub(crate) mod mesh;
 mod parse;
 pub(crate) mod render;
+mod view_reference;

@@ -3,17 +3,17 @@
 use csg::Color;
 use glam::DVec3;
 
+/// So many finite numbers with commas between them.
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers = text.split(',').map(|number| number.trim().parse());
+    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().ok()?;
+    let all_finite = numbers.iter().all(|number| number.is_finite());
+    numbers.try_into().ok().filter(|_| all_finite)
+}
+
 /// Three finite numbers with commas between them.
 pub(super) fn point(text: &str) -> Option<DVec3> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|number| number.trim().parse())
-        .collect::<Result<_, _>>()
-        .ok()?;
-    let [x, y, z] = numbers[..] else {
-        return None;
-    };
-    Some(DVec3::new(x, y, z)).filter(|point| point.is_finite())
+    numbers(text).map(DVec3::from_array)
 }
 
 /// Six hexadecimal digits, sRGB.

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use csg::{Color, Mesh};
 use glam::DVec3;
+use raster::view_reference::ViewReference;
 use raster::{
     AntiAliasing, Camera, Framing, Image, Lens, Prepared, RasterError, Renderer, StandardView,
     clear_view, contact_sheet, integer_depth_png, turntable, turntable_camera, write_apng,
@@ -15,6 +16,7 @@ use super::annotate::Annotations;
 use super::lighting::Lighting;
 use super::looks::Looks;
 use super::parse::{color, point};
+use super::view_reference::{Reference, least_pixel};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, Product, produce};
@@ -61,6 +63,8 @@ pub(crate) struct Options {
     /// Colour behind the model as RRGGBB, sRGB; transparent by default
     #[arg(long, alias = "background-color", value_name = "RRGGBB", value_parser = color)]
     background: Option<Color>,
+    #[command(flatten)]
+    reference: Reference,
     #[command(flatten)]
     looks: Looks,
     #[command(flatten)]
@@ -253,6 +257,10 @@ fn lens_and_aspect(options: &Options) -> (Lens, f64) {
 
 /// Along which the camera looks, and what is upwards.
 fn direction(mesh: &Mesh, options: &Options) -> (DVec3, DVec3) {
+    if let Some(direction) = options.reference.direction() {
+        let up = options.reference.up();
+        return (direction, up.unwrap_or_else(|| up_for(direction)));
+    }
     let direction = match (options.camera, options.projection) {
         (Some(View::Standard(view)), _) => return view.direction_and_up(),
         (Some(View::Along(direction)), _) => direction,
@@ -298,6 +306,13 @@ fn camera(mesh: &Mesh, options: &Options) -> Result<Camera, RasterError> {
     }))
 }
 
+/// The view reference that is asked for, if one is.
+fn reference(mesh: &Mesh, camera: &Camera, options: &Options) -> Option<ViewReference> {
+    let parallel = options.orthographic || options.projection != Projection::Perspective;
+    let (_, aspect) = lens_and_aspect(options);
+    options.reference.view(mesh, camera, parallel, aspect)
+}
+
 /// A quarter of a pixel where points come nearest to the eye.
 fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
     let mesh = Mesh::new(points.to_vec(), Vec::new());
@@ -305,7 +320,11 @@ fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
     let along = (camera.target - camera.eye).try_normalize()?;
     let depths = points.iter().map(|&p| (p - camera.eye).dot(along));
     let nearest = depths.fold(f64::INFINITY, f64::min).max(camera.near);
-    let pixel = camera.pixel_size(nearest, options.size.height);
+    let height = options.size.height;
+    let pixel = match reference(&mesh, &camera, options) {
+        Some(reference) => least_pixel(&reference, height),
+        None => camera.pixel_size(nearest, height),
+    };
     let extent = |axis: DVec3| {
         let along = points.iter().map(|p| p.dot(axis));
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -324,6 +343,10 @@ fn quarter_pixel(points: &[DVec3], options: &Options) -> Option<f64> {
 enum Refused {
     #[error(transparent)]
     Raster(#[from] RasterError),
+    #[error(
+        "colours by deviation and patterns by surface need a solid, and this is a mesh: give a scene"
+    )]
+    NoSolid,
     #[error("no dimension {0}: give the names of two flat, parallel faces")]
     Dimension(String),
 }
@@ -343,7 +366,19 @@ fn is_gif(path: &Path) -> bool {
 /// The picture as the bytes of a PNG file. A single picture uses up the mesh.
 fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
     let Size { width, height } = options.size;
-    let legend = options.annotations.prepare(&mut product.mesh);
+    let program = product.program.take();
+    if program.is_none() && (options.annotations.needs_solid() || options.lighting.needs_solid()) {
+        return Err(Refused::NoSolid);
+    }
+    let surfaces = program
+        .as_ref()
+        .map_or(&[][..], |program| program.surfaces());
+    // Those of the mesh, before colours take their places.
+    let own = product.mesh.surfaces.iter();
+    let own: Vec<_> = own
+        .filter_map(|own| surfaces.get(own.surface as usize).copied())
+        .collect();
+    let legend = options.annotations.prepare(&mut product.mesh, surfaces);
     let unit = product.mesh.unit;
     let camera = product.stage("frame", |product| camera(&product.mesh, options))?;
     let looks = &options.looks;
@@ -359,7 +394,10 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
     }
     let sections = looks.sections();
     let several = looks.sheet.is_some() || looks.turntable.is_some();
-    let view = camera.view(width, height)?;
+    let view = match reference(&product.mesh, &camera, options) {
+        Some(reference) => reference.view()?,
+        None => camera.view(width, height)?,
+    };
     let size = [width, height];
     let dimensions = options.annotations.dimensions(&product.mesh, &view, size)?;
     if let Some(way) = looks.hidden_surface {
@@ -378,10 +416,7 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
             Ok(Prepared::for_view(mesh, &view, width, height, &render))
         }
     })?;
-    let scene = match options.lighting.texture(&render) {
-        Some(texture) => scene.textured(texture),
-        None => scene,
-    };
+    let scene = options.lighting.dye(scene, &own, &render);
     let (mesh, (lens, aspect)) = (&product.mesh, lens_and_aspect(options));
     if looks.sheet.is_some() {
         let angle = looks.angle();

@@ -8,6 +8,7 @@ mod formula;
 mod local;
 mod lower;
 mod precise;
+mod principal;
 mod quadric;
 mod reach;
 mod settle;

@@ -62,7 +62,7 @@ impl Surface {
     /// sign the other two do not have. Some direction for other surfaces.
     #[must_use]
     pub fn cone_axis(&self) -> DVec3 {
-        let (values, vectors) = super::eigen_symmetric(self.quadratic);
+        let (values, vectors) = self.principal_axes();
         let negative = values.iter().filter(|&&v| v < 0.0).count();
         let is_odd = |v: f64| (v < 0.0) == (negative == 1);
         let odd = values.into_iter().position(is_odd).unwrap_or(2);

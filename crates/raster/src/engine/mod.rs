@@ -22,6 +22,7 @@ pub(crate) mod shading;
 pub(crate) mod simd;
 pub(crate) mod smooth;
 pub(crate) mod stats;
+pub(crate) mod surface_texture;
 pub(crate) mod texture;
 pub(crate) mod tile;
 pub(crate) mod transparent;

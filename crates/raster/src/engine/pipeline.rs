@@ -54,6 +54,8 @@ pub struct Renderer {
     planes: PlanePool,
     bins: Vec<Bins>,
     order: Vec<(f32, u32)>,
+    /// Width, height and samples of the last frame, as they were drawn.
+    shape: [u32; 3],
 }
 
 /// Draws a mesh as seen by `view` into a picture of `width` x `height`
@@ -182,12 +184,6 @@ impl Renderer {
         let rows = (height as usize).div_ceil(TILE);
         let samples = options.anti_aliasing.samples().len();
         let windings = !scene.sections.is_empty();
-        // Several samples a pixel take more memory than it costs to fill a tile
-        // twice: they are kept only while a tile is worked on.
-        let tile_by_tile = samples > 1;
-        let counted = windings && !tile_by_tile;
-        self.tiles
-            .begin(columns * rows, counted, context.transparent);
         let mut stats = Stats {
             clusters: scene.clusters.len() as u64,
             triangles: scene.triangles.len() as u64,
@@ -196,6 +192,18 @@ impl Renderer {
         };
         let facing = Facing::of(scene, options);
         self.order_clusters(&context, facing, &mut stats);
+        // Several samples a pixel, touched for the first time, take longer than to
+        // fill a tile twice: they are kept only while a tile is worked on. Where
+        // clusters hide each other, a renderer that draws more than one frame of a
+        // size keeps them from the second one on, so that none is filled twice.
+        let shape = [width, height, samples as u32];
+        let again = std::mem::replace(&mut self.shape, shape) == shape;
+        let is_dense = self.order.len() >= FEW_CLUSTERS && !windings;
+        let tile_by_tile = samples > 1 && !(again && is_dense);
+        let kept = if tile_by_tile { 1 } else { samples };
+        let counted = windings && !tile_by_tile;
+        self.tiles
+            .begin(columns * rows, kept, counted, context.transparent);
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
@@ -416,12 +424,15 @@ fn origin(index: usize, columns: usize) -> [i32; 2] {
     [index % columns, index / columns].map(|t| (t * TILE) as i32)
 }
 
+/// So many clusters are taken in one batch (which tunes speed alone).
+const FEW_CLUSTERS: usize = 512;
+
 /// Sizes of the batches that so many clusters are taken in: few enough that
 /// waiting for each other costs nothing, the first ones small so that what
 /// they draw hides much of the rest.
 fn batches(clusters: usize, tile_by_tile: bool, windings: bool) -> Vec<usize> {
     // (Windings count what is hidden: nothing is left out for that.)
-    if clusters < 512 || (tile_by_tile && windings) {
+    if clusters < FEW_CLUSTERS || (tile_by_tile && windings) {
         return vec![clusters];
     }
     if tile_by_tile {

@@ -47,9 +47,11 @@ pub(crate) type OfPixels<T> = [[T; BLOCK_PIXELS]; BLOCKS * BLOCKS];
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tiles {
     pub of_picture: Vec<Tile>,
+    /// Samples a pixel that are kept.
+    samples: usize,
     /// How many tiles have memory in this frame.
     used: usize,
-    /// Reversed depth (1 near, 0 far) of the first samples, a plane for each tile.
+    /// Reversed depth (1 near, 0 far), a plane for each of them of each tile.
     depth: Vec<OfPixels<f32>>,
     /// The triangle's number, likewise.
     triangle: Vec<OfPixels<i32>>,
@@ -62,19 +64,19 @@ pub(crate) struct Tiles {
 impl Tiles {
     /// Makes room for so many tiles, none of them drawn; for windings and what
     /// is seen through as well, where there are any.
-    pub fn begin(&mut self, tiles: usize, winding: bool, transparent: bool) {
+    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool, transparent: bool) {
         self.fragments.iter_mut().for_each(Vec::clear);
         let lists = if transparent { tiles } else { 0 };
         self.fragments.resize_with(lists, Vec::new);
         self.of_picture.clear();
         self.of_picture.resize_with(tiles, Tile::default);
-        self.used = 0;
-        if self.depth.len() != tiles {
+        (self.samples, self.used) = (samples, 0);
+        if self.depth.len() != tiles * samples {
             // Zeros from the system, which the threads that draw touch first.
-            self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles];
-            self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles];
+            self.depth = vec![[[0.0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
+            self.triangle = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; tiles * samples];
         }
-        let counted = if winding { tiles } else { 0 };
+        let counted = if winding { tiles * samples } else { 0 };
         if self.winding.len() != counted {
             self.winding = vec![[[0; BLOCK_PIXELS]; BLOCKS * BLOCKS]; counted];
         }
@@ -83,9 +85,10 @@ impl Tiles {
     /// All tiles, each for one thread; those that are wanted get memory, if
     /// they have none yet.
     pub fn buffers(&mut self, wanted: impl Fn(usize) -> bool) -> Vec<TileBuffer<'_>> {
-        let depth = self.depth.chunks_mut(1);
-        let triangle = self.triangle.chunks_mut(1);
-        let winding = self.winding.chunks_mut(1).map(Some);
+        let samples = self.samples.max(1);
+        let depth = self.depth.chunks_mut(samples);
+        let triangle = self.triangle.chunks_mut(samples);
+        let winding = self.winding.chunks_mut(samples).map(Some);
         let winding = winding.chain(std::iter::repeat_with(|| None));
         let mut planes: Vec<_> = depth.zip(triangle).zip(winding).collect();
         let used = &mut self.used;
@@ -115,14 +118,14 @@ impl Tiles {
     /// the tile.
     pub fn block_depths(&self, tile: usize, block: usize) -> Option<&[f32; BLOCK_PIXELS]> {
         let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
-        self.depth.get(tile.slot?)?.get(block)
+        self.depth.get(tile.slot? * self.samples)?.get(block)
     }
 
     /// Number and depth of the first sample of a pixel of a tile, if anything
     /// was drawn there.
     pub fn first_sample(&self, tile: usize, x: usize, y: usize) -> Option<(i32, f32)> {
         let tile = self.of_picture.get(tile).filter(|tile| tile.drawn)?;
-        let plane = tile.slot?;
+        let plane = tile.slot? * self.samples;
         let block = y / BLOCK * BLOCKS + x / BLOCK;
         let lane = y % BLOCK * BLOCK + x % BLOCK;
         let number = self.triangle.get(plane)?.get(block)?[lane];

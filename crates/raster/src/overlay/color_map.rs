@@ -79,10 +79,7 @@ impl ColorBy {
     /// stand for. O(n) for n triangles; thickness O(n log n), or more where
     /// triangles lie together.
     pub fn apply(self, mesh: &mut Mesh) -> Legend {
-        // Where colours change there need not be an edge.
-        if mesh.feature_edges.is_empty() {
-            mesh.feature_edges = Prepared::new(mesh).feature_edges().to_vec();
-        }
+        keep_feature_edges(mesh);
         match self {
             Self::Surface => by_surface(mesh),
             Self::Part => {
@@ -98,6 +95,14 @@ impl ColorBy {
                 by_value(mesh, "thickness", None, |_, t| rays.thickness(t))
             }
         }
+    }
+}
+
+/// Gives a mesh its feature edges, if it has none yet: where colours change there
+/// need not be one.
+pub(crate) fn keep_feature_edges(mesh: &mut Mesh) {
+    if mesh.feature_edges.is_empty() {
+        mesh.feature_edges = Prepared::new(mesh).feature_edges().to_vec();
     }
 }
 
@@ -163,7 +168,7 @@ fn by_number(mesh: &mut Mesh, numbers: &[u32], name: impl Fn(usize) -> String) -
     Legend::Names(entries)
 }
 
-fn by_value(
+pub(crate) fn by_value(
     mesh: &mut Mesh,
     title: &str,
     range: Option<[f64; 2]>,
@@ -200,7 +205,7 @@ fn by_value(
     }
 }
 
-fn corners(mesh: &Mesh, triangle: usize) -> Option<[DVec3; 3]> {
+pub(crate) fn corners(mesh: &Mesh, triangle: usize) -> Option<[DVec3; 3]> {
     let at = |v: u32| mesh.positions.get(v as usize).copied();
     let [a, b, c] = *mesh.triangles.get(triangle)?;
     Some([at(a)?, at(b)?, at(c)?])

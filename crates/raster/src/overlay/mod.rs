@@ -2,6 +2,7 @@
 
 pub(crate) mod blend;
 pub(crate) mod color_map;
+pub(crate) mod deviation;
 pub(crate) mod dimension;
 pub(crate) mod edges;
 pub(crate) mod explode;

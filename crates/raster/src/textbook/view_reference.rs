@@ -50,7 +50,8 @@ impl ViewReference {
         ((self.window_low + self.window_high) / 2.0).extend(0.0) - self.prp
     }
 
-    /// The matrices of this view.
+    /// The matrices of this view, which is, as a camera's, for pictures of the
+    /// window's proportions.
     ///
     /// # Errors
     /// [`RasterError::SingularView`] where VPN is zero or along VUP, the
@@ -58,6 +59,12 @@ impl ViewReference {
     /// lies in the view plane, or (perspective) the front plane is not in
     /// front of it.
     pub fn view(&self) -> Result<View, RasterError> {
+        let size = self.window_high - self.window_low;
+        let aspect = (size.x / size.y).abs();
+        Ok(self.unchecked_view()?.for_aspect(aspect))
+    }
+
+    fn unchecked_view(&self) -> Result<View, RasterError> {
         let frame = Frame::right_handed(-self.vpn, self.vup);
         match self.projection {
             ProjectionType::Perspective => {
