@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 59] = [
+const MODELS: [&str; 63] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -122,6 +122,10 @@ const MODELS: [&str; 59] = [
     "capsule",
     "cone",
     "cone-cut-beside-its-apex",
+    "cones-along-a-ruling",
+    "cones-along-a-ruling-cut",
+    "cones-nested-along-a-ruling",
+    "cones-of-one-apex",
     "conical-pit",
     "conics-touching",
     "contact-of-fourth-order",
@@ -186,6 +190,25 @@ fn manifold_in_every_pose_at_every_grid() {
                 let check = &meshed.report.check;
                 assert!(check.is_manifold(), "{name} {pose:?} at {cells}: {check}");
             }
+        }
+    }
+}
+
+/// By their own curves, and no surface moved.
+#[test]
+fn cones_that_touch_along_a_ruling_are_meshed_as_they_are() {
+    for name in MODELS.iter().filter(|name| name.starts_with("cones-")) {
+        for pose in [HOME, TURNED] {
+            let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");
+            let meshed = Mesher::new().tolerance(0.01).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{name} {pose:?}");
+            assert!(
+                report.is_proven(),
+                "{name} {pose:?}: {:?}",
+                report.undecided
+            );
+            assert!(mesh.self_intersections().is_empty(), "{name} {pose:?}");
         }
     }
 }

@@ -109,7 +109,11 @@ fn flat_ellipsoids_may_be_drilled() {
 /// Turned flat in a file, as others write it: its hole is not along its thin axis.
 #[test]
 fn so_may_those_of_files() {
-    for name in ["flat-ellipsoid", "flat-ellipsoid-drilled"] {
+    for name in [
+        "flat-ellipsoid",
+        "flat-ellipsoid-drilled",
+        "slit-by-a-flat-ellipsoid",
+    ] {
         let program = Program::lower(&model(name)).expect("a valid solid");
         let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
         let meshed = meshed.expect("a mesh");

@@ -5,6 +5,13 @@
 //! third of the time from a mesh of a million triangles to its picture. A
 //! huge page holds 512 of them, and is cleared five times as fast. That blocks
 //! of medium size share such pages saves another 2 to 7 % of the whole.
+//!
+//! Beside mimalloc 0.1.52 (whole processes in turn, medians of 7 to 9 pairs on
+//! two busy cores; as it comes, and with large pages allowed), times are
+//! mimalloc's by ours: 1.18 and 1.35 for a mesh of the flange to 1e-5, with 3.4
+//! times the memory; 1.25 and 1.02 for one of 1e-6 of the drilled cube, 1.3 times;
+//! 1.05 and 1.70 for a picture of a file of 2.4 million triangles, 1.2 times; 0.97
+//! and 1.07 for a picture of the flange, 1.7 times.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};

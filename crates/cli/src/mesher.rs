@@ -69,7 +69,8 @@ pub(crate) struct LimitOptions {
     /// The most triangles of the mesh
     #[arg(long, value_name = "N")]
     pub(crate) limit_triangles: Option<u64>,
-    /// The most memory for cells and triangles, in bytes, or with K, M or G
+    /// The most memory for cells and triangles, in bytes, or with K, M or G: half of the
+    /// machine's unless given
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub(crate) limit_memory: Option<u64>,
     /// The longest time for meshing, in seconds

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use crate::error::Error;
 use crate::limits::{Demand, Limit, LimitReached, Limits};
+use crate::machine;
 
 /// A handle that stops a computation from another thread. Clones stop the
 /// same one.
@@ -79,9 +80,11 @@ pub(crate) struct Control {
 impl Control {
     /// Of a computation that begins now.
     pub(crate) fn start(caller: &Caller, limits: Limits, demand: Demand) -> Self {
+        // What is counted is within a factor of two of what an allocator holds.
+        let memory = limits.memory.or_else(|| Some(machine::memory()? / 2));
         Self {
             caller: caller.clone(),
-            limits,
+            limits: Limits { memory, ..limits },
             deadline: limits
                 .time
                 .and_then(|time| Instant::now().checked_add(time)),
@@ -148,7 +151,7 @@ impl Control {
 
     /// An error for more bytes, on top of those spent, than allowed.
     pub(crate) fn check_memory(&self, bytes: usize) -> Result<(), Error> {
-        let bytes = bytes as u64 + self.bytes.load(Ordering::Relaxed);
+        let bytes = (bytes as u64).saturating_add(self.bytes.load(Ordering::Relaxed));
         match self.limits.memory {
             Some(most) if bytes > most => Err(self.reached(Limit::Memory(most))),
             _ => self.check(),

@@ -8,6 +8,7 @@ mod error;
 mod evaluation;
 mod finish;
 mod limits;
+mod machine;
 pub mod mesh;
 mod mesher;
 mod net;

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-/// How much a mesh may cost: without end, unless said otherwise. For
-/// [`crate::Mesher::limits`].
+/// How much a mesh may cost: as much as the machine has memory for, unless said
+/// otherwise. For [`crate::Mesher::limits`].
 ///
 /// Where a limit is reached meshing ends with [`crate::Error::LimitReached`],
 /// or, if [`Self::partial`] results are welcome, with the best mesh that was
@@ -12,8 +12,8 @@ use std::time::Duration;
 /// a larger tolerance, as [`crate::Report::limits_reached`] says.
 ///
 /// Cells, triangles and memory are counted, not measured: the result is the
-/// same for any number of threads and on every machine. With a limit of time
-/// it naturally is not.
+/// same for any number of threads and on every machine with memory enough. With a limit
+/// of time it naturally is not.
 ///
 /// ```
 /// use csg::{Error, Limits, Mesher, Program, Solid};
@@ -43,7 +43,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// No limits.
+    /// No limits but that of the machine's memory.
     pub fn new() -> Self {
         Self::default()
     }
@@ -65,7 +65,9 @@ impl Limits {
 
     /// The most bytes that may be held at a time for cells and triangles, mesh
     /// and checks included, the program not: an estimate from their counts,
-    /// for large meshes within a factor of two of what an allocator would say.
+    /// for large meshes within a factor of two of what an allocator would say. Half of
+    /// what the machine has, or the process's control group, unless said otherwise; where
+    /// that cannot be told (it is on Linux alone) there is no limit.
     pub fn memory(mut self, bytes: u64) -> Self {
         self.memory = Some(bytes);
         self

@@ -231,7 +231,7 @@ impl Mesher {
         self
     }
 
-    /// How much a mesh may cost; without end, unless said otherwise.
+    /// How much a mesh may cost; as much as there is memory for, unless said otherwise.
     pub fn limits(mut self, limits: Limits) -> Self {
         self.limits = limits;
         self

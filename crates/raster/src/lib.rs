@@ -159,7 +159,8 @@
 //! | G = adj(M) transposed | [`transform::normal_matrix`] | `normals_take_the_adjugate`, `model_matrices_carry_points_and_normals` in `tests/scene.rs` |
 //! | M_c = M_p M_v M_m; parts with model matrices | [`View`], [`Part`] | `matrices_compose`, `tests/scene.rs` |
 //! | project; unproject(x, y, z_object) | [`Viewport::project`], [`Viewport::unproject_at_z`] | `unprojecting_to_a_plane_of_the_object` |
-//! | VRP, VPN, VUP, window, PRP, DOP | [`view_reference`] | `view_references_make_pictures` |
+//! | VRP, VPN, VUP, window, PRP, DOP; `csg render --vpn ...` | [`view_reference`] | `view_references_make_pictures` |
+//! | textures: checkers by place, and by the parameters u, v of surfaces | [`Texture`], [`Texture::on_surface`] | `checkers_have_squares`, `checkers_go_by_the_parameters_of_surfaces` in `tests/scene.rs` |
 //! | I = Ka Iamb + Σ (Kd Iin (L·N) + Ks Iin (R·V)^n), per channel, several lights | [`shade::phong`], [`Finish`], [`Light`] | `phong_with_the_printed_coefficients`, `materials_are_those_of_the_texts` in `tests/scene.rs` |
 //! | interpolation along edges and rows (za, zb, xa, xb, z*) | [`scanline`] | `scan_lines_interpolate_linearly` |
 //! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles` |

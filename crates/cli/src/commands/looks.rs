@@ -239,15 +239,19 @@ impl Looks {
             Smoothing::Supersample4 => AntiAliasing::Supersample(4),
         };
         if self.draws_edges() {
-            let mut edges = EdgeOptions::default();
-            edges.features = self.edges || self.hidden_edges || !self.plain;
-            edges.silhouettes = edges.features;
-            edges.wireframe = self.wireframe;
-            edges.points = self.points;
-            edges.width = self.line_width;
-            if self.hidden_edges {
-                edges.hidden = HiddenEdges::Dash;
-            }
+            let lines = self.edges || self.hidden_edges || !self.plain;
+            let hidden = if self.hidden_edges {
+                HiddenEdges::Dash
+            } else {
+                HiddenEdges::Omit
+            };
+            let edges = EdgeOptions::default()
+                .features(lines)
+                .silhouettes(lines)
+                .wireframe(self.wireframe)
+                .points(self.points)
+                .hidden(hidden)
+                .width(self.line_width);
             options.edges = Some(edges);
         }
         options.ambient_occlusion = self.ambient_occlusion || !self.plain;

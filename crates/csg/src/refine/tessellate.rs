@@ -115,6 +115,8 @@ impl<'m, 's> Tessellator<'m, 's> {
     pub fn run(mut self, pieces: &[Piece], control: &Control) -> Result<Fine, Error> {
         const MOST_TRIES: usize = 12;
         for tries in 1.. {
+            // Before a point of them is made.
+            control.check_memory(BYTES_PER_FINE.saturating_mul(self.least_count()))?;
             self.cut_sides(pieces);
             let (open, fine) = self.count();
             control.check_triangles(open + fine)?;
@@ -154,6 +156,13 @@ impl<'m, 's> Tessellator<'m, 's> {
         });
         let live = self.mesh.triangle_count() as usize - self.mesh.free.len();
         (live - subdivisions.len(), fine.sum())
+    }
+
+    /// A count that the small triangles exceed: of rows without what the sides need more.
+    fn least_count(&self) -> usize {
+        let subdivisions = self.fine.subdivisions.iter();
+        let rows = subdivisions.map(|s| whole(self.large[s.large as usize].rows) as usize);
+        rows.map(|rows| rows.saturating_sub(2).pow(2)).sum()
     }
 
     /// Finds the points on all sides that are new or need more than they have.

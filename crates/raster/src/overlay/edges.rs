@@ -29,6 +29,13 @@ pub enum HiddenEdges {
 pub const MAX_LINE_WIDTH: f64 = 256.0;
 
 /// Which edges are drawn over the picture, and how.
+///
+/// ```
+/// use raster::{EdgeOptions, HiddenEdges, RenderOptions};
+/// let edges = EdgeOptions::default().hidden(HiddenEdges::Dash).width(2.0);
+/// assert!(edges.features && edges.silhouettes);
+/// let options = RenderOptions::default().edges(Some(edges));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct EdgeOptions {
@@ -60,6 +67,57 @@ impl Default for EdgeOptions {
             width: 1.2,
             color: Color::from_linear([0.01; 3]),
         }
+    }
+}
+
+impl EdgeOptions {
+    /// Sets whether feature edges are drawn.
+    #[must_use]
+    pub fn features(mut self, drawn: bool) -> Self {
+        self.features = drawn;
+        self
+    }
+
+    /// Sets whether silhouettes are drawn.
+    #[must_use]
+    pub fn silhouettes(mut self, drawn: bool) -> Self {
+        self.silhouettes = drawn;
+        self
+    }
+
+    /// Sets whether every edge of every triangle is drawn.
+    #[must_use]
+    pub fn wireframe(mut self, drawn: bool) -> Self {
+        self.wireframe = drawn;
+        self
+    }
+
+    /// Sets whether vertices are drawn.
+    #[must_use]
+    pub fn points(mut self, drawn: bool) -> Self {
+        self.points = drawn;
+        self
+    }
+
+    /// Sets what happens to hidden parts.
+    #[must_use]
+    pub fn hidden(mut self, hidden: HiddenEdges) -> Self {
+        self.hidden = hidden;
+        self
+    }
+
+    /// Sets the width of lines in pixels, above 0 and up to [`MAX_LINE_WIDTH`].
+    #[must_use]
+    pub fn width(mut self, pixels: f64) -> Self {
+        self.width = pixels;
+        self
+    }
+
+    /// Sets the colour of lines.
+    #[must_use]
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
     }
 }
 
