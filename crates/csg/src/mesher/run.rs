@@ -324,17 +324,12 @@ impl<'a> Run<'a> {
         let control = self.control.again(Demand::Cells(cell));
         let task = Task::new(self.program, bounds, cell, &control);
         let evaluated = self.evaluated(&task, factor, report)?;
+        // A boundary with something to be reported is better than cells, which report more.
         let (mut mesh, attempt) = match evaluated {
-            Some(evaluated) if is_final(&evaluated.1) => evaluated,
-            other => {
+            Some(evaluated) => evaluated,
+            None => {
                 let mut attempt = report.clone();
-                let by_cells = self.by_cells_alone(&task, factor, &mut attempt);
-                match (other, by_cells) {
-                    // Of two that are not perfect the better one.
-                    (Some(first), Ok(_)) if first.1.complaints() <= attempt.complaints() => first,
-                    (Some(first), Err(error)) if is_too_much(&error).is_some() => first,
-                    (_, by_cells) => (by_cells?, attempt),
-                }
+                (self.by_cells_alone(&task, factor, &mut attempt)?, attempt)
             }
         };
         *report = attempt;
