@@ -333,7 +333,7 @@ fn failures_have_a_cause_a_hint_and_a_code() {
     let folder = Folder::new();
     let write = |name: &str, text: &str| fs::write(folder.file(name), text).expect("a file");
     write("syntax.csg", "cube(size = [1, 1, 1], center = true)");
-    write("hull.csg", "group() {\n\thull() { sphere(r = 1); }\n}");
+    write("text.csg", "group() {\n\ttext(text = \"a\");\n}");
     write(
         "nothing.csg",
         "difference() { sphere(r = 1); sphere(r = 2); }",
@@ -351,7 +351,7 @@ fn failures_have_a_cause_a_hint_and_a_code() {
         ("mesh missing.csg -o out.glb", 3, "missing.csg"),
         ("mesh part.step -o out.glb", 3, "hint:"),
         ("mesh syntax.csg -o out.glb", 3, "syntax.csg:1:"),
-        ("mesh hull.csg -o out.glb", 3, "hull.csg:2:"),
+        ("mesh text.csg -o out.glb", 3, "text.csg:2:"),
         ("measure mesh.stl", 3, "mesh.stl"),
         (
             "mesh in.csg -o no/such/folder/out.glb --cells 16",
