@@ -172,7 +172,10 @@ impl<'m, 's> Grower<'m, 's> {
                     let [p, q] = ends.map(|v| self.mesh.at(v));
                     let middle = 0.5 * (p + q);
                     let bound = deviation::of_chord(self.mesh.curve_surfaces(half), p, q);
-                    self.outcome.unkept.push((Unkept::Lost, middle));
+                    // A chord that is near enough as it is need not be cut.
+                    if bound > self.goal.promised || self.goal.angle.is_some() {
+                        self.outcome.unkept.push((Unkept::Lost, middle));
+                    }
                     // A smaller tolerance would not help.
                     self.outcome.note(bound, middle, &[], self.goal.promised);
                 }
