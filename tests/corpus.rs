@@ -8,13 +8,15 @@ use std::path::PathBuf;
 
 use stereotomy::csg::glam::{DVec3, dvec3};
 use stereotomy::csg::{Bounds, Mesher, Program};
-use stereotomy::io::scene::{ReadOptions, read_file};
+use stereotomy::io::scene::{ReadOptions, SceneError, read_file};
 
 /// One tree of the corpus.
 struct Tree {
     path: PathBuf,
     /// Made of the nodes that the reader knows.
     core: bool,
+    /// Some of its nodes are `text`.
+    has_text: bool,
     /// Volume with OpenSCAD's facets, in f64 where a second kernel agrees and
     /// else as read from a file with six digits; and how exact it is.
     faceted: f64,
@@ -67,6 +69,7 @@ fn corpus() -> Vec<Tree> {
             Tree {
                 path: folder.join("csg").join(field("file")),
                 core: field("category").starts_with("core"),
+                has_text: field("node_kinds").split(' ').any(|kind| kind == "text"),
                 faceted,
                 faceted_precision,
                 smooth: field("volume_smooth_256").parse().ok(),
@@ -81,6 +84,29 @@ fn program(tree: &Tree, faceted: bool) -> Program {
     let scene = read_file(&tree.path, &ReadOptions::default().faceted(faceted));
     let solid = scene.unwrap_or_else(|e| panic!("{e}")).solid;
     Program::lower(&solid).unwrap_or_else(|e| panic!("{}: {e}", tree.path.display()))
+}
+
+/// A node that cannot be read is refused by its name, line and column.
+#[test]
+fn trees_with_text_are_refused_with_their_place() {
+    let trees = corpus();
+    let mut refused = 0;
+    for tree in trees.iter().filter(|tree| tree.has_text) {
+        for faceted in [false, true] {
+            let read = read_file(&tree.path, &ReadOptions::default().faceted(faceted));
+            let Err(SceneError::Unsupported { place, node }) = read else {
+                panic!("{}: {read:?}", tree.path.display());
+            };
+            let source = std::fs::read_to_string(&tree.path).expect("a tree");
+            let line = source.lines().nth(place.line - 1).expect("the line");
+            let rest: String = line.chars().skip(place.column - 1).collect();
+            assert!(rest.starts_with(&format!("{node}(")), "{place}: {node}");
+            assert_eq!(node, "text", "{place}");
+            assert_eq!(place.file.as_ref(), Some(&tree.path));
+            refused += 1;
+        }
+    }
+    assert!(trees.is_empty() || refused > 0, "none was refused");
 }
 
 /// Meshes every core tree, and holds the mesh closed and its volume to the
