@@ -79,12 +79,7 @@ impl<'a, F: Fn(u32) -> &'a Cell> Geometric<'a, F> {
         if length == 0.0 {
             return 0.0;
         }
-        let face = Surface {
-            anchor: middle,
-            quadratic: [0.0; 6],
-            linear: DVec3::AXES[normal],
-            constant: 0.0,
-        };
+        let face = Surface::plane(middle, DVec3::AXES[normal]);
         let surface = |id: u32| &self.scene.surfaces[id as usize];
         let two = [a.surface, b.surface];
         let constraints = if a.surface == b.surface {

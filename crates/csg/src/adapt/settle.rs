@@ -84,12 +84,7 @@ pub(super) fn passage(scene: &Scene<'_>, a: &Change, b: &Change, normal: usize) 
     let middle = 0.5 * (a.point + b.point);
     // Where the surfaces meet at a small angle the point is far from both.
     let reach = 8.0 * (a.point - b.point).length();
-    let face = Surface {
-        anchor: a.point,
-        quadratic: [0.0; 6],
-        linear: DVec3::AXES[normal],
-        constant: 0.0,
-    };
+    let face = Surface::plane(a.point, DVec3::AXES[normal]);
     let surface = |id: u32| &scene.surfaces[id as usize];
     let both = [surface(a.surface), surface(b.surface), &face];
     let solution = solve::common_point(&both, middle, reach);

@@ -17,22 +17,17 @@ const WELD: f64 = 1e-11;
 const NEAR: f64 = 1e-9;
 
 fn plane(height: f64) -> Surface {
-    Surface {
-        anchor: height * DVec3::Z,
-        quadratic: [0.0; 6],
-        linear: DVec3::Z,
-        constant: 0.0,
-    }
+    Surface::plane(height * DVec3::Z, DVec3::Z)
 }
 
 /// Along the z axis.
 fn cylinder(center: DVec3, radius: f64) -> Surface {
-    Surface {
-        anchor: center,
-        quadratic: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        linear: DVec3::ZERO,
-        constant: -radius * radius,
-    }
+    Surface::of_terms(
+        center,
+        [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        DVec3::ZERO,
+        -radius * radius,
+    )
 }
 
 /// A face of a surface by its number.

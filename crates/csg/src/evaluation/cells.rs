@@ -27,14 +27,9 @@ impl Block {
 
     /// The planes of its six sides.
     pub fn sides(&self) -> impl Iterator<Item = Surface> {
-        [self.low, self.high].into_iter().flat_map(|corner| {
-            DVec3::AXES.map(|axis| Surface {
-                anchor: corner * axis,
-                quadratic: [0.0; 6],
-                linear: axis,
-                constant: 0.0,
-            })
-        })
+        [self.low, self.high]
+            .into_iter()
+            .flat_map(|corner| DVec3::AXES.map(|axis| Surface::plane(corner * axis, axis)))
     }
 }
 

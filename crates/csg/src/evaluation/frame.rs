@@ -9,7 +9,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
-use crate::program::{Surface, eigen_symmetric};
+use crate::program::{Kind, StandardForm, Surface};
 
 /// How a quadric is cut into patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +43,6 @@ pub(super) struct Frame {
     facing: [f64; 2],
 }
 
-/// A coefficient smaller than this share of the largest is none.
-const NEGLIGIBLE: f64 = 1e-10;
-
 impl Frame {
     /// None for planes, and for quadrics that are pairs of planes or empty. No
     /// point of the scene is farther from the origin than `reach`.
@@ -53,66 +50,44 @@ impl Frame {
         if surface.is_plane() {
             return None;
         }
-        let (mut values, axes) = eigen_symmetric(surface.quadratic);
-        let mut axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        for value in &mut values {
-            if value.abs() <= NEGLIGIBLE * largest {
-                *value = 0.0;
-            }
-        }
-        // The one that differs comes last.
-        let sign = |v: f64| if v == 0.0 { 0.0 } else { v.signum() };
-        let odd = (0..3)
-            .find(|&k| {
-                let others = [sign(values[(k + 1) % 3]), sign(values[(k + 2) % 3])];
-                others[0] == others[1] && sign(values[k]) != others[0]
-            })
-            .unwrap_or(2);
-        values.swap(odd, 2);
-        axes.swap(odd, 2);
-        let is_mixed = values[0] * values[1] < 0.0;
-        let is_like_cylinder = is_like_cylinder(surface, values, axes, reach);
-        if is_like_cylinder {
-            values[2] = 0.0;
-        }
-        let mut center = surface.anchor;
-        for (value, axis) in values.iter().zip(axes) {
-            if *value != 0.0 {
-                center -= surface.linear.dot(axis) / (2.0 * value) * axis;
-            }
-        }
-        let rest = surface.value(center);
-        let terms =
-            surface.constant.abs() + surface.linear.length() * (center - surface.anchor).length();
-        let is_through_center = rest.abs() <= NEGLIGIBLE * terms;
-        let slope = surface.linear.dot(axes[2]);
-        let has_slope = values[2] == 0.0
-            && !is_like_cylinder
-            && slope.abs() > NEGLIGIBLE * surface.linear.length();
+        let StandardForm {
+            mut center,
+            mut axes,
+            mut values,
+            slope,
+            ..
+        } = surface.standard_form();
+        let outward = values[0].signum();
+        let mut facing = [outward; 2];
         let mut is_divided = false;
-        let mut facing = [sign(values[0]); 2];
-        let count = values.iter().filter(|v| **v != 0.0).count();
-        let shape = match count {
-            3 if sign(values[2]) == sign(values[0]) => Shape::Closed,
-            3 if is_through_center || surface.apex().is_some() => {
-                is_divided = true;
-                Shape::Around
+        let shape = if let Some(on_axis) = like_cylinder(surface, values, axes, reach) {
+            (center, values[2]) = (on_axis, 0.0);
+            Shape::Around
+        } else {
+            match surface.kind() {
+                Kind::Ellipsoid => Shape::Closed,
+                Kind::HyperboloidOneSheet | Kind::EllipticCylinder => Shape::Around,
+                Kind::Cone => {
+                    is_divided = true;
+                    Shape::Around
+                }
+                Kind::HyperboloidTwoSheets => {
+                    is_divided = true;
+                    facing = [outward, -outward];
+                    Shape::Graph
+                }
+                Kind::EllipticParaboloid => {
+                    facing = [slope.signum(); 2];
+                    Shape::Graph
+                }
+                Kind::Plane
+                | Kind::HyperbolicParaboloid
+                | Kind::HyperbolicCylinder
+                | Kind::ParabolicCylinder
+                | Kind::ParallelPlanes => return None,
             }
-            3 if sign(rest) != sign(values[0]) => Shape::Around,
-            3 => {
-                is_divided = true;
-                facing = [sign(values[0]), -sign(values[0])];
-                Shape::Graph
-            }
-            2 if is_mixed => return None,
-            2 if has_slope => {
-                facing = [slope.signum(); 2];
-                Shape::Graph
-            }
-            2 if !is_through_center && sign(rest) != sign(values[0]) => Shape::Around,
-            _ => return None,
         };
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let scales = values.map(|v| {
             if v == 0.0 {
                 largest.sqrt()
@@ -145,12 +120,7 @@ impl Frame {
                 [turn.x_axis, turn.y_axis, DVec3::Z]
             }
         };
-        let plane = |normal: DVec3| Surface {
-            anchor: center,
-            quadratic: [0.0; 6],
-            linear: (rows * normal).normalize_or_zero(),
-            constant: 0.0,
-        };
+        let plane = |normal: DVec3| Surface::plane(center, (rows * normal).normalize_or_zero());
         let seams = if shape == Shape::Closed { 3 } else { 2 };
         Some(Self {
             shape,
@@ -239,20 +209,25 @@ impl Frame {
     }
 }
 
-/// Whether a quadric of this diagonal form is like a cylinder along its last axis
-/// wherever the scene reaches: then a centre or an apex far away would only cost
-/// digits. With d the distance along the axis, the square of its radius changes
-/// by value d² + slope d, at most by half.
-fn is_like_cylinder(surface: &Surface, values: [f64; 3], axes: [DVec3; 3], reach: f64) -> bool {
+/// Where the axis is of a quadric that is like a cylinder along its last axis wherever the
+/// scene reaches: a centre or an apex far away would only cost digits. With d the distance
+/// along the axis, the square of its radius changes by value d² + slope d, at most by half.
+fn like_cylinder(
+    surface: &Surface,
+    values: [f64; 3],
+    axes: [DVec3; 3],
+    reach: f64,
+) -> Option<DVec3> {
     if values[0] * values[1] <= 0.0 {
-        return false;
+        return None;
     }
     let off_axis: DVec3 = (0..2)
         .map(|k| surface.linear.dot(axes[k]) / (2.0 * values[k]) * axes[k])
         .sum();
-    let rest = surface.value(surface.anchor - off_axis);
+    let on_axis = surface.anchor - off_axis;
+    let rest = surface.value(on_axis);
     let length = reach + surface.anchor.length();
     let slope = surface.linear.dot(axes[2]).abs();
     let change = (values[2].abs() * length + slope) * length;
-    rest * values[0] < 0.0 && change <= 0.5 * rest.abs()
+    (rest * values[0] < 0.0 && change <= 0.5 * rest.abs()).then_some(on_axis)
 }

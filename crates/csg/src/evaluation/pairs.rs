@@ -89,12 +89,10 @@ fn radical_plane(a: &Surface, b: &Surface) -> Option<Option<Surface>> {
     if length <= 1e-9 * terms.max(f64::MIN_POSITIVE) {
         return Some(None);
     }
-    Some(Some(Surface {
-        anchor: at - value / (length * length) * gradient,
-        quadratic: [0.0; 6],
-        linear: gradient / length,
-        constant: 0.0,
-    }))
+    Some(Some(Surface::plane(
+        at - value / (length * length) * gradient,
+        gradient / length,
+    )))
 }
 
 #[cfg(test)]
@@ -127,9 +125,9 @@ pub(super) mod tests {
         };
         let form = turn * DMat3::from_diagonal(values.into()) * turn.transpose();
         let entry = |i: usize, j: usize| form.col(j)[i];
-        Surface {
-            anchor: DVec3::new(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5)),
-            quadratic: [
+        Surface::of_terms(
+            DVec3::new(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5)),
+            [
                 entry(0, 0),
                 entry(1, 1),
                 entry(2, 2),
@@ -137,9 +135,9 @@ pub(super) mod tests {
                 2.0 * entry(1, 2),
                 2.0 * entry(2, 0),
             ],
-            linear: slope * turn.z_axis,
+            slope * turn.z_axis,
             constant,
-        }
+        )
     }
 
     /// How far a point is from a curve.
@@ -174,11 +172,8 @@ pub(super) mod tests {
 
     #[test]
     fn planes_cut_a_saddle_in_two_curves_also_where_they_touch_it() {
-        let surface = |quadratic, linear, constant| Surface {
-            anchor: DVec3::ZERO,
-            quadratic,
-            linear,
-            constant,
+        let surface = |quadratic, linear, constant| {
+            Surface::of_terms(DVec3::ZERO, quadratic, linear, constant)
         };
         let saddle = surface([1.0, 1.0, -1.0, 0.0, 0.0, 0.0], DVec3::ZERO, -1.0);
         for (x, nodes) in [(1.0, 1), (0.5, 0), (1.5, 0)] {
@@ -200,20 +195,18 @@ pub(super) mod tests {
 
     #[test]
     fn planes_nearly_along_a_cylinder_cut_it_in_two_known_to_the_last_digits() {
-        let cylinder = Surface {
-            anchor: DVec3::new(0.2, -0.1, 0.3),
-            quadratic: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-            linear: DVec3::ZERO,
-            constant: -0.5625,
-        };
+        let cylinder = Surface::of_terms(
+            DVec3::new(0.2, -0.1, 0.3),
+            [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            DVec3::ZERO,
+            -0.5625,
+        );
         for power in 1..11 {
             let tilt = 10f64.powi(-power);
-            let plane = Surface {
-                anchor: DVec3::new(0.5, 0.3, 0.1),
-                quadratic: [0.0; 6],
-                linear: DVec3::new(0.8, 0.6, tilt).normalize(),
-                constant: 0.0,
-            };
+            let plane = Surface::plane(
+                DVec3::new(0.5, 0.3, 0.1),
+                DVec3::new(0.8, 0.6, tilt).normalize(),
+            );
             let found = curves(&plane, &cylinder, NEAR).expect("they are known");
             for side in [-1.0, 1.0] {
                 for z in [-0.5, 0.0, 0.4] {
@@ -263,13 +256,9 @@ pub(super) mod tests {
                 }),
                 linear: share * touching.linear + 2.0 * factor * offset * normal,
                 constant: share * touching.constant + factor * offset * offset,
+                kind: touching.kind,
             };
-            let plane = Surface {
-                anchor: foot,
-                quadratic: [0.0; 6],
-                linear: normal,
-                constant: 0.0,
-            };
+            let plane = Surface::plane(foot, normal);
             let [wanted, found] = [
                 curves(&plane, &touching, 1e-9),
                 curves(&touching, &other, 1e-9),
@@ -302,20 +291,18 @@ pub(super) mod tests {
     #[test]
     fn conics_whose_centre_is_far_away_keep_their_digits() {
         const NEAR: f64 = 1e-9;
-        let cone = Surface {
-            anchor: DVec3::new(0.1, -0.2, 0.3),
-            quadratic: [1.0, 1.0, -1.0, 0.0, 0.0, 0.0],
-            linear: DVec3::ZERO,
-            constant: 0.0,
-        };
+        let cone = Surface::of_terms(
+            DVec3::new(0.1, -0.2, 0.3),
+            [1.0, 1.0, -1.0, 0.0, 0.0, 0.0],
+            DVec3::ZERO,
+            0.0,
+        );
         let mut random = Random(11);
         for tilt in [1e-4, 1e-6, 1e-8, 1e-10].into_iter().flat_map(|t| [t, -t]) {
-            let plane = Surface {
-                anchor: cone.anchor + 0.5 * DVec3::X,
-                quadratic: [0.0; 6],
-                linear: DVec3::new(1.0, 0.0, -1.0 + tilt).normalize(),
-                constant: 0.0,
-            };
+            let plane = Surface::plane(
+                cone.anchor + 0.5 * DVec3::X,
+                DVec3::new(1.0, 0.0, -1.0 + tilt).normalize(),
+            );
             let found = conics(&plane, &cone, NEAR);
             for curve in &found {
                 let Some([start, end]) = curve.range(DVec3::ZERO, 3.0) else {

@@ -359,11 +359,11 @@ impl<'a> Pencil<'a> {
         match values.map(sign) {
             [-1.0, 0.0, 1.0] => {
                 let [low, high] = [values[0], values[2]].map(|v| v.abs().sqrt());
-                let sides = [1.0, -1.0].map(|sign| Surface {
-                    anchor: at,
-                    quadratic: [0.0; 6],
-                    linear: (low * axes[0] + sign * high * axes[2]).normalize_or_zero(),
-                    constant: 0.0,
+                let sides = [1.0, -1.0].map(|sign| {
+                    Surface::plane(
+                        at,
+                        (low * axes[0] + sign * high * axes[2]).normalize_or_zero(),
+                    )
                 });
                 // Of the two points on their line one is where the contact was found.
                 let along = axes[1];

@@ -25,12 +25,12 @@ struct Stage {
 
 /// x² + y² + zz z² + constant.
 fn stage(zz: f64, constant: f64) -> Stage {
-    let surface = Surface {
-        anchor: DVec3::ZERO,
-        quadratic: [1.0, 1.0, zz, 0.0, 0.0, 0.0],
-        linear: DVec3::ZERO,
+    let surface = Surface::of_terms(
+        DVec3::ZERO,
+        [1.0, 1.0, zz, 0.0, 0.0, 0.0],
+        DVec3::ZERO,
         constant,
-    };
+    );
     Stage {
         planes: [Plane::of(&surface)],
         frames: [Frame::of(&surface, 10.0)],

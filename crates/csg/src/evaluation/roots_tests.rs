@@ -98,12 +98,7 @@ fn surface(random: &mut Random) -> Surface {
     if random.below(2) == 0 {
         return quadric(random);
     }
-    Surface {
-        anchor: 0.5 * point(random),
-        quadratic: [0.0; 6],
-        linear: point(random).normalize(),
-        constant: 0.0,
-    }
+    Surface::plane(0.5 * point(random), point(random).normalize())
 }
 
 /// A surface moved and bent so that its value at a place on a curve is `value`, and
@@ -275,12 +270,7 @@ fn contacts_of_fourth_order_are_found() {
         let quadric = quadric(&mut random);
         let mut number = || 2.0 * random.unit() - 1.0;
         let mut vector = || DVec3::new(number(), number(), number());
-        let plane = Surface {
-            anchor: quadric.anchor + 0.3 * vector(),
-            quadratic: [0.0; 6],
-            linear: vector().normalize(),
-            constant: 0.0,
-        };
+        let plane = Surface::plane(quadric.anchor + 0.3 * vector(), vector().normalize());
         let across = vector();
         for branch in curves(&plane, &quadric, NEAR).unwrap_or_default() {
             let curve = branch.curve;
@@ -306,12 +296,12 @@ fn contacts_of_fourth_order_are_found() {
             let [x, y, z] = normal.to_array();
             let square = [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x];
             let offset = normal.dot(quadric.anchor - at);
-            let other = Surface {
-                anchor: quadric.anchor,
-                quadratic: std::array::from_fn(|k| quadric.quadratic[k] + 0.7 * square[k]),
-                linear: quadric.linear + 1.4 * offset * normal,
-                constant: quadric.constant + 0.7 * offset * offset,
-            };
+            let other = Surface::of_terms(
+                quadric.anchor,
+                std::array::from_fn(|k| quadric.quadratic[k] + 0.7 * square[k]),
+                quadric.linear + 1.4 * offset * normal,
+                quadric.constant + 0.7 * offset * offset,
+            );
             let mut roots = Roots::default();
             curve.meet(
                 &other,

@@ -251,23 +251,18 @@ mod tests {
     use crate::evaluation::sectors::Side;
 
     fn ball(center: DVec3, radius: f64) -> Surface {
-        Surface {
-            anchor: center,
-            quadratic: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
-            linear: DVec3::ZERO,
-            constant: -radius * radius,
-        }
+        Surface::of_terms(
+            center,
+            [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+            DVec3::ZERO,
+            -radius * radius,
+        )
     }
 
     /// A circle within another one, which it touches, both cut next to there.
     #[test]
     fn stretches_between_curves_that_touch_are_contracted() {
-        let plane = Surface {
-            anchor: DVec3::ZERO,
-            quadratic: [0.0; 6],
-            linear: DVec3::Z,
-            constant: 0.0,
-        };
+        let plane = Surface::plane(DVec3::ZERO, DVec3::Z);
         let [inner, outer] = [DVec3::X, 2.0 * DVec3::X];
         let surfaces = [ball(inner, 1.0), ball(outer, 2.0), plane];
         let control = Control::default();

@@ -179,34 +179,6 @@ impl Surface {
             max: DVec3::select(low, self.anchor + slack, bounds.max),
         }
     }
-
-    /// The side on which the quadratic form alone never crosses zero: outside if
-    /// it is positive semidefinite, inside if negative. By the signs of the
-    /// principal minors, allowing for their rounding.
-    pub(crate) fn definiteness(&self) -> Option<Side> {
-        let test = |q: [f64; 6]| {
-            let [xx, yy, zz, xy, yz, zx] = q;
-            let minor = |a: f64, b: f64, c: f64| a * b - 0.25 * c * c;
-            let determinant = xx * minor(yy, zz, yz) - 0.5 * xy * (0.5 * xy * zz - 0.25 * yz * zx)
-                + 0.5 * zx * (0.25 * xy * yz - 0.5 * yy * zx);
-            let least = xx
-                .min(yy)
-                .min(zz)
-                .min(minor(xx, yy, xy))
-                .min(minor(yy, zz, yz))
-                .min(minor(zz, xx, zx))
-                .min(determinant);
-            // Coefficients are at most 1, so their products are this exact.
-            least >= -64.0 * f64::EPSILON
-        };
-        if test(self.quadratic) {
-            Some(Side::Outside)
-        } else if test(self.quadratic.map(|q| -q)) {
-            Some(Side::Inside)
-        } else {
-            None
-        }
-    }
 }
 
 /// A surface near infinity, on one face of the cube of directions: f / s² (or
@@ -231,26 +203,16 @@ impl AtInfinity {
             _ => surface.quadratic[5],
         };
         let (linear, constant) = surface.expanded_about(DVec3::ZERO);
+        let rest = Surface {
+            constant: sign * linear[i],
+            ..Surface::plane(DVec3::ZERO, DVec3::new(linear[j], linear[k], constant))
+        };
         if surface.is_plane() {
             return Self {
-                surface: Surface {
-                    anchor: DVec3::ZERO,
-                    quadratic: [0.0; 6],
-                    linear: DVec3::new(linear[j], linear[k], constant),
-                    constant: sign * linear[i],
-                },
+                surface: rest,
                 definite: None,
             };
         }
-        let definite = surface.definiteness().map(|side| {
-            let rest = Surface {
-                anchor: DVec3::ZERO,
-                quadratic: [0.0; 6],
-                linear: DVec3::new(linear[j], linear[k], constant),
-                constant: sign * linear[i],
-            };
-            (side, rest)
-        });
         Self {
             surface: Surface {
                 anchor: DVec3::ZERO,
@@ -264,8 +226,10 @@ impl AtInfinity {
                 ],
                 linear: DVec3::new(sign * cross(i, j), sign * cross(i, k), sign * linear[i]),
                 constant: squares[i],
+                // Not its own, for which nobody asks here.
+                kind: surface.kind,
             },
-            definite,
+            definite: surface.definiteness().map(|side| (side, rest)),
         }
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use super::quadric;
-use super::surface::Surface;
+use super::{Kind, Surface};
 use crate::error::NodeFault;
 use crate::solid::{Plane, Primitive};
 
@@ -47,23 +47,14 @@ fn point(what: &'static str, value: DVec3) -> Result<DVec3, NodeFault> {
     Ok(value)
 }
 
-/// The plane through `anchor` with the given outward normal of any length.
-fn plane(anchor: DVec3, normal: DVec3) -> Surface {
-    Surface {
-        anchor,
-        quadratic: [0.0; 6],
-        linear: normal,
-        constant: 0.0,
-    }
-}
-
 /// xx dx² + yy dy² + zz dz² + c about `anchor`.
-fn separable(anchor: DVec3, squares: DVec3, constant: f64) -> Surface {
+fn separable(kind: Kind, anchor: DVec3, squares: DVec3, constant: f64) -> Surface {
     Surface {
         anchor,
         quadratic: [squares.x, squares.y, squares.z, 0.0, 0.0, 0.0],
         linear: DVec3::ZERO,
         constant,
+        kind,
     }
 }
 
@@ -73,8 +64,8 @@ fn z_slab(z: &Range<f64>) -> Result<[Surface; 2], NodeFault> {
     let top = coordinate("the upper z", z.end)?;
     positive("the height", top - bottom)?;
     Ok([
-        plane(DVec3::new(0.0, 0.0, bottom), -DVec3::Z),
-        plane(DVec3::new(0.0, 0.0, top), DVec3::Z),
+        Surface::plane(DVec3::new(0.0, 0.0, bottom), -DVec3::Z),
+        Surface::plane(DVec3::new(0.0, 0.0, top), DVec3::Z),
     ])
 }
 
@@ -99,13 +90,21 @@ pub(super) fn half_spaces(primitive: &Primitive) -> Result<LocalShape, NodeFault
             normal,
         } => {
             let normal = direction("the normal", normal)?;
-            vec![plane(point("the point on the plane", anchor)?, normal)]
+            vec![Surface::plane(
+                point("the point on the plane", anchor)?,
+                normal,
+            )]
         }
         &Primitive::Quadric(coefficients) => vec![quadric::from_coefficients(coefficients)?],
         &Primitive::Cuboid { min, max } => cuboid(min, max)?,
         &Primitive::Ellipsoid { radii } => {
             let (squares, least) = inverse_squares(radii, "a radius")?;
-            vec![separable(DVec3::ZERO, squares, -least * least)]
+            vec![separable(
+                Kind::Ellipsoid,
+                DVec3::ZERO,
+                squares,
+                -least * least,
+            )]
         }
         Primitive::Cylinder { radii, z } => {
             // A third radius that does not bind keeps the scaling in one place.
@@ -113,36 +112,55 @@ pub(super) fn half_spaces(primitive: &Primitive) -> Result<LocalShape, NodeFault
             let (squares, least) = inverse_squares(across, "a radius")?;
             let squares = DVec3::new(squares.x, squares.y, 0.0);
             let Some(z) = z else {
-                let wall = separable(DVec3::ZERO, squares, -least * least);
+                let wall = separable(Kind::EllipticCylinder, DVec3::ZERO, squares, -least * least);
                 return Ok(LocalShape::HalfSpaces(vec![wall]));
             };
             let [bottom, top] = z_slab(z)?;
             // Anchored within its height: digits are lost with distance from it.
             let anchor = DVec3::new(0.0, 0.0, 0.5 * z.start + 0.5 * z.end);
-            vec![separable(anchor, squares, -least * least), bottom, top]
+            let wall = separable(Kind::EllipticCylinder, anchor, squares, -least * least);
+            vec![wall, bottom, top]
         }
         &Primitive::Frustum { bottom, top, ref z } => frustum(bottom, top, z)?,
         &Primitive::InfiniteCone { slope } => {
             let slope = positive("the tangent of the half-angle", slope)?;
-            vec![cone(DVec3::ZERO, slope), plane(DVec3::ZERO, -DVec3::Z)]
+            vec![
+                cone(DVec3::ZERO, slope),
+                Surface::plane(DVec3::ZERO, -DVec3::Z),
+            ]
         }
         &Primitive::Paraboloid { scales } => {
             let across = scales.extend(scales.max_element());
             let (squares, least) = inverse_squares(across, "a scale")?;
             vec![Surface {
                 linear: DVec3::new(0.0, 0.0, -least * least),
-                ..separable(DVec3::ZERO, DVec3::new(squares.x, squares.y, 0.0), 0.0)
+                ..separable(
+                    Kind::EllipticParaboloid,
+                    DVec3::ZERO,
+                    DVec3::new(squares.x, squares.y, 0.0),
+                    0.0,
+                )
             }]
         }
         &Primitive::HyperboloidOneSheet { radii } => {
             let (squares, least) = inverse_squares(radii, "a radius")?;
             let squares = squares * DVec3::new(1.0, 1.0, -1.0);
-            vec![separable(DVec3::ZERO, squares, -least * least)]
+            vec![separable(
+                Kind::HyperboloidOneSheet,
+                DVec3::ZERO,
+                squares,
+                -least * least,
+            )]
         }
         &Primitive::HyperboloidTwoSheets { radii } => {
             let (squares, least) = inverse_squares(radii, "a radius")?;
             let squares = squares * DVec3::new(1.0, 1.0, -1.0);
-            vec![separable(DVec3::ZERO, squares, least * least)]
+            vec![separable(
+                Kind::HyperboloidTwoSheets,
+                DVec3::ZERO,
+                squares,
+                least * least,
+            )]
         }
         Primitive::ConvexPolyhedron(planes) => {
             if planes.is_empty() {
@@ -176,7 +194,7 @@ fn cuboid(min: DVec3, max: DVec3) -> Result<Vec<Surface>, NodeFault> {
         for (bound, outward) in [(min[axis], -unit), (max[axis], unit)] {
             let mut anchor = middle;
             anchor[axis] = bound;
-            surfaces.push(plane(anchor, outward));
+            surfaces.push(Surface::plane(anchor, outward));
         }
     }
     Ok(surfaces)
@@ -188,7 +206,7 @@ fn cone(apex: DVec3, slope: f64) -> Surface {
     let scale = slope.max(1.0);
     let across = 1.0 / (scale * scale);
     let along = (slope / scale) * (slope / scale);
-    separable(apex, DVec3::new(across, across, -along), 0.0)
+    separable(Kind::Cone, apex, DVec3::new(across, across, -along), 0.0)
 }
 
 fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
@@ -203,7 +221,12 @@ fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFa
     let slope = (top - bottom) / height;
     if bottom == top {
         let anchor = DVec3::new(0.0, 0.0, 0.5 * z.start + 0.5 * z.end);
-        let wall = separable(anchor, DVec3::new(1.0, 1.0, 0.0), -widest * widest);
+        let wall = separable(
+            Kind::EllipticCylinder,
+            anchor,
+            DVec3::new(1.0, 1.0, 0.0),
+            -widest * widest,
+        );
         return Ok(vec![wall, lower, upper]);
     }
     // The apex, where the radius comes to 0, if it is near enough to keep the
@@ -225,7 +248,7 @@ fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFa
         let squares = DVec3::new(1.0, 1.0, -slope * slope);
         Surface {
             linear: DVec3::new(0.0, 0.0, -2.0 * radius * slope),
-            ..separable(anchor, squares, -radius * radius)
+            ..separable(Kind::Cone, anchor, squares, -radius * radius)
         }
     };
     Ok(vec![wall, lower, upper])
@@ -235,7 +258,7 @@ fn face(face: &Plane) -> Result<Surface, NodeFault> {
     let length = face.normal.length();
     let normal = direction("a face's normal", face.normal)?;
     let offset = coordinate("a face's offset", face.offset / length)?;
-    Ok(plane(normal * offset, normal))
+    Ok(Surface::plane(normal * offset, normal))
 }
 
 fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
@@ -286,7 +309,7 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
         previous = Some(along);
         first.get_or_insert(along);
         let anchor = (0.5 * (from + to)).extend(middle_z);
-        surfaces.push(plane(anchor, outward.extend(0.0)));
+        surfaces.push(Surface::plane(anchor, outward.extend(0.0)));
     }
     if let (Some(last), Some(first)) = (previous, first) {
         let closing = last.angle_to(first) * turn;

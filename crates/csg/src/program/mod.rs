@@ -5,6 +5,7 @@ mod bounds;
 mod cell;
 mod changes;
 mod formula;
+mod kind;
 mod local;
 mod lower;
 mod precise;
@@ -31,6 +32,7 @@ pub(crate) use settle::Settled;
 pub(crate) use surface::roots_between;
 
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
+pub(crate) use kind::{Kind, StandardForm};
 pub use surface::{Side, Surface};
 
 /// Where a literal comes from: one primitive of the tree.

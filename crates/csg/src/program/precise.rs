@@ -95,12 +95,12 @@ mod tests {
             let [p, anchor]: [[i64; 3]; 2] =
                 std::array::from_fn(|_| std::array::from_fn(|_| digits(20) - (1 << 19)));
             let float = |v: [i64; 3]| DVec3::from_array(v.map(|v| v as f64));
-            let surface = Surface {
-                anchor: float(anchor),
-                quadratic: q.map(|v| v as f64),
-                linear: float(linear),
-                constant: constant as f64,
-            };
+            let surface = Surface::of_terms(
+                float(anchor),
+                q.map(|v| v as f64),
+                float(linear),
+                constant as f64,
+            );
             let d: [i128; 3] = std::array::from_fn(|k| i128::from(p[k] - anchor[k]));
             let q = q.map(i128::from);
             let exact = q[0] * d[0] * d[0]

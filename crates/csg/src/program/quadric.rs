@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::surface::Surface;
+use super::{Kind, Surface};
 use crate::error::NodeFault;
 
 /// Below this share of the largest eigenvalue (or term) a value counts as
@@ -23,26 +23,51 @@ pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, Node
         return Err(NodeFault::QuadricWithoutSurface);
     }
     let [xx, yy, zz, xy, yz, zx, gx, gy, gz, constant] = coefficients.map(|c| c / scale);
-    let quadratic = [xx, yy, zz, xy, yz, zx];
-    let linear = DVec3::new(gx, gy, gz);
-    let at_origin = Surface {
+    anchored(Surface {
+        anchor: DVec3::ZERO,
+        quadratic: [xx, yy, zz, xy, yz, zx],
+        linear: DVec3::new(gx, gy, gz),
+        constant,
+        // Until its kind is known.
+        kind: Kind::Plane,
+    })
+}
+
+/// The kind of f about any anchor.
+#[cfg(test)]
+pub(super) fn kind_of(
+    quadratic: [f64; 6],
+    linear: DVec3,
+    constant: f64,
+) -> Result<Kind, NodeFault> {
+    let surface = Surface {
         anchor: DVec3::ZERO,
         quadratic,
         linear,
         constant,
+        kind: Kind::Plane,
     };
+    anchored(surface).map(|surface| surface.kind)
+}
+
+/// The same surface anchored at its centre, axis or vertex, and its kind: the only place
+/// where that is asked of coefficients.
+fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
+    let Surface {
+        quadratic,
+        linear,
+        constant,
+        ..
+    } = surface;
     if quadratic == [0.0; 6] {
         if linear == DVec3::ZERO {
             return Err(NodeFault::QuadricWithoutSurface);
         }
-        let anchor = -constant / linear.length_squared() * linear;
-        return Ok(Surface {
-            anchor,
-            constant: 0.0,
-            ..at_origin
-        });
+        return Ok(Surface::plane(
+            -constant / linear.length_squared() * linear,
+            linear,
+        ));
     }
-
     let (values, vectors) = eigen(quadratic);
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let mut center = DVec3::ZERO;
@@ -65,37 +90,30 @@ pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, Node
             slope += along * axis;
         }
     }
-    if slope != DVec3::ZERO {
+    let (_, at_center) = surface.expanded_about(center);
+    let has_slope = slope != DVec3::ZERO;
+    if has_slope {
         // Along its axis f is linear: move the anchor to the vertex.
-        let (_, at_center) = at_origin.expanded_about(center);
         center -= at_center / slope.length_squared() * slope;
-        let (linear, constant) = at_origin.expanded_about(center);
-        return Ok(Surface {
-            anchor: center,
-            quadratic,
-            linear,
-            constant,
-        });
     }
-    let (_, at_center) = at_origin.expanded_about(center);
     let terms = constant.abs() + linear.abs().dot(center.abs());
     let at_center = if at_center.abs() <= NEGLIGIBLE * terms {
         0.0
     } else {
         at_center
     };
-    let takes_both_signs = (positive > 0 || at_center > 0.0) && (negative > 0 || at_center < 0.0);
-    if !takes_both_signs {
-        return Err(NodeFault::QuadricWithoutSurface);
-    }
-    if at_center == 0.0 && positive + negative == 2 {
-        return Err(NodeFault::QuadricOfCrossingPlanes);
-    }
+    let kind = Kind::of_signature((positive, negative), has_slope, at_center)?;
+    let (linear, constant) = if has_slope {
+        surface.expanded_about(center)
+    } else {
+        (DVec3::ZERO, at_center)
+    };
     Ok(Surface {
         anchor: center,
         quadratic,
-        linear: DVec3::ZERO,
-        constant: at_center,
+        linear,
+        constant,
+        kind,
     })
 }
 

@@ -4,6 +4,8 @@ use std::fmt;
 
 use glam::{DMat3, DVec3};
 
+use super::Kind;
+
 /// Where a surface's half-space f <= 0 lies relative to a set of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -31,6 +33,7 @@ pub struct Surface {
     pub(crate) quadratic: [f64; 6],
     pub(crate) linear: DVec3,
     pub(crate) constant: f64,
+    pub(crate) kind: Kind,
 }
 
 /// Bounds the rounding error of [`Surface::value`] and of the interval around
@@ -39,10 +42,22 @@ pub struct Surface {
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl Surface {
+    /// The plane through `anchor`, whose half-space the normal points out of: of unit
+    /// length but in primitives, which are normalised in place.
+    pub(crate) fn plane(anchor: DVec3, normal: DVec3) -> Self {
+        Self {
+            anchor,
+            quadratic: [0.0; 6],
+            linear: normal,
+            constant: 0.0,
+            kind: Kind::Plane,
+        }
+    }
+
     /// Whether f is linear.
     #[must_use]
     pub fn is_plane(&self) -> bool {
-        self.quadratic == [0.0; 6]
+        self.kind == Kind::Plane
     }
 
     /// The point f is expanded about.
@@ -51,22 +66,17 @@ impl Surface {
         self.anchor
     }
 
-    /// The point where the gradient vanishes on the surface: a cone's apex.
+    /// The point where the gradient vanishes on the surface: a cone's apex, if it is so
+    /// near to the part of the cone that is used that it is the anchor.
     #[must_use]
     pub fn apex(&self) -> Option<DVec3> {
-        let is_cone = self.linear == DVec3::ZERO && self.constant == 0.0;
-        (is_cone && !self.is_plane()).then_some(self.anchor)
+        (self.kind == Kind::Cone && self.linear == DVec3::ZERO).then_some(self.anchor)
     }
 
-    /// The direction of a cone's axis: the eigenvector of the eigenvalue whose
-    /// sign the other two do not have. Some direction for other surfaces.
+    /// The direction of a cone's axis. Some direction for other surfaces.
     #[must_use]
     pub fn cone_axis(&self) -> DVec3 {
-        let (values, vectors) = self.principal_axes();
-        let negative = values.iter().filter(|&&v| v < 0.0).count();
-        let is_odd = |v: f64| (v < 0.0) == (negative == 1);
-        let odd = values.into_iter().position(is_odd).unwrap_or(2);
-        vectors.col(odd)
+        self.standard_form().axes[2]
     }
 
     /// f at `point`.
@@ -209,6 +219,7 @@ impl Surface {
             ],
             linear,
             constant: self.constant,
+            kind: self.kind,
         }
     }
 
@@ -220,6 +231,7 @@ impl Surface {
             quadratic: self.quadratic.map(|a| -a),
             linear: -self.linear,
             constant: -self.constant,
+            kind: self.kind,
         }
     }
 
@@ -351,12 +363,7 @@ mod tests {
                 if separable {
                     quadratic[3..].fill(0.0);
                 }
-                Surface {
-                    anchor: anchor.into(),
-                    quadratic,
-                    linear: linear.into(),
-                    constant,
-                }
+                Surface::of_terms(anchor.into(), quadratic, linear.into(), constant)
             })
     }
 

@@ -99,6 +99,7 @@ fn normalised(surface: &Surface) -> Option<Surface> {
         quadratic: surface.quadratic.map(clean),
         linear: surface.linear / size,
         constant: clean(surface.constant),
+        kind: surface.kind,
     };
     let finite = size > 0.0
         && size.is_finite()

@@ -70,12 +70,7 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     let (u, v) = normal.any_orthonormal_pair();
     let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
     let vanishes = bends.iter().all(|bend| bend.abs() <= NEGLIGIBLE * scale);
-    vanishes.then_some(Surface {
-        anchor,
-        quadratic: [0.0; 6],
-        linear: normal,
-        constant: 0.0,
-    })
+    vanishes.then_some(Surface::plane(anchor, normal))
 }
 
 impl Conic {

@@ -5,12 +5,14 @@
 //! a component of its gradient a linear one: the extremes of their ratio are
 //! known in closed form, or nearly. From a point x the flow along the gradient
 //! comes to f = 0 within |f(x)| / g if |∇f| >= g on its way; that is so for
-//! g = |∇f(x)| - L D, where L is the gradient's Lipschitz constant, the norm of
-//! f's Hessian, and D any bound of the way. On fine triangles |f| is of second
-//! order and L D beside the gradient as well, so that the bound is tight but for
-//! a relative error of second order. Where the quadratic form is semidefinite, as
+//! g = |∇f(x)| - L D, where D is any bound of the way and L how fast the gradient
+//! shrinks on it at most: the greatest eigenvalue of f's Hessian on the way down from
+//! f > 0, minus the least one on the way up from f < 0 ([`Shrinkage`]). On fine triangles
+//! |f| is of second order and L D beside the gradient as well, so that the bound is tight
+//! but for a relative error of second order. Where the quadratic form is semidefinite, as
 //! of spheres and cylinders, f or -f is convex: a triangle lies within, and on the
-//! way out of there the gradient only grows (but for rounding), so that L is 0.
+//! way out of there the gradient only grows (but for rounding), so that L is 0. Of a flat
+//! cone it is little within, where nearly all of a triangle is.
 //!
 //! # The other direction
 //! Where the gradient at no point of a triangle is at a right angle to its
@@ -46,11 +48,28 @@ fn hessian_norm(surface: &Surface) -> f64 {
 
 /// How fast the gradient shrinks on the way from a triangle to the surface, at
 /// most: the L of this module's beginning.
-pub(super) fn shrinkage(surface: &Surface) -> f64 {
-    if surface.definiteness().is_some() {
-        0.0
-    } else {
-        hessian_norm(surface)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shrinkage {
+    /// On the way up, where f < 0.
+    up: f64,
+    /// On the way down, where f > 0.
+    down: f64,
+}
+
+impl Shrinkage {
+    /// Where the way leads only out of a convex set.
+    pub const NONE: Self = Self { up: 0.0, down: 0.0 };
+
+    pub fn of(surface: &Surface) -> Self {
+        if surface.definiteness().is_some() {
+            return Self::NONE;
+        }
+        let values = surface.standard_form().values;
+        let most = |sign: f64| values.into_iter().fold(0.0f64, |m, v| m.max(sign * v));
+        Self {
+            up: 2.0 * most(-1.0),
+            down: 2.0 * most(1.0),
+        }
     }
 }
 
@@ -99,23 +118,30 @@ pub(super) fn estimate(surface: &Surface, region: &Region, corners: [DVec3; 3]) 
 /// triangle is too large for the surface's curvature.
 #[must_use]
 pub(crate) fn of_triangle(surface: &Surface, corners: [DVec3; 3]) -> f64 {
-    let bound = along_gradient(surface, corners);
+    with_shrinkage(surface, Shrinkage::of(surface), corners)
+}
+
+/// The same of a surface whose shrinkage is known.
+pub(super) fn with_shrinkage(surface: &Surface, shrinkage: Shrinkage, corners: [DVec3; 3]) -> f64 {
+    let bound = along_gradient(surface, shrinkage, corners);
     let apex = surface.apex().filter(|&apex| {
         let is_near = |corner: &DVec3| corner.distance(apex) < bound;
         corners.iter().any(is_near)
     });
-    apex.map_or(bound, |apex| bound.min(over_apex(surface, apex, corners)))
+    apex.map_or(bound, |apex| {
+        bound.min(over_apex(surface, shrinkage, apex, corners))
+    })
 }
 
 /// The same for a triangle that goes by a cone's apex so closely that gradients turn
 /// too far along it: with the nearest corner moved there, or two of them, no point of
 /// it is moved by more than these.
-fn over_apex(surface: &Surface, apex: DVec3, mut corners: [DVec3; 3]) -> f64 {
+fn over_apex(surface: &Surface, shrinkage: Shrinkage, apex: DVec3, mut corners: [DVec3; 3]) -> f64 {
     corners.sort_unstable_by(|a, b| a.distance(apex).total_cmp(&b.distance(apex)));
     let [nearest, second, farthest] = corners;
-    let with_tip = along_gradient(surface, [apex, second, farthest]);
+    let with_tip = along_gradient(surface, shrinkage, [apex, second, farthest]);
     // On a ruling but for rounding.
-    let folded = along_gradient(surface, [apex, farthest, farthest]);
+    let folded = along_gradient(surface, shrinkage, [apex, farthest, farthest]);
     let bounds = [
         nearest.distance(apex) + with_tip,
         second.distance(apex) + folded,
@@ -124,10 +150,11 @@ fn over_apex(surface: &Surface, apex: DVec3, mut corners: [DVec3; 3]) -> f64 {
 }
 
 /// A bound of the distance by the flow along the gradient.
-fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
+fn along_gradient(surface: &Surface, shrinkage: Shrinkage, corners: [DVec3; 3]) -> f64 {
     let mut corners = corners.map(|at| Corner::new(surface, at));
     if surface.is_plane() {
-        return corners[0].off.max(corners[1].off).max(corners[2].off);
+        let off = corners.map(|corner| corner.value.abs());
+        return off[0].max(off[1]).max(off[2]);
     }
     let mut quarters = quarters(surface, corners.each_ref());
     if let Some(apex) = surface.apex()
@@ -143,7 +170,7 @@ fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
         }
     }
     let along = towards_farthest(&corners, quarters);
-    Ratio::new(shrinkage(surface), corners.each_ref(), quarters, along).bound()
+    Ratio::new(shrinkage, corners.each_ref(), quarters, along).bound()
 }
 
 /// Whether a triangle is as near to its surface as a distance, by a bound that
@@ -152,7 +179,7 @@ fn along_gradient(surface: &Surface, corners: [DVec3; 3]) -> f64 {
 #[inline]
 pub(super) fn is_within(
     surface: &Surface,
-    shrinkage: f64,
+    shrinkage: Shrinkage,
     corners: [DVec3; 3],
     distance: f64,
 ) -> bool {
@@ -163,12 +190,12 @@ pub(super) fn is_within(
     ratio.loosely(distance) <= distance
 }
 
-/// The corner of a triangle: where it is, and f's gradient and magnitude there.
+/// The corner of a triangle: where it is, and f and its gradient there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub at: DVec3,
     gradient: DVec3,
-    off: f64,
+    value: f64,
 }
 
 impl Corner {
@@ -177,7 +204,7 @@ impl Corner {
         Self {
             at,
             gradient: surface.gradient(at),
-            off: surface.value(at).abs(),
+            value: surface.value(at),
         }
     }
 }
@@ -228,7 +255,8 @@ impl<'a> Judge<'a> {
         if bound <= self.tolerance {
             return Some(bound);
         }
-        Some(of_triangle(self.surface, [p, q, r]))
+        let shrinkage = self.region.shrinkage;
+        Some(with_shrinkage(self.surface, shrinkage, [p, q, r]))
     }
 }
 
@@ -261,58 +289,115 @@ fn towards_farthest(corners: &[Corner; 3], quarters: [f64; 3]) -> DVec3 {
 /// and Schwarz: in terms of √s_i λ_i their ratio is one of quadratic forms
 /// again.
 struct Ratio {
-    shrinkage: f64,
     slopes: [f64; 3],
     least: f64,
     greatest: f64,
+    /// Where f < 0 and where f > 0; or both in the first, where these do not differ.
+    parts: [Part; 2],
+}
+
+/// What of f is on one side of the surface.
+#[derive(Clone, Copy)]
+struct Part {
+    shrinkage: f64,
     quarters: [f64; 3],
     at_corners: f64,
 }
 
+impl Part {
+    fn is_none(&self) -> bool {
+        self.quarters == [0.0; 3] && self.at_corners == 0.0
+    }
+}
+
 impl Ratio {
     #[inline(always)]
-    fn new(shrinkage: f64, corners: [&Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
+    fn new(shrinkage: Shrinkage, corners: [&Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
         let gradients = corners.map(|corner| corner.gradient);
         // The gradient's component along any direction is linear.
         let slopes = gradients.map(|gradient| gradient.dot(along));
+        let values = corners.map(|corner| corner.value);
+        let parts = if shrinkage.up == shrinkage.down {
+            let all = Part {
+                shrinkage: shrinkage.up,
+                quarters,
+                at_corners: values.into_iter().fold(0.0, |m, v| v.abs().max(m)),
+            };
+            let none = Part {
+                shrinkage: 0.0,
+                quarters: [0.0; 3],
+                at_corners: 0.0,
+            };
+            [all, none]
+        } else {
+            [
+                Part {
+                    shrinkage: shrinkage.up,
+                    quarters: quarters.map(|b| b.min(0.0)),
+                    at_corners: values.into_iter().fold(0.0, |m, v| m.max(-v)),
+                },
+                Part {
+                    shrinkage: shrinkage.down,
+                    quarters: quarters.map(|b| b.max(0.0)),
+                    at_corners: values.into_iter().fold(0.0, f64::max),
+                },
+            ]
+        };
         Self {
-            shrinkage,
             slopes,
             least: slopes[0].min(slopes[1]).min(slopes[2]),
             greatest: slopes[0].max(slopes[1]).max(slopes[2]),
-            quarters,
-            at_corners: corners[0].off.max(corners[1].off).max(corners[2].off),
+            parts,
+        }
+    }
+
+    /// The larger of what a bound is of both parts.
+    #[inline(always)]
+    fn larger(&self, bound: impl Fn(&Part) -> f64) -> f64 {
+        let [first, second] = &self.parts;
+        let of_first = bound(first);
+        if second.is_none() {
+            of_first
+        } else {
+            of_first.max(bound(second))
         }
     }
 
     fn bound(&self) -> f64 {
-        shrunk(|distance| self.of(distance))
+        self.larger(|part| shrunk(|distance| self.of_part(part, distance)))
+    }
+
+    #[inline(always)]
+    fn of(&self, distance: f64) -> f64 {
+        self.larger(|part| self.of_part(part, distance))
     }
 
     /// The same with the least slope all over the triangle.
     #[inline(always)]
     fn loosely(&self, distance: f64) -> f64 {
-        let least = self.least - self.shrinkage * distance;
-        if least <= 0.0 {
-            return f64::INFINITY;
-        }
-        (largest_on_triangle(self.quarters) + self.at_corners) / least
+        self.larger(|part| {
+            let least = self.least - part.shrinkage * distance;
+            if least <= 0.0 {
+                return f64::INFINITY;
+            }
+            (largest_on_triangle(part.quarters) + part.at_corners) / least
+        })
     }
 
     #[inline(always)]
-    fn of(&self, distance: f64) -> f64 {
-        let less = self.shrinkage * distance;
+    fn of_part(&self, part: &Part, distance: f64) -> f64 {
+        let less = part.shrinkage * distance;
         let least = self.least - less;
         if least <= 0.0 {
             return f64::INFINITY;
         }
         if self.greatest <= 1.01 * least {
-            return self.loosely(distance);
+            return (largest_on_triangle(part.quarters) + part.at_corners) / least;
         }
-        let [b01, b12, b20] = self.quarters;
+        let [b01, b12, b20] = part.quarters;
         let [r0, r1, r2] = self.slopes.map(|slope| (slope - less).sqrt());
         let scaled = [b01 / (r0 * r1), b12 / (r1 * r2), b20 / (r2 * r0)];
-        largest_on_triangle(scaled) + self.at_corners / least
+        largest_on_triangle(scaled) + part.at_corners / least
     }
 }
 

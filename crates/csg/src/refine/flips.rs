@@ -161,12 +161,7 @@ mod tests {
             angles.sort_by(f64::total_cmp);
             angles.dedup_by(|a, b| *a - *b < 0.01);
             prop_assume!(angles.len() > 5);
-            let plane = [Surface {
-                anchor: DVec3::ZERO,
-                quadratic: [0.0; 6],
-                linear: DVec3::Z,
-                constant: 0.0,
-            }];
+            let plane = [Surface::plane(DVec3::ZERO, DVec3::Z)];
             let mut mesh = fan(&angles, &plane);
             let mut waiting = Waiting::default();
             for half in mesh.edges() {

@@ -225,6 +225,7 @@ fn zip(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::refine::deviation::Shrinkage;
     use crate::refine::regions::{Bend, Way};
     use crate::{Program, Solid};
     use proptest::prelude::*;
@@ -246,7 +247,7 @@ mod tests {
                 group: 0,
                 bend: Bend::Double,
                 outward: 1.0,
-                shrinkage: 0.0,
+                shrinkage: Shrinkage::NONE,
                 round: None,
                 way: Way::AtOnce,
             };

@@ -3,11 +3,11 @@
 
 use glam::DVec3;
 
-use super::deviation;
+use super::deviation::{self, Shrinkage};
 use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
 use super::project::project;
 use super::round::Round;
-use crate::program::{Surface, eigen_symmetric};
+use crate::program::{Kind, Surface};
 
 /// How a surface bends, which says what triangles suit it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +31,7 @@ pub(super) struct Region {
     pub bend: Bend,
     /// 1 where the surface's gradient points out of the solid, else -1.
     pub outward: f64,
-    /// See [`deviation::shrinkage`].
-    pub shrinkage: f64,
+    pub shrinkage: Shrinkage,
     pub round: Option<Round>,
     pub way: Way,
 }
@@ -48,7 +47,7 @@ impl Region {
 
     /// A bound of the distance of any point of a triangle to the region's surface.
     pub fn bound(&self, surface: &Surface, corners: [DVec3; 3]) -> f64 {
-        let bound = deviation::of_triangle(surface, corners);
+        let bound = deviation::with_shrinkage(surface, self.shrinkage, corners);
         let round = self.round.as_ref();
         round.map_or(bound, |round| bound.min(round.bound(&corners)))
     }
@@ -80,47 +79,16 @@ impl Bend {
         matches!(self, Self::Double | Self::Saddle)
     }
 
-    /// A quadric is developable if its 4 by 4 matrix is singular, and else
-    /// curved one way or both by the sign of its determinant.
     pub fn of(surface: &Surface) -> Self {
-        /// What rounding leaves of a zero, and more.
-        const NEGLIGIBLE: f64 = 1e-11;
-        if surface.is_plane() {
-            return Self::Flat;
-        }
-        let (values, axes) = eigen_symmetric(surface.quadratic);
-        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        // About the centre as far as there is one: Σ value d² + slope + rest.
-        let mut rest = surface.constant;
-        let mut terms = surface.constant.abs();
-        let mut slope = 0.0f64;
-        let mut sign = 1.0;
-        let mut rank = 0;
-        for (value, axis) in values
-            .into_iter()
-            .zip([axes.x_axis, axes.y_axis, axes.z_axis])
-        {
-            let along = surface.linear.dot(axis);
-            if value.abs() > NEGLIGIBLE * largest {
-                rank += 1;
-                sign *= value.signum();
-                let depth = along * along / (4.0 * value);
-                rest -= depth;
-                terms += depth.abs();
-            } else if along.abs() > NEGLIGIBLE * surface.linear.length() {
-                slope = along;
-            }
-        }
-        // The determinant's sign: Π values · rest, or -Π values · slope² / 4.
-        let determinant = match rank {
-            3 if rest.abs() > NEGLIGIBLE * terms => sign * rest,
-            2 if slope != 0.0 => -sign,
-            _ => return Self::Single,
-        };
-        if determinant < 0.0 {
-            Self::Double
-        } else {
-            Self::Saddle
+        match surface.kind() {
+            Kind::Plane => Self::Flat,
+            Kind::Cone
+            | Kind::EllipticCylinder
+            | Kind::HyperbolicCylinder
+            | Kind::ParabolicCylinder
+            | Kind::ParallelPlanes => Self::Single,
+            Kind::Ellipsoid | Kind::HyperboloidTwoSheets | Kind::EllipticParaboloid => Self::Double,
+            Kind::HyperboloidOneSheet | Kind::HyperbolicParaboloid => Self::Saddle,
         }
     }
 }
@@ -189,7 +157,7 @@ pub(super) fn regions(
             group,
             bend,
             outward: if facing < 0.0 { -1.0 } else { 1.0 },
-            shrinkage: deviation::shrinkage(surface),
+            shrinkage: Shrinkage::of(surface),
             round,
             way: Way::OneByOne,
         });

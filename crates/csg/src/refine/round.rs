@@ -11,7 +11,7 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use crate::program::{Surface, eigen_symmetric};
+use crate::program::{Kind, StandardForm, Surface};
 
 /// The longest half axis by the shortest, from which on it counts as long: tunes only the
 /// number of triangles.
@@ -44,47 +44,28 @@ pub(super) struct Round {
 impl Round {
     /// None for all others: triangles on these are good as they are.
     pub fn of(surface: &Surface) -> Option<Self> {
-        if surface.is_plane() {
-            return None;
-        }
-        let (mut values, axes) = eigen_symmetric(surface.quadratic);
-        let mut axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-        // The axis comes last: what has no value, or another sign than both others.
-        let least = (0..3).min_by(|&i, &j| values[i].abs().total_cmp(&values[j].abs()))?;
-        let is_cylinder = values[least].abs() <= f64::EPSILON;
-        let odd = (0..3).find(|&k| {
-            let others = [(k + 1) % 3, (k + 2) % 3].map(|i| values[i].signum());
-            others[0] == others[1] && others[0] != values[k].signum()
-        });
-        let (shape, last) = match (surface.apex(), odd) {
-            _ if is_cylinder => (Shape::Cylinder, least),
-            (Some(_), Some(odd)) => (Shape::Cone, odd),
-            (None, None) => (Shape::Ball, 2),
+        let shape = match surface.kind() {
+            Kind::Ellipsoid => Shape::Ball,
+            Kind::EllipticCylinder => Shape::Cylinder,
+            Kind::Cone if surface.apex().is_some() => Shape::Cone,
             _ => return None,
         };
-        // A paraboloid has no value along its axis either, but a slope.
-        let slope = surface.linear.dot(axes[last]).abs();
-        if is_cylinder && slope > 4.0 * f64::EPSILON * surface.linear.length() {
-            return None;
-        }
-        values.swap(last, 2);
-        axes.swap(last, 2);
+        let StandardForm {
+            center,
+            axes,
+            mut values,
+            constant,
+            ..
+        } = surface.standard_form();
         let round = if shape == Shape::Ball { 3 } else { 2 };
         let sizes = values[..round].iter().map(|v| v.abs());
-        let [least, most] = [f64::min, f64::max].map(|by| sizes.clone().reduce(by));
-        let (least, most) = (least?, most?);
-        if values[0] * values[1] <= 0.0 || least * LEAST_ASPECT * LEAST_ASPECT > most {
+        let least = sizes.clone().fold(f64::INFINITY, f64::min);
+        let most = sizes.fold(0.0, f64::max);
+        if least * LEAST_ASPECT * LEAST_ASPECT > most {
             return None;
         }
-        let along = |axis: DVec3, value: f64| surface.linear.dot(axis) / (2.0 * value) * axis;
-        let off = axes
-            .iter()
-            .zip(values)
-            .take(round)
-            .map(|(&a, v)| along(a, v));
-        let center = surface.anchor - off.sum::<DVec3>();
         let depth = match shape {
-            Shape::Ball | Shape::Cylinder => -surface.value(center),
+            Shape::Ball | Shape::Cylinder => -constant,
             Shape::Cone => values[2].abs() * values[0].signum(),
         };
         // (Any length along a cylinder's axis is as good as any other.)

@@ -76,11 +76,11 @@ impl Pencil<'_> {
             let normal = vector.truncate();
             let square = normal.length_squared();
             // Not at infinity.
-            (square > 1e-18 * vector.length_squared()).then(|| Surface {
-                anchor: self.origin - self.unit * vector.w / square * normal,
-                quadratic: [0.0; 6],
-                linear: normal / square.sqrt(),
-                constant: 0.0,
+            (square > 1e-18 * vector.length_squared()).then(|| {
+                Surface::plane(
+                    self.origin - self.unit * vector.w / square * normal,
+                    normal / square.sqrt(),
+                )
             })
         };
         let planes: SmallVec<[Surface; 2]> = planes.iter().filter_map(plane).collect();

@@ -142,6 +142,7 @@ impl Surface {
             quadratic: form.map(|c| c / size),
             linear: DVec3::ZERO,
             constant,
+            kind: self.kind,
         };
         let is_finite = rounded.quadratic.iter().all(|c| c.is_finite()) && constant.is_finite();
         (is_finite && size > 0.0).then_some(rounded)

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::{hessian_norm, of_triangle, shrinkage, shrunk};
+use super::{hessian_norm, of_triangle, shrunk};
 use crate::program::Surface;
 use crate::refine::round::{LEAST_ASPECT, Round};
 
@@ -89,9 +89,12 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     });
     let mean = (gradients[0] + gradients[1]).normalize_or_zero();
     let slopes = gradients.map(|gradient| gradient.dot(mean));
-    let middle = 0.125 * surface.curvature_along(q - p).abs();
+    let bend = 0.125 * surface.curvature_along(q - p);
+    let middle = bend.abs();
     let at_ends = surface.value(p).abs().max(surface.value(q).abs());
-    let shrinkage = shrinkage(surface);
+    // f is less than 0 in between if it bends upward.
+    let [least, greatest] = Bends::within(plane, surface).extremes();
+    let shrinkage = if bend > 0.0 { -least } else { greatest }.max(0.0);
     let bound = shrunk(|distance| {
         let [s, t] = slopes.map(|slope| slope - shrinkage * distance);
         if s.min(t) <= 0.0 {
@@ -106,13 +109,36 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     (bound, 4.0 * least * least < steepest)
 }
 
+/// The second derivatives of f in a plane, along two directions at right angles.
+struct Bends {
+    u: DVec3,
+    v: DVec3,
+    uu: f64,
+    vv: f64,
+    uv: f64,
+}
+
+impl Bends {
+    fn within(plane: &Surface, surface: &Surface) -> Self {
+        let (u, v) = plane.linear.any_orthonormal_pair();
+        let [uu, vv, both] = [u, v, u + v].map(|d| surface.curvature_along(d));
+        let uv = 0.5 * (both - uu - vv);
+        Self { u, v, uu, vv, uv }
+    }
+
+    /// The least and the greatest along any direction.
+    fn extremes(&self) -> [f64; 2] {
+        let mean = 0.5 * (self.uu + self.vv);
+        let swing = (0.5 * (self.uu - self.vv)).hypot(self.uv);
+        [mean - swing, mean + swing]
+    }
+}
+
 /// A bound for a chord of a long ellipse in a plane, on the rays from its centre: at its
 /// ends the gradient turns too fast. A point of the chord is at a share s of the way to
 /// the ellipse, 1 - s² = f / f(centre). Infinite for other conics.
 fn from_centre(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> f64 {
-    let (u, v) = plane.linear.any_orthonormal_pair();
-    let [uu, vv, both] = [u, v, u + v].map(|d| surface.curvature_along(d));
-    let uv = 0.5 * (both - uu - vv);
+    let Bends { u, v, uu, vv, uv } = Bends::within(plane, surface);
     let determinant = uu * vv - uv * uv;
     // The sum of a half axis by the other one and the reverse.
     if (uu + vv).abs() < LEAST_ASPECT * determinant.max(0.0).sqrt() {
