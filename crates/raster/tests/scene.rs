@@ -182,21 +182,6 @@ fn a_material_stands_for_all_surfaces_of_its_part_only() {
     assert_eq!(image.get(90, 60), Some([0, 255, 0, 255]));
 }
 
-/// What a stack of colours and opacities, from the nearest, looks like.
-fn blended(layers: &[([f32; 3], f32)]) -> [u8; 4] {
-    let (mut sum, mut through) = ([0.0; 3], 1.0);
-    for &(rgb, alpha) in layers {
-        for (sum, channel) in sum.iter_mut().zip(rgb) {
-            *sum += through * alpha * channel;
-        }
-        through *= 1.0 - alpha;
-    }
-    let opacity = 1.0 - through;
-    let encoded = Color::from_linear(sum.map(|c| c / opacity)).to_srgb();
-    let [r, g, b] = encoded.map(|c| (c * 255.0).round() as u8);
-    [r, g, b, (opacity * 255.0).round() as u8]
-}
-
 /// Two sheets that cut each other: on either side the nearer one is in front;
 /// a third, opaque one behind both, or none.
 #[test]
@@ -224,7 +209,7 @@ fn transparency_is_right_where_parts_cut_each_other() {
                 (90, vec![(red, 0.6), (green, 0.3)]),
             ] {
                 layers.extend(behind);
-                let (found, wanted) = (image.get(x, 47).unwrap(), blended(&layers));
+                let (found, wanted) = (image.get(x, 47).unwrap(), common::blended(&layers));
                 let off = found.iter().zip(wanted).map(|(a, b)| a.abs_diff(b)).max();
                 assert!(
                     off <= Some(1),
@@ -244,7 +229,10 @@ fn hollow_things_have_two_walls() {
     let scene = Scene::new().add(ball.clone()).color(glass).light(lit(1.0));
     let smooth = options().anti_aliasing(AntiAliasing::Msaa8);
     let image = scene.render(&above(), &smooth).unwrap();
-    assert_eq!(image.get(60, 60), Some(blended(&[([0.5; 3], 0.5); 2])));
+    assert_eq!(
+        image.get(60, 60),
+        Some(common::blended(&[([0.5; 3], 0.5); 2]))
+    );
     let between = image
         .pixels
         .iter()

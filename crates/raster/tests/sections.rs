@@ -3,15 +3,23 @@
 
 mod common;
 
-use csg::Mesh;
-use glam::{DVec2, DVec3};
+use csg::{Color, Mesh};
+use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 use raster::{
-    AntiAliasing, Camera, Image, Lens, Level, Prepared, RenderOptions, Renderer, SectionPlane,
-    View, Viewport,
+    AntiAliasing, Camera, Image, Lens, Level, Light, Prepared, RenderOptions, Renderer,
+    SectionPlane, View, Viewport,
 };
 
 const SIZE: u32 = 48;
+
+/// A mesh whose faces show their other sides.
+fn inside_out(mut mesh: Mesh) -> Mesh {
+    for triangle in &mut mesh.triangles {
+        triangle.swap(1, 2);
+    }
+    mesh
+}
 
 /// A cube of side 2 around the origin with a hollow of this half-side, if any,
 /// cut by planes.
@@ -25,11 +33,8 @@ impl Solid {
     fn mesh(&self) -> Mesh {
         let cube = common::cuboid(DVec3::NEG_ONE, DVec3::ONE);
         let Some(half) = self.hollow else { return cube };
-        let mut hollow = common::cuboid(DVec3::splat(-half), DVec3::splat(half));
-        for triangle in &mut hollow.triangles {
-            triangle.swap(1, 2);
-        }
-        common::merge(cube, &hollow)
+        let hollow = common::cuboid(DVec3::splat(-half), DVec3::splat(half));
+        common::merge(cube, &inside_out(hollow))
     }
 
     /// The first parameter in 0..1 at which `from` + t (`to` - `from`) is in
@@ -200,6 +205,73 @@ fn a_quarter_taken_out_leaves_no_hole_in_the_caps() {
                 let view = view(&solid.mesh(), DVec3::new(-1.0, 1.0, -1.0), lens);
                 assert!(check(&solid, &view) > 50);
             }
+        }
+    }
+}
+
+/// A box with a hollow cut at half its height, seen from above: the cut is
+/// opaque, and through the hollow one sees the hollow's floor and the box's. A
+/// cut that meets nothing changes nothing; one from below leaves what is above
+/// it.
+#[test]
+fn cut_solids_are_seen_through() {
+    let colored = |mesh: Mesh, srgb: [f32; 3], alpha| {
+        let mut mesh = common::colored(mesh, srgb);
+        let surface = &mut mesh.surfaces[0];
+        surface.color = surface.color.map(|color| color.with_alpha(alpha));
+        mesh
+    };
+    // (Hatching leaves black as it is.)
+    let [red, black, blue] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]];
+    let outside = common::cuboid(DVec3::splat(-0.75), DVec3::splat(0.75));
+    let hollow = inside_out(common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)));
+    let view = Camera::looking_at(DVec3::Z * 10.0, DVec3::ZERO)
+        .lens(Lens::Orthographic { height: 2.0 })
+        .view(SIZE, SIZE)
+        .unwrap();
+    let (glass, lining) = ((red, 0.5), (blue, 0.5));
+    for (normal, height, opacity, at_wall, at_hollow) in [
+        (
+            DVec3::Z,
+            0.0,
+            0.5,
+            &[(black, 1.0)][..],
+            &[lining, glass][..],
+        ),
+        (DVec3::Z, 0.0, 1.0, &[(black, 1.0)], &[(blue, 1.0)]),
+        (
+            DVec3::Z,
+            2.0,
+            0.5,
+            &[glass, glass],
+            &[glass, lining, lining, glass],
+        ),
+        (DVec3::NEG_Z, 0.0, 0.5, &[glass], &[glass, lining]),
+    ] {
+        let hollow = colored(hollow.clone(), blue, opacity);
+        let mesh = common::merge(colored(outside.clone(), red, 0.5), &hollow);
+        let point = DVec3::Z * height;
+        let scene = Prepared::with_sections(&mesh, &[SectionPlane { normal, point }]).unwrap();
+        for (anti_aliasing, culls) in [
+            (AntiAliasing::None, true),
+            (AntiAliasing::Msaa4, false),
+            (AntiAliasing::Msaa8, true),
+        ] {
+            let mut options = RenderOptions::default().anti_aliasing(anti_aliasing);
+            options.cull_back_faces = culls;
+            options.lights = vec![Light::Ambient {
+                intensity: Vec3::ONE,
+            }];
+            options.cap_color = Some(Color::from_linear(black));
+            let (_, image) = draw(Level::default(), &scene, &view, &options);
+            let found = [2, 9, 19].map(|x| image.get(x, 25).unwrap());
+            let wanted = [&[][..], at_wall, at_hollow].map(common::blended);
+            let off = found.as_flattened().iter().zip(wanted.as_flattened());
+            let off = off.map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(
+                off <= Some(1),
+                "{normal} {height} {anti_aliasing:?}: {found:?} {wanted:?}"
+            );
         }
     }
 }

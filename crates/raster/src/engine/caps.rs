@@ -19,7 +19,7 @@ use glam::{DMat4, DVec3, DVec4};
 use crate::frame::FrameMatrix;
 use crate::section::Section;
 use crate::shading::ShadeContext;
-use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
+use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TILE, TileBuffer, capped};
 
 /// The section planes of one frame.
 #[derive(Clone, Debug, Default)]
@@ -145,7 +145,20 @@ pub(crate) fn cap_tile(
     if !buffer.tile.drawn {
         return;
     }
-    for (plane, sample) in buffer.planes().zip(samples) {
+    let kept = |number: i32| (number as usize) < scene.kept_triangles;
+    // Faces that are seen through, of those that are kept if there are any.
+    let mut seen_through = Vec::new();
+    if buffer.sees_through() {
+        seen_through.resize(samples.len() * TILE * TILE, NO_TRIANGLE);
+        for fragment in buffer.fragments.iter().flat_map(|found| found.iter()) {
+            let (sample, pixel, triangle) = fragment.place();
+            let face = &mut seen_through[sample * TILE * TILE + pixel];
+            if *face == NO_TRIANGLE || kept(triangle) {
+                *face = triangle;
+            }
+        }
+    }
+    for (k, (plane, sample)) in buffer.planes().zip(samples).enumerate() {
         let Some(windings) = plane.winding else {
             return;
         };
@@ -153,12 +166,19 @@ pub(crate) fn cap_tile(
         let numbers = plane.triangle.as_flattened_mut();
         let here = depths.iter_mut().zip(numbers).zip(windings.as_flattened());
         for (index, ((depth, number), &winding)) in here.enumerate() {
-            if *number == NO_TRIANGLE {
+            let behind = seen_through.get(k * TILE * TILE + index).copied();
+            let behind = behind.filter(|&face| face != NO_TRIANGLE);
+            // A face of what is kept, if there is any.
+            let face = match behind {
+                Some(face) if !kept(*number) => face,
+                _ => *number,
+            };
+            if face == NO_TRIANGLE {
                 continue;
             }
             let in_matter = winding > 0;
-            let cut_away = *number as usize >= scene.kept_triangles;
-            if !in_matter && !cut_away {
+            let cut_away = !kept(face);
+            if !in_matter && kept(*number) {
                 continue;
             }
             let (block, lane) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
@@ -177,8 +197,8 @@ pub(crate) fn cap_tile(
             // well, up to rounding.
             if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
                 *depth = entry.depth;
-                *number = capped(*number, entry.plane);
-            } else if cut_away {
+                *number = capped(face, entry.plane);
+            } else if !kept(*number) {
                 *depth = 0.0;
                 *number = NO_TRIANGLE;
             }

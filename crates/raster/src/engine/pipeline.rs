@@ -272,9 +272,10 @@ impl Renderer {
             tiles: &self.tiles.of_picture,
             columns,
             sample_range,
-            transparent: shading
-                .transparent
-                .then_some((shading, options.cull_back_faces)),
+            transparent: shading.transparent.then_some((
+                shading,
+                options.cull_back_faces && shading.scene.sections.is_empty(),
+            )),
         };
         let level = self.level;
         let part = batch.len().div_ceil(self.bins.len()).max(1);

@@ -222,9 +222,9 @@ impl Prepared {
         self.part_ends.partition_point(|&end| end <= triangle)
     }
 
-    /// Whether anything is seen through, which cut solids are not.
+    /// Whether anything is seen through.
     pub(crate) fn is_transparent(&self, options: &RenderOptions) -> bool {
-        self.sections.is_empty() && self.looks.iter().any(|look| look.is_transparent(options))
+        self.looks.iter().any(|look| look.is_transparent(options))
     }
 
     /// Adds the normals of all triangles' corners.

@@ -15,7 +15,7 @@ use crate::fixed::SUBPIXELS;
 use crate::resolve::{Block, FindJobs, ResolveTile, Scratch};
 use crate::shading::ShadeContext;
 use crate::simd::{LANES, Level};
-use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
+use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer, decode};
 
 /// A sample of a triangle that is seen through.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,16 @@ pub(crate) struct Fragment {
     triangle: i32,
 }
 
-/// Adds the samples of a tile that records cover to its fragments.
+impl Fragment {
+    /// The plane of its sample, the place in it, and the triangle's number.
+    pub fn place(&self) -> (usize, usize, i32) {
+        let [sample, pixel] = [self.sample, self.pixel].map(usize::from);
+        (sample, pixel, self.triangle)
+    }
+}
+
+/// Adds the samples of a tile that records cover to its fragments, and to its
+/// windings where these are counted.
 pub(crate) fn collect<'a>(
     tile: &mut TileBuffer,
     origin: [i32; 2],
@@ -66,6 +75,9 @@ pub(crate) fn collect<'a>(
                             depth: depth.max(record.z_low).min(record.z_high),
                             triangle: record.triangle,
                         });
+                        if let Some(windings) = tile.winding.get_mut(k) {
+                            windings[block][y % BLOCK * BLOCK + x % BLOCK] += record.winding;
+                        }
                     }
                 }
             }
@@ -136,12 +148,15 @@ impl ResolveTile<'_, '_> {
     /// of all samples, a plane each.
     fn layers(&self, samples: usize) -> Vec<Vec<OfPixels<i32>>> {
         let mut fragments = self.tile.fragments.as_deref().cloned().unwrap_or_default();
-        // Equal depths show what was drawn first.
+        let kept = self.context.scene.kept_triangles;
+        // Equal depths show what was drawn first. Nothing is before a cap, up to
+        // rounding, which is opaque.
         fragments.retain(|f| {
-            let (plane, at) = (usize::from(f.sample), usize::from(f.pixel));
+            let (plane, at, triangle) = f.place();
             let depth = self.tile.depth[plane].as_flattened()[at];
             let number = self.tile.triangle[plane].as_flattened()[at];
-            f.depth > depth || (f.depth == depth && f.triangle < number)
+            let is_shown = (triangle as usize) < kept && decode(number).1.is_none();
+            is_shown && (f.depth > depth || (f.depth == depth && triangle < number))
         });
         fragments.sort_unstable_by(|a, b| {
             let place = (a.sample, a.pixel).cmp(&(b.sample, b.pixel));
@@ -201,7 +216,10 @@ fn blend_job(
 ) {
     for lane in (0..LANES).filter(|lane| job.wanted >> lane & 1 != 0) {
         let number = job.triangles[lane];
-        let opacity = context.opacity(number as usize).clamp(0.0, 1.0);
+        let opacity = match decode(number) {
+            (triangle, None) => context.opacity(triangle).clamp(0.0, 1.0),
+            _ => 1.0,
+        };
         let at = block * BLOCK_PIXELS + lane;
         for (k, plane) in numbers.iter().enumerate() {
             let to = &mut blended[k * TILE * TILE + at];

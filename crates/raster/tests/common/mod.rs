@@ -132,6 +132,21 @@ pub fn colored(mut mesh: Mesh, srgb: [f32; 3]) -> Mesh {
     mesh
 }
 
+/// What a stack of colours and opacities, from the nearest, looks like.
+pub fn blended(layers: &[([f32; 3], f32)]) -> [u8; 4] {
+    let (mut sum, mut through) = ([0.0; 3], 1.0);
+    for &(rgb, alpha) in layers {
+        for (sum, channel) in sum.iter_mut().zip(rgb) {
+            *sum += through * alpha * channel;
+        }
+        through *= 1.0 - alpha;
+    }
+    let opacity = 1.0 - through;
+    let encoded = Color::from_linear(sum.map(|c| c / opacity.max(f32::MIN_POSITIVE))).to_srgb();
+    let [r, g, b] = encoded.map(|c| (c * 255.0).round() as u8);
+    [r, g, b, (opacity * 255.0).round() as u8]
+}
+
 /// The reversed depth of each triangle's plane as (a, b, c): a x + b y + c at
 /// the window position (x, y). Homogeneously z = a x + b y + c w at its
 /// corners. The corners are those that a scene keeps: in single precision
