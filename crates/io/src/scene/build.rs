@@ -3,7 +3,7 @@
 use csg::{Color, Made, Node, NodeFault, PolyhedronFault, Solid};
 use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat4, DVec3, DVec4};
 
-use super::corners;
+use super::corners::{self, Allowance};
 use super::error::{Place, SceneError, Warning};
 use super::facets::{self, Fineness};
 use super::flat::{Extrusion, Growth, Revolution};
@@ -30,6 +30,7 @@ pub(super) fn build(tree: &Tree<'_>, options: ReadOptions) -> Result<Scene, Scen
         faceted_until: 0,
         index: 0,
         facets: 0.0,
+        left: Allowance::default(),
         warnings: Vec::new(),
         cursor: Cursor::default(),
     };
@@ -131,6 +132,8 @@ pub(super) struct Builder<'a> {
     index: usize,
     /// Facets made so far.
     facets: f64,
+    /// What may still be meshed.
+    left: Allowance,
     warnings: Vec<Warning>,
     cursor: Cursor,
 }
@@ -192,7 +195,8 @@ impl Builder<'_> {
                 Ok(self.nothing(node, "it takes flat children, not solids"))
             }
             (Operation::Projection, Piece::Solid(solid)) => {
-                let shadow = corners::shadow(&solid).map_err(|e| self.fault(node, &e))?;
+                let shadow =
+                    corners::shadow(&solid, &mut self.left).map_err(|e| self.fault(node, &e))?;
                 Ok(Piece::Flat(shadow))
             }
             (Operation::Projection, _) => Ok(self.nothing(node, "it takes solids")),
@@ -215,9 +219,9 @@ impl Builder<'_> {
             }
             Pieces::Solids(solids) => {
                 let solid = if is_hull {
-                    corners::hull(&solids)
+                    corners::hull(&solids, &mut self.left)
                 } else {
-                    corners::minkowski(solids)
+                    corners::minkowski(solids, &mut self.left)
                 };
                 let solid = solid.map_err(|e| self.fault(node, &e))?;
                 self.made(node, solid)
@@ -234,7 +238,9 @@ impl Builder<'_> {
     ) -> Result<Piece, SceneError> {
         let bounds = match &piece {
             Piece::Nothing => return Ok(piece),
-            Piece::Solid(solid) => corners::bounds(solid).map_err(|e| self.fault(node, &e))?,
+            Piece::Solid(solid) => {
+                corners::bounds(solid, &mut self.left).map_err(|e| self.fault(node, &e))?
+            }
             Piece::Flat(flat) => flat
                 .bounds(1e-6)
                 .map_err(|e| self.fault(node, &e.to_string()))?

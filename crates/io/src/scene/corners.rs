@@ -3,20 +3,40 @@
 //! exact.
 
 use csg::glam::{DAffine3, DVec2, DVec3};
-use csg::{FillRule, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
+use csg::{FillRule, Limits, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
 
 /// How far the mesh of a curved solid may stray, as a share of its size.
 const SHARE: f64 = 1e-4;
 /// The most pairs of convex parts of a Minkowski sum.
 const MOST_PAIRS: usize = 1000;
-/// The most sums of corners in it.
+/// The most sums of corners in all Minkowski sums of a scene.
 const MOST_SUMS: usize = 10_000_000;
+/// The most cells, or blocks between planes, that the mesher may look at while a
+/// scene is read: less than a second's work. The costliest of eleven scenes that
+/// others wrote with such nodes takes 80 thousand.
+const MOST_CELLS: u64 = 200_000;
+
+/// What may still be done while a scene is read. It is counted, not timed: a text
+/// is read, or refused, alike on every machine.
+pub(super) struct Allowance {
+    cells: u64,
+    sums: usize,
+}
+
+impl Default for Allowance {
+    fn default() -> Self {
+        Self {
+            cells: MOST_CELLS,
+            sums: MOST_SUMS,
+        }
+    }
+}
 
 /// The mesh of a solid: exact if all its faces are flat.
-fn mesh(solid: &Solid) -> Result<Mesh, String> {
+fn mesh(solid: &Solid, left: &mut Allowance) -> Result<Mesh, String> {
     let program = Program::lower(solid).map_err(|e| e.to_string())?;
     let flat = program.surfaces().iter().all(csg::Surface::is_plane);
-    let mut mesher = Mesher::new();
+    let mut mesher = Mesher::new().limits(Limits::new().cells(left.cells));
     if !flat {
         let bounds = program.bounds().map_err(|e| e.to_string())?;
         let Some(bounds) = bounds else {
@@ -24,7 +44,13 @@ fn mesh(solid: &Solid) -> Result<Mesh, String> {
         };
         mesher = mesher.tolerance(SHARE * bounds.size().max_element());
     }
-    let meshed = mesher.mesh(&program).map_err(|e| e.to_string())?;
+    let meshed = mesher.mesh(&program).map_err(|error| match error {
+        csg::Error::LimitReached(_) => format!(
+            "what is in it takes too much work to mesh (more than {MOST_CELLS} cells for all such nodes of the scene): give simpler operands"
+        ),
+        other => other.to_string(),
+    })?;
+    left.cells = left.cells.saturating_sub(meshed.report.cells_visited);
     if meshed.report.is_proven() {
         Ok(meshed.mesh)
     } else {
@@ -33,7 +59,7 @@ fn mesh(solid: &Solid) -> Result<Mesh, String> {
 }
 
 /// Points whose convex hull is that of the solid.
-fn corners(solid: &Solid) -> Result<Vec<DVec3>, String> {
+fn corners(solid: &Solid, left: &mut Allowance) -> Result<Vec<DVec3>, String> {
     let mut points = Vec::new();
     let mut pending = vec![(solid, DAffine3::IDENTITY)];
     while let Some((solid, map)) = pending.pop() {
@@ -55,7 +81,7 @@ fn corners(solid: &Solid) -> Result<Vec<DVec3>, String> {
                 points.extend((0..8).map(|k| map.transform_point3(corner(k))));
             }
             _ => {
-                let positions = mesh(solid)?.positions;
+                let positions = mesh(solid, left)?.positions;
                 points.extend(positions.into_iter().map(|p| map.transform_point3(p)));
             }
         }
@@ -99,7 +125,7 @@ pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
 }
 
 /// The convex hull of solids.
-pub(super) fn hull(solids: &[Solid]) -> Result<Solid, String> {
+pub(super) fn hull(solids: &[Solid], left: &mut Allowance) -> Result<Solid, String> {
     if let Some((centers, radius)) = balls(solids)
         && let Some(rounded) = Solid::hull_of_balls(&centers, radius)
     {
@@ -107,35 +133,35 @@ pub(super) fn hull(solids: &[Solid]) -> Result<Solid, String> {
     }
     let mut points = Vec::new();
     for solid in solids {
-        points.extend(corners(solid)?);
+        points.extend(corners(solid, left)?);
     }
     Ok(Solid::hull(points))
 }
 
 /// The Minkowski sum: all sums of a point of each. Parts that are not convex
 /// are cut into convex parts first.
-pub(super) fn minkowski(solids: Vec<Solid>) -> Result<Solid, String> {
+pub(super) fn minkowski(solids: Vec<Solid>, left: &mut Allowance) -> Result<Solid, String> {
     let mut solids = solids.into_iter();
     let Some(first) = solids.next() else {
         return Ok(Solid::empty());
     };
     let mut sum = first;
     for solid in solids {
-        let (left, right) = (parts(&sum)?, parts(&solid)?);
-        let pairs = left.len() * right.len();
+        let (first, second) = (parts(&sum, left)?, parts(&solid, left)?);
+        let pairs = first.len() * second.len();
         if pairs > MOST_PAIRS {
             return Err(format!(
                 "{} by {} convex parts are more than {MOST_PAIRS} pairs: give simpler operands",
-                left.len(),
-                right.len()
+                first.len(),
+                second.len()
             ));
         }
         let mut hulls = Vec::with_capacity(pairs);
-        for a in &left {
-            for b in &right {
-                if a.len() * b.len() > MOST_SUMS {
-                    return Err("its operands have too many corners".to_owned());
-                }
+        for a in &first {
+            for b in &second {
+                left.sums = left.sums.checked_sub(a.len() * b.len()).ok_or_else(|| {
+                    format!("its operands have too many corners (more than {MOST_SUMS} pairs in all such nodes of the scene): give simpler ones")
+                })?;
                 let sums = a.iter().flat_map(|&p| b.iter().map(move |&q| p + q));
                 hulls.push(Solid::hull(sums));
             }
@@ -146,30 +172,61 @@ pub(super) fn minkowski(solids: Vec<Solid>) -> Result<Solid, String> {
 }
 
 /// The corners of convex parts that make up a solid.
-fn parts(solid: &Solid) -> Result<Vec<Vec<DVec3>>, String> {
-    let whole = mesh(solid)?;
+fn parts(solid: &Solid, left: &mut Allowance) -> Result<Vec<Vec<DVec3>>, String> {
+    let whole = mesh(solid, left)?;
     let parts = Solid::convex_parts(&whole).map_err(|e| e.to_string())?;
     if parts.len() == 1 {
         return Ok(vec![whole.positions]);
     }
     let corners = parts
         .into_iter()
-        .map(|planes| Ok(mesh(&Solid::convex_polyhedron(planes))?.positions));
+        .map(|planes| Ok(mesh(&Solid::convex_polyhedron(planes), left)?.positions));
     corners.collect()
 }
 
 /// The least and greatest coordinates of a solid.
-pub(super) fn bounds(solid: &Solid) -> Result<Option<(DVec3, DVec3)>, String> {
-    Ok(mesh(solid)?.bounds())
+pub(super) fn bounds(
+    solid: &Solid,
+    left: &mut Allowance,
+) -> Result<Option<(DVec3, DVec3)>, String> {
+    Ok(mesh(solid, left)?.bounds())
 }
 
 /// The solid seen along z.
-pub(super) fn shadow(solid: &Solid) -> Result<Profile, String> {
-    let mesh = mesh(solid)?;
+pub(super) fn shadow(solid: &Solid, left: &mut Allowance) -> Result<Profile, String> {
+    let mesh = mesh(solid, left)?;
     let triangles = (0..mesh.triangles.len()).map(|index| mesh.corners(index));
     let seen = triangles.filter_map(|corners| {
         let [a, b, c]: [DVec2; 3] = corners.map(DVec3::truncate);
         ((b - a).perp_dot(c - a) > 0.0).then_some([a, b, c])
     });
     Ok(Profile::polygons_of(seen, FillRule::NonZero))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_bounded_over_all_nodes() {
+        let cube = Solid::cuboid([1.0; 3]);
+        // Cuboids have eight corners each, of which all are summed.
+        let mut left = Allowance {
+            sums: 100,
+            ..Allowance::default()
+        };
+        let pair = || vec![cube.clone(), cube.clone()];
+        assert!(minkowski(pair(), &mut left).is_ok());
+        let refused = minkowski(pair(), &mut left).expect_err("refused");
+        assert!(refused.contains("too many corners"), "{refused}");
+
+        let mut left = Allowance {
+            cells: 3,
+            ..Allowance::default()
+        };
+        let notched = &cube - Solid::cuboid_between([0.0; 3], [2.0; 3]);
+        let refused = (0..4).find_map(|_| bounds(&notched, &mut left).err());
+        let refused = refused.expect("refused");
+        assert!(refused.contains("too much work"), "{refused}");
+    }
 }

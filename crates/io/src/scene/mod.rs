@@ -34,7 +34,8 @@
 //!   chords first, a twist into flat steps of at most 1.4 degrees.
 //! - Hulls, Minkowski sums, projections and `resize` need corners: what is in
 //!   them is meshed while reading, circles there as polygons of at least 30
-//!   corners. A hull of nothing but equal spheres is exact.
+//!   corners. A hull of nothing but equal spheres is exact. How many cells and
+//!   corners all of them together may cost is bounded; more is an error.
 //! - Of profiles and solids in one list those unlike the first are left out,
 //!   with a warning; an intersection of both has no points.
 //! - The faces of a `polyhedron` must close; if they are inside out they are
