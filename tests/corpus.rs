@@ -167,6 +167,64 @@ fn faceted_meshes_without_fallbacks_are_exact() {
     assert!(trees.is_empty() || exact >= 20, "only {exact} were exact");
 }
 
+/// Trees of other nodes that are refused, or off: a surface that does not close, a hull
+/// whose operand is meshed for too long, a projective matrix; faces that are not flat,
+/// circles resized as polygons, surfaces merged, a last digit, and references not
+/// understood.
+const NOT_YET: [&str; 10] = [
+    "polyhedron-tests",
+    "issue1089b",
+    "non-aff-matrix",
+    "polyhedron-nonplanar-tests",
+    "resize-tests",
+    "issue1061",
+    "issue1105d",
+    "issue1198",
+    "issue591",
+    "horn-torus",
+];
+
+/// Trees of other nodes (extrusions, polyhedra, hulls, Minkowski sums, offsets) are exact
+/// with facets, but for those named above, which leave that list when they are.
+#[test]
+fn other_trees_are_exact_with_facets() {
+    /// With more surfaces they take longer than all others together.
+    const MOST_SURFACES: usize = 700;
+    let is_exact = |tree: &Tree| -> Result<bool, String> {
+        let read = read_file(&tree.path, &ReadOptions::default().faceted(true));
+        let scene = read.map_err(|e| e.to_string())?;
+        let program = Program::lower(&scene.solid).map_err(|e| e.to_string())?;
+        if program.surfaces().len() > MOST_SURFACES {
+            return Ok(false);
+        }
+        let meshed = Mesher::new().mesh(&program).map_err(|e| e.to_string())?;
+        let (wanted, precision) = tree.reference(true);
+        let off = (meshed.mesh.volume() / wanted - 1.0).abs();
+        if off <= precision && meshed.report.check.is_closed() {
+            Ok(true)
+        } else {
+            Err(format!("off by {off:e} of {wanted}"))
+        }
+    };
+    let mut exact = 0;
+    let trees = corpus();
+    for tree in trees.iter().filter(|tree| !tree.core && !tree.has_text) {
+        let name = tree.path.display().to_string();
+        let is_known = NOT_YET.iter().any(|known| {
+            let file = name.strip_suffix(".csg");
+            file.is_some_and(|file| file.ends_with(known))
+        });
+        match is_exact(tree) {
+            Ok(done) => {
+                assert!(!(done && is_known), "{name} is exact now");
+                exact += usize::from(done);
+            }
+            Err(why) => assert!(is_known, "{name}: {why}"),
+        }
+    }
+    assert!(trees.is_empty() || exact >= 35, "only {exact} were exact");
+}
+
 /// Points in a box, well spread: Roberts' R3 sequence.
 fn points_in(bounds: &Bounds, count: u32) -> impl Iterator<Item = DVec3> {
     let (min, size) = (bounds.min, bounds.size());

@@ -109,7 +109,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 63] = [
+const MODELS: [&str; 64] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -139,6 +139,7 @@ const MODELS: [&str; 63] = [
     "dimples",
     "doubled-chords",
     "doubled-diagonals",
+    "drilled-cube-rounded-by-a-cube",
     "flat-triangle",
     "half-cone",
     "half-hourglass",

@@ -3,7 +3,8 @@
 //! Quickhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm
 //! for convex hulls", 1996): the furthest point outside a face replaces all
 //! faces it sees by a fan. Faces that contain the point within rounding count
-//! as seen, so that flat sides are fanned anew and no face degenerates. The
+//! as seen, so that flat sides are fanned anew and no face degenerates; each point is
+//! taken once at most, so that rounding cannot go round in circles. The
 //! triangles of a flat side then become one plane.
 
 use glam::DVec3;
@@ -74,6 +75,9 @@ struct Face {
 
 struct Hull<'a> {
     points: &'a [DVec3],
+    /// Which of them have been a corner: each becomes one once at most, even if rounding
+    /// takes it out again, so that the hull ends.
+    taken: Vec<bool>,
     faces: Vec<Face>,
     /// The face to the left of each directed edge.
     edges: FxHashMap<(usize, usize), usize>,
@@ -108,11 +112,15 @@ impl<'a> Hull<'a> {
         };
         let mut hull = Self {
             points,
+            taken: vec![false; points.len()],
             faces: Vec::new(),
             edges: FxHashMap::default(),
             slack,
         };
         let [a, b, c, d] = corners;
+        for corner in corners {
+            hull.taken[corner] = true;
+        }
         let mut faces = Vec::new();
         for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
             faces.push(hull.add(corners));
@@ -149,6 +157,9 @@ impl<'a> Hull<'a> {
     /// Gives each point to a face that it is outside of.
     fn share(&mut self, points: impl IntoIterator<Item = usize>, faces: &[usize]) {
         for point in points {
+            if self.taken[point] {
+                continue;
+            }
             let seen = faces
                 .iter()
                 .find(|&&face| self.distance(face, point) > self.slack);
@@ -182,6 +193,7 @@ impl<'a> Hull<'a> {
         let mut horizon = Vec::new();
         let mut orphans = Vec::new();
         self.faces[start].alive = false;
+        self.taken[point] = true;
         let mut next = 0;
         while let Some(&face) = seen.get(next) {
             next += 1;
