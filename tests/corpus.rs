@@ -167,13 +167,12 @@ fn faceted_meshes_without_fallbacks_are_exact() {
     assert!(trees.is_empty() || exact >= 20, "only {exact} were exact");
 }
 
-/// Trees of other nodes that are refused, or off: a surface that does not close, a hull
-/// whose operand is meshed for too long, a projective matrix; faces that are not flat,
+/// Trees of other nodes that are refused, or off: a surface that does not close, a
+/// projective matrix; faces that are not flat,
 /// circles resized as polygons, surfaces merged, a last digit, and references not
 /// understood.
-const NOT_YET: [&str; 10] = [
+const NOT_YET: [&str; 9] = [
     "polyhedron-tests",
-    "issue1089b",
     "non-aff-matrix",
     "polyhedron-nonplanar-tests",
     "resize-tests",
@@ -190,6 +189,8 @@ const NOT_YET: [&str; 10] = [
 fn other_trees_are_exact_with_facets() {
     /// With more surfaces they take longer than all others together.
     const MOST_SURFACES: usize = 700;
+    /// A hull of points of six digits: planes that meet at small angles are moved, in 30 s.
+    const SLOW: &str = "issue1089b.csg";
     let is_exact = |tree: &Tree| -> Result<bool, String> {
         let read = read_file(&tree.path, &ReadOptions::default().faceted(true));
         let scene = read.map_err(|e| e.to_string())?;
@@ -208,7 +209,8 @@ fn other_trees_are_exact_with_facets() {
     };
     let mut exact = 0;
     let trees = corpus();
-    for tree in trees.iter().filter(|tree| !tree.core && !tree.has_text) {
+    let others = trees.iter().filter(|tree| !tree.core && !tree.has_text);
+    for tree in others.filter(|tree| !tree.path.to_string_lossy().ends_with(SLOW)) {
         let name = tree.path.display().to_string();
         let is_known = NOT_YET.iter().any(|known| {
             let file = name.strip_suffix(".csg");

@@ -29,6 +29,26 @@ impl Solid {
             function,
             solid,
             within,
+            spanning: Vec::new(),
+        }))
+    }
+
+    /// What a function made of points, and points whose convex hull is that of it.
+    pub(super) fn made_of_points(
+        function: &'static str,
+        made: Result<(Self, Vec<DVec3>), NodeFault>,
+    ) -> Self {
+        let (solid, spanning) = match made {
+            Ok((solid, points)) => (Ok(solid), points),
+            Err(fault) => (Err(fault), Vec::new()),
+        };
+        let least = spanning.iter().copied().reduce(DVec3::min);
+        let greatest = spanning.iter().copied().reduce(DVec3::max);
+        Self::from_node(Node::Made(Made {
+            function,
+            solid,
+            within: least.zip(greatest).map(<[DVec3; 2]>::from),
+            spanning,
         }))
     }
 

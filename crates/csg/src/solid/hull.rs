@@ -26,11 +26,9 @@ impl Solid {
     #[must_use]
     pub fn hull<P: Into<DVec3>>(points: impl IntoIterator<Item = P>) -> Self {
         let points: Vec<DVec3> = points.into_iter().map(Into::into).collect();
-        let made = hull_planes(&points).map(|planes| {
-            let (min, max) = extent(&points);
-            (Self::convex_polyhedron(planes), [min, max])
-        });
-        Self::made("hull", made)
+        let planes = hull_planes(&points);
+        let made = planes.map(|planes| (Self::convex_polyhedron(planes), points));
+        Self::made_of_points("hull", made)
     }
 }
 

@@ -100,7 +100,7 @@ impl Solid {
             faces.check()?;
             Ok(faces.solid())
         });
-        Self::made("polyhedron", made.map_err(NodeFault::from))
+        Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
     }
 
     /// Convex polyhedra that do not overlap and make up the solid that a mesh
@@ -245,18 +245,15 @@ impl Faces {
         (Mesh::new(self.vertices.clone(), triangles), owners)
     }
 
-    fn solid(&self) -> (Solid, [DVec3; 2]) {
-        let used = self.faces.iter().flat_map(|(corners, _)| corners);
-        let mut within = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for &vertex in used {
-            let vertex = self.vertices[vertex as usize];
-            within = [within[0].min(vertex), within[1].max(vertex)];
-        }
+    fn solid(&self) -> (Solid, Vec<DVec3>) {
+        let mut used: Vec<u32> = self.faces.iter().flat_map(|(c, _)| c).copied().collect();
+        used.sort_unstable();
+        used.dedup();
         let solid = match self.convex() {
             Some(planes) => Solid::convex_polyhedron(planes),
             None => self.tree().solid(),
         };
-        (solid, within)
+        (solid, self.points(&used))
     }
 
     /// The planes, if all vertices are behind or on each.

@@ -60,6 +60,9 @@ pub struct Made {
     /// The least and greatest corner of a box around the solid, if it has an
     /// end: half-spaces alone may not tell.
     pub within: Option<[DVec3; 2]>,
+    /// Points whose convex hull is that of the solid; empty where none were
+    /// given.
+    pub spanning: Vec<DVec3>,
 }
 
 impl Node {

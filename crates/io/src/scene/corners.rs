@@ -3,7 +3,7 @@
 //! exact.
 
 use csg::glam::{DAffine3, DVec2, DVec3};
-use csg::{FillRule, Limits, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
+use csg::{FillRule, Limits, Made, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
 
 /// How far the mesh of a curved solid may stray, as a share of its size.
 const SHARE: f64 = 1e-4;
@@ -79,6 +79,13 @@ fn corners(solid: &Solid, left: &mut Allowance) -> Result<Vec<DVec3>, String> {
                     DVec3::select(is_upper.into(), max, min)
                 };
                 points.extend((0..8).map(|k| map.transform_point3(corner(k))));
+            }
+            Node::Made(Made {
+                solid: Ok(_),
+                spanning,
+                ..
+            }) if !spanning.is_empty() => {
+                points.extend(spanning.iter().map(|&p| map.transform_point3(p)));
             }
             _ => {
                 let positions = mesh(solid, left)?.positions;
@@ -228,5 +235,20 @@ mod tests {
         let refused = (0..4).find_map(|_| bounds(&notched, &mut left).err());
         let refused = refused.expect("refused");
         assert!(refused.contains("too much work"), "{refused}");
+    }
+
+    #[test]
+    fn polyhedra_and_hulls_give_their_points() {
+        let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let polyhedron = Solid::polyhedron(points, faces).translate([1.0, 0.0, 0.0]);
+        for solid in [
+            polyhedron.clone(),
+            Solid::hull(points).translate([1.0, 0.0, 0.0]),
+        ] {
+            let nothing = &mut Allowance { cells: 0, sums: 0 };
+            let found = corners(&solid, nothing).expect("nothing is meshed");
+            assert_eq!(found, points.map(|p| p + DVec3::X));
+        }
     }
 }
