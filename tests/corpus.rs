@@ -167,10 +167,9 @@ fn faceted_meshes_without_fallbacks_are_exact() {
     assert!(trees.is_empty() || exact >= 20, "only {exact} were exact");
 }
 
-/// Trees of other nodes that are refused, or off: a surface that does not close, a
-/// projective matrix; faces that are not flat,
-/// circles resized as polygons, surfaces merged, a last digit, and references not
-/// understood.
+/// Trees of other nodes that are refused (a surface that does not close, a projective
+/// matrix), or off: faces that are not flat, circles resized as polygons, surfaces merged,
+/// a last digit, and references not understood.
 const NOT_YET: [&str; 9] = [
     "polyhedron-tests",
     "non-aff-matrix",

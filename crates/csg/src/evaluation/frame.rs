@@ -64,7 +64,7 @@ impl Frame {
             (center, values[2]) = (on_axis, 0.0);
             Shape::Around
         } else {
-            match surface.kind() {
+            match surface.kind {
                 Kind::Ellipsoid => Shape::Closed,
                 Kind::HyperboloidOneSheet | Kind::EllipticCylinder => Shape::Around,
                 Kind::Cone => {

@@ -38,7 +38,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// The kind of f by how many values of its quadratic form are positive and negative,
+    /// The kind of a quadric by how many values of its quadratic form are positive and negative,
     /// and by what is left beside it: a slope that no centre takes away, or else the value
     /// at the centre.
     pub(super) fn of_signature(
@@ -53,7 +53,6 @@ impl Kind {
             (negative, positive, -at_center)
         };
         Ok(match (most, least) {
-            (0, _) if has_slope => Self::Plane,
             (1, 0) if has_slope => Self::ParabolicCylinder,
             (1, 1) if has_slope => Self::HyperbolicParaboloid,
             (2, 0) if has_slope => Self::EllipticParaboloid,
@@ -97,14 +96,11 @@ impl Kind {
         )
     }
 
-    /// Whether f has a slope that no centre takes away.
+    /// Whether f of a quadric has a slope that no centre takes away.
     fn has_slope(self) -> bool {
         matches!(
             self,
-            Self::Plane
-                | Self::EllipticParaboloid
-                | Self::HyperbolicParaboloid
-                | Self::ParabolicCylinder
+            Self::EllipticParaboloid | Self::HyperbolicParaboloid | Self::ParabolicCylinder
         )
     }
 }
@@ -124,11 +120,6 @@ pub(crate) struct StandardForm {
 }
 
 impl Surface {
-    /// What the surface is.
-    pub(crate) fn kind(&self) -> Kind {
-        self.kind
-    }
-
     /// The side on which the quadratic form alone never crosses zero: outside if it is
     /// positive semidefinite, inside if negative.
     pub(crate) fn definiteness(&self) -> Option<Side> {
@@ -140,7 +131,7 @@ impl Surface {
         }
     }
 
-    /// The equation in the surface's own axes.
+    /// The equation of a quadric in its own axes.
     pub(crate) fn standard_form(&self) -> StandardForm {
         let (mut values, vectors) = eigen(self.quadratic);
         let mut axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
@@ -156,9 +147,6 @@ impl Surface {
             if rank < 2 {
                 axes[2] = along.normalize_or(axes[2]);
                 axes[1] = axes[2].cross(axes[0]);
-                if rank == 0 {
-                    [axes[0], axes[1]] = axes[2].any_orthonormal_pair().into();
-                }
             } else {
                 slope = self.linear.dot(axes[2]);
             }
@@ -313,7 +301,7 @@ mod tests {
                     .rotate_y(turn[2])
                     .translate(offset);
                 let surface = surface(&solid);
-                prop_assert_eq!(surface.kind(), kind);
+                prop_assert_eq!(surface.kind, kind);
                 let form = surface.standard_form();
                 let rank = kind.rank();
                 prop_assert!(form.values[..rank].iter().all(|v| *v != 0.0));
@@ -339,7 +327,7 @@ mod tests {
             let scales = if is_needle { [thin, thin, 1.0] } else { [1.0, 1.0, thin] };
             for (kind, solid) in solids() {
                 let solid = solid.rotate_x(1.0).scale_xyz(scales).rotate_x(turn[0]).rotate_z(turn[1]);
-                prop_assert_eq!(surface(&solid).kind(), kind);
+                prop_assert_eq!(surface(&solid).kind, kind);
             }
         }
     }
@@ -347,8 +335,8 @@ mod tests {
     #[test]
     fn a_cone_far_from_its_apex_has_none() {
         let rod = surface(&Solid::frustum(1.0, 1.0 - 1e-9, 0.0..1.0));
-        assert_eq!((rod.kind(), rod.apex()), (Kind::Cone, None));
+        assert_eq!((rod.kind, rod.apex()), (Kind::Cone, None));
         let cone = surface(&Solid::frustum(1.0, 0.0, 0.0..1.0));
-        assert_eq!((cone.kind(), cone.apex()), (Kind::Cone, Some(DVec3::Z)));
+        assert_eq!((cone.kind, cone.apex()), (Kind::Cone, Some(DVec3::Z)));
     }
 }

@@ -33,6 +33,7 @@ pub struct Surface {
     pub(crate) quadratic: [f64; 6],
     pub(crate) linear: DVec3,
     pub(crate) constant: f64,
+    /// What it is: a plane, or which quadric.
     pub(crate) kind: Kind,
 }
 

@@ -80,7 +80,7 @@ impl Bend {
     }
 
     pub fn of(surface: &Surface) -> Self {
-        match surface.kind() {
+        match surface.kind {
             Kind::Plane => Self::Flat,
             Kind::Cone
             | Kind::EllipticCylinder

@@ -44,7 +44,7 @@ pub(super) struct Round {
 impl Round {
     /// None for all others: triangles on these are good as they are.
     pub fn of(surface: &Surface) -> Option<Self> {
-        let shape = match surface.kind() {
+        let shape = match surface.kind {
             Kind::Ellipsoid => Shape::Ball,
             Kind::EllipticCylinder => Shape::Cylinder,
             Kind::Cone if surface.apex().is_some() => Shape::Cone,

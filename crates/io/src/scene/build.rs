@@ -30,7 +30,7 @@ pub(super) fn build(tree: &Tree<'_>, options: ReadOptions) -> Result<Scene, Scen
         faceted_until: 0,
         index: 0,
         facets: 0.0,
-        left: Allowance::default(),
+        allowance: Allowance::default(),
         warnings: Vec::new(),
         cursor: Cursor::default(),
     };
@@ -133,7 +133,7 @@ pub(super) struct Builder<'a> {
     /// Facets made so far.
     facets: f64,
     /// What may still be meshed.
-    left: Allowance,
+    allowance: Allowance,
     warnings: Vec<Warning>,
     cursor: Cursor,
 }
@@ -195,8 +195,8 @@ impl Builder<'_> {
                 Ok(self.nothing(node, "it takes flat children, not solids"))
             }
             (Operation::Projection, Piece::Solid(solid)) => {
-                let shadow =
-                    corners::shadow(&solid, &mut self.left).map_err(|e| self.fault(node, &e))?;
+                let shadow = corners::shadow(&solid, &mut self.allowance)
+                    .map_err(|e| self.fault(node, &e))?;
                 Ok(Piece::Flat(shadow))
             }
             (Operation::Projection, _) => Ok(self.nothing(node, "it takes solids")),
@@ -219,9 +219,9 @@ impl Builder<'_> {
             }
             Pieces::Solids(solids) => {
                 let solid = if is_hull {
-                    corners::hull(&solids, &mut self.left)
+                    corners::hull(&solids, &mut self.allowance)
                 } else {
-                    corners::minkowski(solids, &mut self.left)
+                    corners::minkowski(solids, &mut self.allowance)
                 };
                 let solid = solid.map_err(|e| self.fault(node, &e))?;
                 self.made(node, solid)
@@ -239,7 +239,7 @@ impl Builder<'_> {
         let bounds = match &piece {
             Piece::Nothing => return Ok(piece),
             Piece::Solid(solid) => {
-                corners::bounds(solid, &mut self.left).map_err(|e| self.fault(node, &e))?
+                corners::bounds(solid, &mut self.allowance).map_err(|e| self.fault(node, &e))?
             }
             Piece::Flat(flat) => flat
                 .bounds(1e-6)
