@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use super::arc::{Arc, Ends};
 use super::cells::Block;
 use super::contacts::Contact;
-use super::curve::{Branch, Meets, Samples};
+use super::curve::{Branch, Meets};
 use super::faces::Faces;
 use super::frame::Frame;
 use super::pairs::{Unknown, curves};
@@ -50,7 +50,6 @@ pub(super) struct ArcTracer {
     /// The points of the curve at all events.
     places: Vec<DVec3>,
     roots: Roots,
-    samples: Samples,
     /// Positions of all surfaces of the cell through the curve.
     through: SmallVec<[u32; 4]>,
     /// For each stretch whether the solid may change around the curve.
@@ -222,7 +221,6 @@ impl ArcTracer {
             ..
         } = *arc;
         let tolerances = [scene.on_plane, scene.near];
-        self.samples = curve.samples(range);
         self.events.clear();
         self.planes.clear();
         self.through.clear();
@@ -232,8 +230,7 @@ impl ArcTracer {
             let surface = &scene.surfaces[id as usize];
             self.roots.clear();
             let is_through = pair.contains(&position)
-                || curve.meet(surface, range, &self.samples, tolerances, &mut self.roots)
-                    == Meets::Curve;
+                || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
             if is_through {
                 let is_between = pair[0] < position && position < pair[1];
                 if is_between || position < pair[0] && arc.carriers.binary_search(&id).is_ok() {
@@ -343,8 +340,8 @@ impl ArcTracer {
             }
             let tolerances = [scene.on_plane, scene.near];
             self.roots.clear();
-            let (curve, samples) = (arc.curve, &self.samples);
-            curve.meet(surface, range, samples, tolerances, &mut self.roots) == Meets::Curve
+            let meets = arc.curve.meet(surface, range, tolerances, &mut self.roots);
+            meets == Meets::Curve
         })
     }
 
@@ -352,9 +349,7 @@ impl ArcTracer {
     fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
         let tolerances = [arc.scene.on_plane, arc.scene.near];
         self.roots.clear();
-        let meets = arc
-            .curve
-            .meet(plane, range, &self.samples, tolerances, &mut self.roots);
+        let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
         if meets == Meets::Points && !self.roots.simple.is_empty() {
             let ends = Ends::Plane(self.planes.len() as u32);
             self.planes.push(*plane);

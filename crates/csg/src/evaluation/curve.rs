@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::{Roots, Sample, bend_within};
-use super::rulings::Rulings;
+use super::roots::{Roots, bend_within};
+use super::rulings::{Along, Rulings};
 use super::trig::Trig;
 use crate::program::{Bounds, Surface};
 
@@ -110,12 +110,6 @@ pub(super) fn polar(surface: &Surface, u: DVec3, v: DVec3) -> f64 {
         + (yy * u.y + 0.5 * (xy * u.x + yz * u.z)) * v.y
         + (zz * u.z + 0.5 * (zx * u.x + yz * u.y)) * v.z
 }
-
-/// Stretches between points that are found beforehand.
-const SAMPLES: usize = 48;
-
-/// Places on a curve, with their points and how far these are from infinity.
-pub(super) type Samples = Vec<(f64, (DVec3, f64))>;
 
 /// How a surface lies to a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -302,12 +296,11 @@ impl Curve {
 
     /// Adds where a surface crosses the curve between two places. Distances
     /// below `on` are rounding, and closer than `near` without crossing is
-    /// touching. The samples are of the same stretch.
+    /// touching.
     pub(super) fn meet(
         &self,
         surface: &Surface,
         [start, end]: [f64; 2],
-        samples: &Samples,
         [on, near]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
@@ -429,37 +422,24 @@ impl Curve {
                 }
                 // In homogeneous coordinates, where nothing is infinite.
                 let power = if surface.is_plane() { 1 } else { 2 };
-                let slope =
-                    |(at, weight): (DVec3, f64)| surface.gradient(at).length() * weight.powi(power);
-                let slope = samples.iter().map(|s| slope(s.1)).fold(0.0, f64::max);
-                let weigh = |(at, weight): (DVec3, f64)| surface.value(at) * weight.powi(power);
-                let value = |t: f64| weigh(rulings.weighted(t));
-                if let Some(candidates) = rulings.candidates(surface, [start, end]) {
-                    roots.find_at(&candidates, [start, end], value, near * slope);
-                    return Meets::Points;
+                let value = |t: f64| {
+                    let (at, weight) = rulings.weighted(t);
+                    surface.value(at) * weight.powi(power)
+                };
+                let tolerance = |t: f64| {
+                    let (at, weight) = rulings.weighted(t);
+                    near * surface.gradient(at).length() * weight.powi(power)
+                };
+                match rulings.candidates(surface, [start, end]) {
+                    Ok(candidates) => {
+                        roots.find_at(&candidates, [start, end], value, tolerance);
+                    }
+                    Err(Along::Within) => return Meets::Curve,
+                    Err(Along::Beside) => roots.is_lost = true,
                 }
-                // Another branch of it runs along the surface. The second derivative is
-                // bounded by what is found at the samples.
-                let values: Vec<Sample> = samples.iter().map(|&(t, at)| (t, weigh(at))).collect();
-                let bends = values
-                    .windows(3)
-                    .map(|v| (v[0].1 - 2.0 * v[1].1 + v[2].1).abs());
-                let step = (end - start) / SAMPLES as f64;
-                let bend = 2.0 * bends.fold(0.0, f64::max) / (step * step);
-                roots.find_between(&values, value, |_, _| bend, near * slope);
                 Meets::Points
             }
         }
-    }
-
-    /// Points along a curve of degree four, and how far they are from infinity.
-    pub(super) fn samples(&self, [start, end]: [f64; 2]) -> Samples {
-        let Self::Rulings(rulings) = self else {
-            return Samples::new();
-        };
-        let step = (end - start) / SAMPLES as f64;
-        let places = (0..=SAMPLES).map(|k| start + k as f64 * step);
-        places.map(|t| (t, rulings.weighted(t))).collect()
     }
 
     fn find(

@@ -48,32 +48,17 @@ impl Roots {
         tolerance: f64,
     ) {
         const PARTS: u32 = 8;
+        /// Halvings until roots that are still together are one.
+        const MOST_HALVINGS: u32 = 40;
+        /// Intervals after which there are too many places next to 0.
+        const MOST_INTERVALS: u32 = 1 << 14;
         let at = |k: u32| {
             let t = start + f64::from(k) / f64::from(PARTS) * (end - start);
             let t = if k == PARTS { end } else { t };
             (t, value(t))
         };
         let samples: [Sample; PARTS as usize + 1] = std::array::from_fn(|k| at(k as u32));
-        self.find_between(&samples, value, bend, tolerance);
-    }
-
-    /// The same where values are known at some places in order, from the start
-    /// to the end.
-    pub fn find_between(
-        &mut self,
-        samples: &[Sample],
-        value: impl Fn(f64) -> f64,
-        bend: impl Fn(f64, f64) -> f64,
-        tolerance: f64,
-    ) {
-        /// Halvings until roots that are still together are one.
-        const MOST_HALVINGS: u32 = 40;
-        /// Intervals after which there are too many places next to 0.
-        const MOST_INTERVALS: u32 = 1 << 14;
-        let range = match samples {
-            [first, .., last] => last.0 - first.0,
-            _ => return,
-        };
+        let range = end - start;
         // The first on top, so that intervals are met in order.
         let mut pending: SmallVec<[(Sample, Sample, u32); 64]> = SmallVec::new();
         pending.extend(samples.windows(2).rev().map(|w| (w[0], w[1], 0)));
@@ -133,13 +118,13 @@ impl Roots {
     }
 
     /// Adds the roots of a function that can be 0 at some places alone, given in
-    /// order.
+    /// order. Values below the tolerance at a place are rounding.
     pub fn find_at(
         &mut self,
         places: &[Candidate],
         [start, end]: [f64; 2],
         value: impl Fn(f64) -> f64,
-        tolerance: f64,
+        tolerance: impl Fn(f64) -> f64,
     ) {
         let sample = |t: f64| (t, value(t));
         let is_negative = |sample: Sample| sample.1 <= 0.0;
@@ -152,10 +137,10 @@ impl Roots {
             if is_negative(from) != is_negative(to) {
                 let root = bracketed(&value, [from.0, to.0], [from.1, to.1]);
                 self.simple.push(root);
-                if touches && here.1.abs() <= tolerance {
+                if touches && here.1.abs() <= tolerance(place) {
                     self.touching.push(root);
                 }
-            } else if here.1.abs() <= tolerance {
+            } else if here.1.abs() <= tolerance(place) {
                 self.touching.push(place);
             } else if is_negative(from) != is_negative(here) {
                 // Two that could not be told apart.

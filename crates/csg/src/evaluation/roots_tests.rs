@@ -56,7 +56,7 @@ impl Stretch {
         let candidates = candidates.expect("no branch runs along a random surface");
         let slope = surface.gradient(self.curve.at(self.at(0.5))).length();
         let value = |t: f64| self.value(surface, t);
-        roots.find_at(&candidates, self.range, value, NEAR * slope);
+        roots.find_at(&candidates, self.range, value, |_| NEAR * slope);
         roots.simple.sort_by(f64::total_cmp);
         roots
     }
@@ -303,13 +303,7 @@ fn contacts_of_fourth_order_are_found() {
                 quadric.constant + 0.7 * offset * offset,
             );
             let mut roots = Roots::default();
-            curve.meet(
-                &other,
-                range,
-                &curve.samples(range),
-                [1e-12, NEAR],
-                &mut roots,
-            );
+            curve.meet(&other, range, [1e-12, NEAR], &mut roots);
             assert!(!roots.is_lost, "case {case}");
             let all = roots.simple.iter().chain(&roots.touching);
             let off = all.clone().map(|&t| curve.at(t).distance(at));

@@ -21,6 +21,10 @@ use super::roots::{Candidate, Roots};
 use super::trig::Trig;
 use crate::program::Surface;
 
+/// Terms cancel where their sum is below this share of their size: products of up to four
+/// polynomials whose coefficients are known to 1e-13 or so.
+const SMALL: f64 = 1e-11;
+
 /// The matrix of a quadric in coordinates about `origin` of some unit.
 pub(super) fn matrix(surface: &Surface, origin: DVec3, unit: f64) -> DMat4 {
     let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
@@ -110,6 +114,15 @@ pub(crate) struct Rulings {
     pub part: Part,
     /// Where the curve comes from infinity and goes there.
     pub between: Option<(f64, f64)>,
+}
+
+/// How a curve runs along a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Along {
+    /// It lies in it.
+    Within,
+    /// So closely on a long stretch that it cannot be told where it crosses.
+    Beside,
 }
 
 fn on_conic([one, cos, sin]: &Round, (s, c): (f64, f64)) -> DVec4 {
@@ -271,23 +284,65 @@ impl Rulings {
         }
     }
 
+    /// What vanishes where the curve meets a surface in whose equation above all terms
+    /// cancel on every line: the surface contains one branch of the curve. If it is this
+    /// one, on whose lines the two equations for α : β have the same only root, there is
+    /// none. Else it is the other one, and this one meets the surface where both its
+    /// roots on a line are common.
+    fn beside_branch(&self, surface: &Surface) -> Option<(Trig, f64)> {
+        if matches!(self.part, Part::Once | Part::Touching) {
+            return None;
+        }
+        let OnLines { a, b, c } = &self.on_lines;
+        let [size_a, size_b, size_c] = self.on_lines.magnitudes();
+        if surface.is_plane() {
+            // It meets a line once, or contains it.
+            let [p, q] = self.lines.values(self.plane(surface));
+            let sizes = [&p, &q].map(Trig::magnitude);
+            let size = sizes[0].max(sizes[1]);
+            return Some((if sizes[0] >= sizes[1] { p } else { q }, size));
+        }
+        // The minors of both equations are k u², 2 k u v and k v², and u and v are never
+        // 0 together: k is what vanishes.
+        let form = self.lines.form(&matrix(surface, self.origin, self.unit));
+        let [form_a, form_b, form_c] = form.magnitudes();
+        let minor = |[p, q]: [&Trig; 2], [r, s]: [&Trig; 2]| p.times(s).plus(-1.0, &q.times(r));
+        let ab = minor([a, b], [&form.a, &form.b]);
+        let bc = minor([b, c], [&form.b, &form.c]);
+        let size = size_a * form_b + size_b * (form_a + form_c) + size_c * form_b;
+        Some((ab.plus(1.0, &bc), size))
+    }
+
+    /// A plane in the coordinates of the lines.
+    fn plane(&self, surface: &Surface) -> DVec4 {
+        surface
+            .linear
+            .extend(surface.value(self.origin) / self.unit)
+    }
+
     /// All places between two at which the curve may meet a surface, in order, and
-    /// whether it may touch it there; none if some branch of the curve may on a
-    /// long stretch.
-    pub fn candidates(&self, surface: &Surface, [start, end]: [f64; 2]) -> Option<Vec<Candidate>> {
-        /// Of the greatest value: what is less may be 0.
-        const SMALL: f64 = 1e-11;
-        let (equation, size) = if surface.is_plane() {
-            let value = surface.value(self.origin) / self.unit;
-            self.on_plane(surface.linear.extend(value))
+    /// whether it may touch it there.
+    pub fn candidates(
+        &self,
+        surface: &Surface,
+        [start, end]: [f64; 2],
+    ) -> Result<Vec<Candidate>, Along> {
+        let (mut equation, size) = if surface.is_plane() {
+            self.on_plane(self.plane(surface))
         } else {
             self.on_quadric(&matrix(surface, self.origin, self.unit))
         };
-        let magnitude = equation.magnitude();
+        if equation.magnitude() <= SMALL * size {
+            let size;
+            (equation, size) = self.beside_branch(surface).ok_or(Along::Within)?;
+            if equation.magnitude() <= SMALL * size {
+                return Err(Along::Within);
+            }
+        }
         let mut roots = Roots::default();
-        equation.roots(SMALL * magnitude, &mut roots);
-        if roots.is_lost || magnitude <= SMALL * size {
-            return None;
+        equation.roots(SMALL * equation.magnitude(), &mut roots);
+        if roots.is_lost {
+            return Err(Along::Beside);
         }
         let mut places: Vec<Candidate> = Vec::new();
         for (angles, touches) in [(&roots.simple, false), (&roots.touching, true)] {
@@ -302,7 +357,7 @@ impl Rulings {
             b.1 |= is_same && a.1;
             is_same
         });
-        Some(places)
+        Ok(places)
     }
 
     /// Cuts the curve where it goes to infinity.
@@ -328,5 +383,91 @@ impl Rulings {
             ..self.clone()
         };
         poles.iter().copied().zip(next).map(part).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::curve::{Curve, Meets};
+    use super::*;
+
+    /// The product of two planes' equations n·x + d, with a share of x² + y² - 1.
+    fn product((a, d): (DVec3, f64), (b, e): (DVec3, f64), share: f64) -> Surface {
+        let mixed = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
+        Surface::of_terms(
+            DVec3::ZERO,
+            [
+                a.x * b.x + share,
+                a.y * b.y + share,
+                a.z * b.z,
+                mixed(0, 1),
+                mixed(1, 2),
+                mixed(2, 0),
+            ],
+            e * a + d * b,
+            d * e - share,
+        )
+    }
+
+    /// Two planes cut a cylinder; surfaces that contain the lower ellipse cross the
+    /// upper one.
+    #[test]
+    fn roots_are_found_though_another_branch_lies_in_the_surface() {
+        let lower = (DVec3::new(0.0, 0.5, 1.0), 3.0);
+        let upper = (DVec3::new(0.0, -1.0, 1.0), -3.0);
+        let lines = Lines {
+            p: [DVec4::W, DVec4::X, DVec4::Y],
+            q: [DVec4::Z, DVec4::ZERO, DVec4::ZERO],
+        };
+        let on_lines = lines.form(&matrix(&product(lower, upper, 0.0), DVec3::ZERO, 1.0));
+        let branches = [true, false].map(|is_plus| Rulings {
+            origin: DVec3::ZERO,
+            unit: 1.0,
+            lines: lines.clone(),
+            on_lines: on_lines.clone(),
+            part: Part::Around { is_plus },
+            between: None,
+        });
+        let on_upper = branches.iter().find(|branch| branch.at(0.0).z > 0.0);
+        let curve = Curve::Rulings(Box::new(on_upper.expect("one is above").clone()));
+        let meet = |surface: &Surface| {
+            let mut roots = Roots::default();
+            let meets = curve.meet(surface, [0.0, TAU], [1e-12, 1e-9], &mut roots);
+            assert!(!roots.is_lost);
+            (meets, roots)
+        };
+        for share in [0.0, 0.4, -0.7] {
+            // Crossing where y = 0.3 x + 0.1, and touching where y = 1.
+            let (meets, roots) = meet(&product(lower, (DVec3::new(-0.3, 1.0, 0.0), -0.1), share));
+            assert_eq!((meets, roots.simple.len()), (Meets::Points, 2), "{roots:?}");
+            for &root in &roots.simple {
+                let at = curve.at(root);
+                assert!((at.y - 0.3 * at.x - 0.1).abs() < 1e-13, "{at}");
+            }
+            let (meets, roots) = meet(&product(lower, (DVec3::Y, -1.0), share));
+            assert_eq!(meets, Meets::Points);
+            assert_eq!(
+                (roots.simple.len(), roots.touching.len()),
+                (0, 1),
+                "{roots:?}"
+            );
+            assert!(
+                curve
+                    .at(roots.touching[0])
+                    .distance(DVec3::new(0.0, 1.0, 4.0))
+                    < 1e-6
+            );
+            let (meets, roots) = meet(&product(lower, (DVec3::Y, 1.5), share));
+            assert_eq!(meets, Meets::Points);
+            assert!(roots.simple.is_empty() && roots.touching.is_empty());
+            assert_eq!(
+                meet(&product(upper, (DVec3::Y, 0.3), share)).0,
+                Meets::Curve
+            );
+        }
+        let normal = lower.0.normalize();
+        let (meets, roots) = meet(&Surface::plane(-lower.1 / lower.0.z * DVec3::Z, normal));
+        assert_eq!(meets, Meets::Points);
+        assert!(roots.simple.is_empty() && roots.touching.is_empty());
     }
 }
