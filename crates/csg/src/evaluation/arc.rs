@@ -8,8 +8,8 @@ use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
 use super::lines::{Piece, emit};
-use super::roots::bracketed;
 use super::sectors::{HalfPlane, NOTHING, Wedges};
+use super::triple::Triple;
 use crate::net::solve;
 use crate::program::Surface;
 
@@ -85,10 +85,9 @@ impl Arc<'_> {
         }
         let reach = scene.touching_reach();
         let [a, b] = self.surfaces;
-        let blur = 4.0 * scene.rounding;
         let found = match third {
-            Some(third) => solve::sharp_common_point(&[a, b, third], start, reach, blur),
-            None => solve::sharp_common_point(&[a, b], start, reach, blur),
+            Some(third) => solve::sharp_common_point(&[a, b, third], start, reach, scene.blur()),
+            None => solve::sharp_common_point(&[a, b], start, reach, scene.blur()),
         };
         let is_near = found.point.distance(start) <= reach;
         if is_near && found.residual <= scene.weld {
@@ -110,31 +109,13 @@ impl Arc<'_> {
         apexes.find(is_apex)
     }
 
-    /// Where the curve runs along a surface's tangent plane, from near it. The
-    /// distance from the surface itself is 0 to second order there, so that it
-    /// tells only half the digits.
-    pub fn nearest(&self, third: &Surface, near: f64, range: f64) -> f64 {
-        /// How far from it, of the range.
-        const REACHES: [f64; 3] = [1e-5, 1e-4, 1e-3];
-        let [a, b] = self.surfaces;
-        let slope = |t: f64| {
-            let at = self.curve.at(t);
-            // Along rulings directions are differences; along the others the
-            // surfaces may touch.
-            let along = match self.curve {
-                Curve::Rulings(_) => a.gradient(at).cross(b.gradient(at)),
-                curve => curve.direction(t),
-            };
-            third.gradient(at).dot(along)
-        };
-        for reach in REACHES {
-            let ends = [near - reach * range, near + reach * range];
-            let values = ends.map(slope);
-            if values[0] * values[1] < 0.0 {
-                return bracketed(slope, ends, values);
-            }
+    /// The curve, and a third surface.
+    pub fn with<'b>(&'b self, third: &'b Surface) -> Triple<'b> {
+        Triple {
+            curve: self.curve,
+            pair: self.surfaces,
+            third,
         }
-        near
     }
 
     /// The place at which the curve meets other surfaces of the cell.

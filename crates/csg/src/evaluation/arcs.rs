@@ -18,6 +18,7 @@ use super::frame::Frame;
 use super::pairs::{Unknown, curves};
 use super::roots::Roots;
 use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
+use super::triple::{clusters, contacts};
 use super::{Scene, Traced};
 use crate::program::Surface;
 use crate::undecided::{Stop, Why};
@@ -29,6 +30,8 @@ struct Event {
     /// The surface of the cell that the curve touches here, by position, or
     /// [`NOTHING`].
     touched: u32,
+    /// Where that is, if all surfaces there agree on it.
+    point: Option<DVec3>,
 }
 
 impl Event {
@@ -155,7 +158,8 @@ impl ArcTracer {
             return Ok(());
         }
         self.places.clear();
-        let places = self.events.iter().map(|event| curve.at(event.at));
+        let place = |event: &Event| event.point.unwrap_or_else(|| curve.at(event.at));
+        let places = self.events.iter().map(place);
         self.places.extend(places);
         let begin = || arc.point(curve.at(start), None);
         let mut open = Wedges::new();
@@ -241,33 +245,7 @@ impl ArcTracer {
             if self.roots.is_lost {
                 return Err(Stop::undecided(Why::Crossing, block.center()));
             }
-            if self.roots.simple.len() > 1 {
-                let distance = |t: f64| {
-                    let at = curve.at(t);
-                    surface.value(at) / surface.gradient(at).length()
-                };
-                self.roots.join_close(distance, scene.rounding);
-            }
-            let Roots {
-                simple, touching, ..
-            } = &mut self.roots;
-            let crossings = simple.iter().map(|&at| Event {
-                at,
-                ends: Ends::Surface(position),
-                touched: if touching.contains(&at) {
-                    position
-                } else {
-                    NOTHING
-                },
-            });
-            self.events.extend(crossings);
-            let contacts = touching.iter().filter(|t| !simple.contains(t));
-            let contacts = contacts.map(|&near| Event {
-                at: arc.nearest(surface, near, range[1] - range[0]),
-                ends: Ends::Touch,
-                touched: position,
-            });
-            self.events.extend(contacts);
+            self.add_crossings(arc, position, range[1] - range[0]);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
         }
         let bounds = curve.bounds(range);
@@ -295,6 +273,56 @@ impl ArcTracer {
         Ok(true)
     }
 
+    /// Adds where the curve crosses and touches a surface of the cell, by the roots found.
+    fn add_crossings(&mut self, arc: &Arc<'_>, position: u32, range: f64) {
+        let scene = arc.scene;
+        let ids = &arc.block.cell.surfaces;
+        let id = ids[position as usize];
+        let triple = arc.with(&scene.surfaces[id as usize]);
+        let event = |at: f64, crosses: bool| Event {
+            at,
+            ends: if crosses {
+                Ends::Surface(position)
+            } else {
+                Ends::Touch
+            },
+            touched: NOTHING,
+            point: None,
+        };
+        if let ([at], []) = (&self.roots.simple[..], &self.roots.touching[..]) {
+            self.events.push(event(*at, true));
+            return;
+        }
+        let clusters = clusters(&mut self.roots, |t| triple.distance(t), scene.rounding);
+        for cluster in &clusters {
+            if cluster.is_single_root() {
+                self.events.push(event(cluster.from, true));
+                continue;
+            }
+            let at = triple.place(cluster, range);
+            // Seams are no surfaces of the solid.
+            let contact = ids.get(arc.pair[1] as usize).and_then(|&second| {
+                let ids = [ids[arc.pair[0] as usize], second, id];
+                let surfaces = [arc.surfaces[0], arc.surfaces[1], triple.third];
+                let here = triple.around(cluster, at);
+                let mut contacts = contacts(scene, ids).into_iter();
+                contacts.find(|contact| contact.is_same(scene, surfaces, &here))
+            });
+            if contact.is_none() && !cluster.is_contact {
+                let roots = cluster.roots.iter();
+                self.events.extend(roots.map(|&at| event(at, true)));
+                continue;
+            }
+            let known = contact.and_then(|contact| arc.curve.place(contact.center));
+            let is_within = |at: &f64| (cluster.from..=cluster.to).contains(at);
+            self.events.push(Event {
+                touched: position,
+                point: contact.map(|contact| contact.center),
+                ..event(known.filter(is_within).unwrap_or(at), cluster.crosses())
+            });
+        }
+    }
+
     /// Adds where the pair's curves pass through each other, and the apexes of all
     /// surfaces through the curve: there these turn over.
     fn add_nodes(&mut self, arc: &Arc<'_>, [start, end]: [f64; 2]) {
@@ -318,6 +346,7 @@ impl ArcTracer {
             at,
             ends: Ends::Node,
             touched: NOTHING,
+            point: None,
         }));
     }
 
@@ -358,6 +387,7 @@ impl ArcTracer {
                 at,
                 ends,
                 touched: NOTHING,
+                point: None,
             }));
         }
     }
@@ -406,6 +436,9 @@ impl ArcTracer {
     /// Where an event is.
     fn point(&self, arc: &Arc<'_>, event: usize) -> DVec3 {
         let place = self.places[event];
+        if let Some(point) = self.events[event].point {
+            return point;
+        }
         match self.events[event].ends {
             Ends::Surface(position) => {
                 let id = arc.block.cell.surfaces[position as usize];

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 use super::Scene;
 use super::picture::{Picture, Slits};
 use super::sectors::Side;
-use crate::net::solve;
+use super::triple::is_common_between;
 use crate::program::Surface;
 
 /// A point in which surfaces touch each other.
@@ -35,9 +35,7 @@ impl Contact {
         }
         let surfaces = self.surfaces.iter().map(|&id| &scene.surfaces[id as usize]);
         let surfaces: SmallVec<[&Surface; 4]> = surfaces.collect();
-        let middle = self.at.midpoint(other.at);
-        let common = solve::common_point(&surfaces, middle, distance);
-        common.residual <= scene.rounding && common.point.distance(middle) <= 0.25 * distance
+        is_common_between(scene, &surfaces, self.at, other.at)
     }
 }
 

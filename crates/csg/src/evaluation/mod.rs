@@ -60,6 +60,7 @@ mod rulings;
 mod sectors;
 mod triangulate;
 mod trig;
+mod triple;
 mod unfold;
 mod weld;
 
@@ -160,6 +161,8 @@ struct Scene<'a> {
     looks: &'a [u32],
     on_plane: f64,
     near: f64,
+    /// No point of the solid is farther from the origin.
+    reach: f64,
     weld: f64,
     /// Distances that rounding may make.
     rounding: f64,
@@ -183,6 +186,12 @@ impl Scene<'_> {
     /// quarter of the digits.
     fn touching_reach(&self) -> f64 {
         1e6 * self.weld
+    }
+
+    /// By how much rounding may move points of a surface before its values are to be
+    /// known to more digits.
+    fn blur(&self) -> f64 {
+        4.0 * self.rounding
     }
 
     /// The point common to three planes, the same to the bit in whatever order
@@ -264,6 +273,7 @@ pub(crate) fn mesh(
         looks: &looks,
         on_plane: ON_PLANE * longest + rounding,
         near: NEAR * longest + rounding,
+        reach,
         weld: WELD * longest + 10.0 * rounding,
         rounding,
         control: task.control,

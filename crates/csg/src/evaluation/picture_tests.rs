@@ -48,6 +48,7 @@ impl Stage {
             looks: &[0],
             on_plane: 1e-12,
             near: 1e-9,
+            reach: 10.0,
             weld: 1e-11,
             rounding: 1e-15,
             control: &self.control,

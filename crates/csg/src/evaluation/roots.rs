@@ -153,23 +153,6 @@ impl Roots {
         }
     }
 
-    /// Makes one place next to 0 of every two roots in order between which a
-    /// function of `value` stays within `rounding`: rounding alone parts them.
-    pub fn join_close(&mut self, value: impl Fn(f64) -> f64, rounding: f64) {
-        let mut index = 1;
-        while index < self.simple.len() {
-            let [a, b] = [self.simple[index - 1], self.simple[index]];
-            // Where it touches 0 between them it stays there at one place alone.
-            let within = |share: &f64| value(a + share * (b - a)).abs() <= rounding;
-            if [0.2, 0.5, 0.8].iter().all(within) {
-                self.simple.drain(index - 1..=index);
-                self.touching.push(0.5 * (a + b));
-            } else {
-                index += 1;
-            }
-        }
-    }
-
     /// Adds the place at which a function is nearest to 0 on a stretch on which
     /// it is next to 0.
     fn touch(&mut self, stretch: Option<[Sample; 2]>, value: impl Fn(f64) -> f64) {

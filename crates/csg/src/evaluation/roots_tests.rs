@@ -226,40 +226,6 @@ fn close_pairs_of_roots_on_curves_of_degree_four_are_told_apart() {
     assert!(pairs > 300, "{pairs}");
 }
 
-/// Two roots between which a function is rounding are one contact; others stay.
-#[test]
-fn roots_that_rounding_parts_are_joined() {
-    const ROUNDING: f64 = 1e-12;
-    // A contact at 0.3 that dips below 0 by less than rounding, and roots at 0.7,
-    // and 0.8.
-    let dip = 0.5 * ROUNDING;
-    let value = |t: f64| ((t - 0.3).powi(2) - dip) * (t - 0.7) * (t - 0.8);
-    let half = dip.sqrt();
-    let mut roots = Roots {
-        simple: vec![0.3 - half, 0.3 + half, 0.7, 0.8],
-        ..Roots::default()
-    };
-    roots.join_close(value, ROUNDING);
-    assert_eq!(roots.simple, [0.7, 0.8]);
-    assert_eq!(roots.touching.len(), 1);
-    assert!((roots.touching[0] - 0.3).abs() < 1e-15);
-    // Of three the last one is where the sign changes.
-    let mut roots = Roots {
-        simple: vec![0.3 - half, 0.3, 0.3 + half],
-        ..Roots::default()
-    };
-    roots.join_close(|_| 0.0, ROUNDING);
-    assert_eq!(roots.simple, [0.3 + half]);
-    // Between two others it may touch 0, and in their middle at that.
-    let mut roots = Roots {
-        simple: vec![-1.0, 1.0],
-        ..Roots::default()
-    };
-    roots.join_close(|t| (t * t - 1.0) * t * t, ROUNDING);
-    assert_eq!(roots.simple, [-1.0, 1.0]);
-    assert!(roots.touching.is_empty());
-}
-
 /// A quadric with a plane that contains a tangent of a conic of it, counted twice,
 /// has four points in common with the conic where that touches it.
 #[test]

@@ -273,6 +273,7 @@ mod tests {
             looks: &[],
             on_plane: 1e-11,
             near: 1e-9,
+            reach: 10.0,
             weld: 1e-10,
             rounding: 1e-15,
             control: &control,

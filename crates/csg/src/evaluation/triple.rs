@@ -1,0 +1,302 @@
+//! Where the curve of two surfaces touches a third one, decided once for all three.
+//!
+//! Rounding makes no root of a contact, or two or four, and on each of the three pairs'
+//! curves others: their order along the curves says nothing then. So what is between
+//! roots that rounding may have made is one place, and if one of the three curves
+//! tells that it is a contact, it is one on all of them, at one point.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::Scene;
+use super::curve::{Curve, Meets};
+use super::pairs::curves;
+use super::roots::{Roots, bracketed};
+use crate::net::solve;
+use crate::program::Surface;
+
+/// Roots between which a function stays within so many roundings may be made by rounding
+/// alone, as another one of the three curves may tell: it is about as far off where
+/// they cross the surface at an angle of less than a thousandth.
+const DOUBTFUL: f64 = 1e3;
+
+/// A root, or several that cannot be told apart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Cluster {
+    /// Where the sign changes, in order.
+    pub roots: SmallVec<[f64; 2]>,
+    /// Where it may not, too.
+    pub from: f64,
+    pub to: f64,
+    /// Whether it is a contact by what this curve tells.
+    pub is_contact: bool,
+}
+
+impl Cluster {
+    pub fn is_single_root(&self) -> bool {
+        self.roots.len() == 1 && !self.is_contact
+    }
+
+    /// Whether the sign is another one behind it.
+    pub fn crosses(&self) -> bool {
+        self.roots.len() % 2 == 1
+    }
+}
+
+/// The clusters, in order, of the places where a function is 0 that else stays within
+/// `rounding` of that only by chance. Sorts the roots.
+pub(super) fn clusters(
+    roots: &mut Roots,
+    value: impl Fn(f64) -> f64,
+    rounding: f64,
+) -> SmallVec<[Cluster; 4]> {
+    let Roots {
+        simple, touching, ..
+    } = roots;
+    simple.sort_unstable_by(f64::total_cmp);
+    let mut places: SmallVec<[(f64, bool); 8]> = simple.iter().map(|&t| (t, true)).collect();
+    let alone = touching.iter().filter(|t| !simple.contains(t));
+    places.extend(alone.map(|&t| (t, false)));
+    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    // Where it touches 0 between two roots it stays there at one place alone.
+    let stays = |a: f64, b: f64, within: f64| {
+        let is_near = |share: &f64| value(a + share * (b - a)).abs() <= within;
+        [0.2, 0.5, 0.8].iter().all(is_near)
+    };
+    let mut clusters: SmallVec<[Cluster; 4]> = SmallVec::new();
+    for (at, is_root) in places {
+        let joins = |last: &&mut Cluster| stays(last.to, at, DOUBTFUL * rounding);
+        let cluster = match clusters.last_mut().filter(joins) {
+            Some(last) => {
+                last.is_contact |= stays(last.to, at, rounding);
+                last
+            }
+            None => {
+                clusters.push(Cluster {
+                    from: at,
+                    ..Cluster::default()
+                });
+                let new = clusters.len() - 1;
+                &mut clusters[new]
+            }
+        };
+        cluster.to = at;
+        cluster.is_contact |= touching.contains(&at);
+        if is_root {
+            cluster.roots.push(at);
+        }
+    }
+    clusters
+}
+
+/// A curve of two surfaces, and a third one.
+#[derive(Clone, Copy)]
+pub(super) struct Triple<'a> {
+    pub curve: &'a Curve,
+    pub pair: [&'a Surface; 2],
+    pub third: &'a Surface,
+}
+
+impl Triple<'_> {
+    /// How far the third surface is from a place on the curve, to first order.
+    pub fn distance(&self, t: f64) -> f64 {
+        let at = self.curve.at(t);
+        self.third.value(at) / self.third.gradient(at).length()
+    }
+
+    /// Where the curve runs along the surface's tangent plane, from near it. The
+    /// distance from the surface itself is 0 to second order there, so that it
+    /// tells only half the digits.
+    pub fn nearest(&self, near: f64, range: f64) -> f64 {
+        /// How far from it, of the range.
+        const REACHES: [f64; 3] = [1e-5, 1e-4, 1e-3];
+        let [a, b] = self.pair;
+        let slope = |t: f64| {
+            let at = self.curve.at(t);
+            // Along rulings directions are differences; along the others the
+            // surfaces may touch.
+            let along = match self.curve {
+                Curve::Rulings(_) => a.gradient(at).cross(b.gradient(at)),
+                curve => curve.direction(t),
+            };
+            self.third.gradient(at).dot(along)
+        };
+        for reach in REACHES {
+            let ends = [near - reach * range, near + reach * range];
+            let values = ends.map(slope);
+            if values[0] * values[1] < 0.0 {
+                return bracketed(slope, ends, values);
+            }
+        }
+        near
+    }
+
+    /// The one place of a cluster: where the sign changes, or where the surface is nearest.
+    pub fn place(&self, cluster: &Cluster, range: f64) -> f64 {
+        if cluster.crosses() {
+            cluster.roots[cluster.roots.len() / 2]
+        } else {
+            self.nearest(0.5 * (cluster.from + cluster.to), range)
+        }
+    }
+
+    /// A ball around a cluster.
+    pub fn around(&self, cluster: &Cluster, at: f64) -> Ball {
+        let center = self.curve.at(at);
+        let off = [cluster.from, cluster.to].map(|t| self.curve.at(t).distance(center));
+        Ball {
+            center,
+            radius: off[0].max(off[1]),
+        }
+    }
+}
+
+/// Where three surfaces cannot be told from having a curve in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub center: DVec3,
+    pub radius: f64,
+}
+
+impl Ball {
+    /// Whether what three surfaces have in another ball cannot be told from what they have
+    /// in this one: all between the two is common to them.
+    pub fn is_same(&self, scene: &Scene<'_>, surfaces: [&Surface; 3], other: &Self) -> bool {
+        let distance = self.center.distance(other.center);
+        distance <= self.radius + other.radius + scene.weld
+            || is_common_between(scene, &surfaces, self.center, other.center)
+    }
+
+    /// The smallest around both.
+    fn with(&self, other: &Self) -> Self {
+        let distance = self.center.distance(other.center);
+        Self {
+            center: self.center,
+            radius: self.radius.max(distance + other.radius),
+        }
+    }
+}
+
+/// Whether rounding hides what surfaces have in common between two points of them.
+pub(super) fn is_common_between(
+    scene: &Scene<'_>,
+    surfaces: &[&Surface],
+    a: DVec3,
+    b: DVec3,
+) -> bool {
+    let distance = a.distance(b);
+    if distance > scene.touching_reach() {
+        return false;
+    }
+    let middle = a.midpoint(b);
+    let common = solve::common_point(surfaces, middle, distance);
+    common.residual <= scene.rounding && common.point.distance(middle) <= 0.25 * distance
+}
+
+/// Where three surfaces touch: in each ball is one point of all three, its centre. The same
+/// whatever block asks, and in whatever order.
+pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 2]> {
+    ids.sort_unstable();
+    let surfaces = ids.map(|id| &scene.surfaces[id as usize]);
+    let mut found: SmallVec<[(Ball, bool); 8]> = SmallVec::new();
+    for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]].map(|order| order.map(|k| surfaces[k])) {
+        for branch in curves(a, b, scene.near).unwrap_or_default() {
+            let triple = Triple {
+                curve: &branch.curve,
+                pair: [a, b],
+                third,
+            };
+            triple.add_doubtful(scene, &mut found);
+        }
+    }
+    // Whatever cannot be told from one of them is the same.
+    let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
+    while let Some(first) = found.iter().position(|(_, is_contact)| *is_contact) {
+        let (mut ball, _) = found.remove(first);
+        while let Some(same) = found
+            .iter()
+            .position(|(other, _)| ball.is_same(scene, surfaces, other))
+        {
+            ball = ball.with(&found.remove(same).0);
+        }
+        let apexes = surfaces.iter().filter_map(|surface| surface.apex());
+        let mut near = apexes.filter(|apex| apex.distance(ball.center) <= ball.radius + scene.near);
+        if let Some(apex) = near.next() {
+            ball.center = apex;
+        }
+        contacts.push(ball);
+    }
+    contacts
+}
+
+impl Triple<'_> {
+    /// Adds where roots cannot be told apart for sure, and whether that is a contact.
+    fn add_doubtful(&self, scene: &Scene<'_>, found: &mut SmallVec<[(Ball, bool); 8]>) {
+        let Some(range) = self.curve.range(DVec3::ZERO, scene.reach) else {
+            return;
+        };
+        let mut roots = Roots::default();
+        let tolerances = [scene.on_plane, scene.near];
+        let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
+        if meets == Meets::Curve || roots.is_lost {
+            return;
+        }
+        let clusters = clusters(&mut roots, |t| self.distance(t), scene.rounding);
+        for cluster in clusters.iter().filter(|cluster| !cluster.is_single_root()) {
+            let at = self.place(cluster, range[1] - range[0]);
+            let mut ball = self.around(cluster, at);
+            let [a, b] = self.pair;
+            let reach = scene.touching_reach();
+            let on_curve = solve::sharp_common_point(&[a, b], ball.center, reach, scene.blur());
+            if on_curve.residual <= scene.weld && on_curve.point.distance(ball.center) <= reach {
+                ball.center = on_curve.point;
+            }
+            found.push((ball, cluster.is_contact));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROUNDING: f64 = 1e-12;
+
+    fn of(simple: &[f64], value: impl Fn(f64) -> f64) -> SmallVec<[Cluster; 4]> {
+        let mut roots = Roots {
+            simple: simple.to_vec(),
+            ..Roots::default()
+        };
+        clusters(&mut roots, value, ROUNDING)
+    }
+
+    /// A contact that dips below 0 by a share of rounding, and roots beside it.
+    #[test]
+    fn roots_that_rounding_parts_are_one_place() {
+        for (share, is_contact, count) in [(0.5, true, 3), (50.0, false, 3), (5e4, false, 4)] {
+            let dip: f64 = share * ROUNDING;
+            let half = dip.sqrt();
+            let value = |t: f64| ((t - 0.3).powi(2) - dip) * (t - 0.7) * (t - 0.8);
+            let found = of(&[0.3 - half, 0.3 + half, 0.7, 0.8], value);
+            assert_eq!(found.len(), count, "{found:?}");
+            assert_eq!(found[0].is_contact, is_contact);
+            assert!(found[count - 1].is_single_root() && found[count - 2].is_single_root());
+        }
+    }
+
+    #[test]
+    fn of_three_roots_one_is_left() {
+        let found = of(&[0.3 + 1e-7, 0.3, 0.3 - 1e-7], |_| 0.0);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].crosses() && found[0].is_contact);
+        assert_eq!(found[0].roots[1], 0.3);
+    }
+
+    /// Between two roots it may touch 0, and in their middle at that.
+    #[test]
+    fn roots_about_a_contact_stay() {
+        let found = of(&[-1.0, 1.0], |t| (t * t - 1.0) * t * t);
+        assert_eq!(found.len(), 2);
+        assert!(found.iter().all(Cluster::is_single_root));
+    }
+}
