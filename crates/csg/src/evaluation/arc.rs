@@ -3,15 +3,15 @@
 
 use glam::DVec3;
 
-use super::Scene;
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
-use super::lines::{Piece, emit};
+use super::piece::{NOTHING, Piece};
 use super::roots::bracketed;
-use super::sectors::{HalfPlane, NOTHING, Wedges};
-use crate::net::solve;
+use super::scene::Scene;
+use super::sectors::{HalfPlane, Wedges, emit};
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// What ends a stretch of a curve.
 #[derive(Clone, Copy, Debug)]

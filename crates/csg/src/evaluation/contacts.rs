@@ -6,11 +6,11 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::picture::{Picture, Slits};
-use super::sectors::Side;
-use crate::net::solve;
+use super::piece::Side;
+use super::scene::Scene;
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// A point in which surfaces touch each other.
 #[derive(Clone, Debug)]

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use glam::DVec3;
 
 use super::part::Part;
-use super::stitch::Leftovers;
 use crate::pages::{self, Room};
 
 /// Where the vertices and triangles of one part go: two triangles for every
@@ -15,6 +14,17 @@ pub(super) struct Output<'a> {
     pub triangles: Room<'a, [u32; 3]>,
     /// The triangles' entries in the mesh's table of surfaces.
     pub surfaces: Room<'a, u32>,
+}
+
+/// What a part has beside two triangles for every polygon.
+#[derive(Debug, Default)]
+pub(super) struct Leftovers {
+    /// Triangles, counted from the part's first, that may have no area or be
+    /// folded over.
+    pub bad: Vec<u32>,
+    /// The further triangles of polygons with more than four corners, each
+    /// with its group's place in the part. They may be bad, too.
+    pub further: Vec<([u32; 3], u32)>,
 }
 
 /// Vertices and triangles of the parts so far.

@@ -13,6 +13,7 @@
 //! opposite to each other across the pair: the same as if the pair's diagonal
 //! were flipped first.
 
+mod around;
 mod stars;
 
 use std::ops::Range;
@@ -21,9 +22,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-use self::stars::Stars;
-use super::solve;
+use self::stars::{Face, Stars};
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// A run of consecutive triangles on one surface.
 #[derive(Clone, Copy, Debug)]
@@ -63,14 +64,6 @@ pub(super) struct Cleaned {
     pub altered: Vec<u32>,
     /// Triangles that stayed as they are.
     pub left: Vec<u32>,
-}
-
-/// A triangle and what it lies on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Face {
-    triangle: u32,
-    surface: u32,
-    reversed: bool,
 }
 
 /// A bad triangle, and how many mergers there had been when it was last tried.

@@ -1,6 +1,6 @@
 //! Common points of one, two or three surfaces each, many at a time.
 //!
-//! The same steps as [`super::solve::common_point`]'s, without its care for
+//! The same steps as [`common_point`](crate::surface::solve::common_point)'s, without its care for
 //! surfaces that touch: what does not get there in a few steps is left to
 //! that. The same operations in the same order for every point, whatever the
 //! machine's vector width.
@@ -249,10 +249,10 @@ fn shortest_step<const N: usize>(values: [(f64, Vector); N]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::net::solve;
     use crate::program::Program;
     use crate::random::Random;
     use crate::solid::Solid;
+    use crate::surface::solve;
 
     /// A sphere, oblique cylinders and planes about the origin.
     fn surfaces(random: &mut Random) -> Vec<Surface> {

@@ -20,7 +20,6 @@
 mod assembly;
 mod brick;
 mod cleanup;
-mod lanes;
 mod lattice;
 mod loops;
 mod meet;
@@ -30,9 +29,9 @@ mod on_sample_tests;
 mod part;
 mod place;
 mod quads;
+mod scene;
 #[cfg(test)]
 mod simd_tests;
-pub(crate) mod solve;
 mod stitch;
 #[cfg(test)]
 mod topology_tests;
@@ -49,18 +48,19 @@ use rayon::iter::{self, Either};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use self::assembly::{Assembled, Assembly, Output};
+use self::assembly::{Assembled, Assembly, Leftovers, Output};
 use self::cleanup::Cleaner;
 use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
-use self::place::{Placer, Scene};
-use self::stitch::{Directory, Leftovers, Scratch, Stitcher};
+use self::place::Placer;
+use self::scene::Scene;
+use self::stitch::{Directory, Scratch, Stitcher};
 use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
-use crate::mesher::Task;
 use crate::program::{Bounds, Cell, Pruner, Reach};
 use crate::report::Report;
+use crate::task::Task;
 
 /// Bricks from `from` to before `to`, with the program pruned to their box.
 struct Block {

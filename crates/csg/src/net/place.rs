@@ -3,6 +3,7 @@
 
 mod causes;
 mod cells;
+mod constraints;
 mod polygons;
 #[cfg(test)]
 mod reference_tests;
@@ -12,39 +13,15 @@ mod vertices;
 use glam::{DVec3, UVec3};
 use pulp::Simd;
 
-use self::vertices::{Candidate, Constraints};
+use self::constraints::{Candidate, Constraints};
 use super::brick::{self, Classified, List, Mask, Samples, WORDS};
-use super::lattice::{CELLS, Lattice, SAMPLES};
+use super::lattice::{CELLS, SAMPLES};
 use super::part::{Part, PolygonCode};
+use super::scene::Scene;
 use super::validity;
-use crate::program::{Cell, Changes, Origin, Reach, Surface};
+use crate::program::{Cell, Changes};
 
 const EDGES: usize = SAMPLES * SAMPLES * SAMPLES;
-
-/// What the whole mesh has in common.
-pub(super) struct Scene<'a> {
-    /// The program's surfaces, in the local frame.
-    pub surfaces: &'a [Surface],
-    /// How far each of them reaches.
-    pub reaches: &'a [Reach],
-    pub lattice: Lattice,
-    /// The primitives that literals come from.
-    pub origins: &'a [Origin],
-    /// Distance to a surface below which a point lies on it.
-    pub tolerance: f64,
-}
-
-impl Scene<'_> {
-    /// What pruning needs to know of the surfaces.
-    pub fn table(&self) -> (&[Surface], &[Reach]) {
-        (self.surfaces, self.reaches)
-    }
-
-    /// Whether two primitives have the same kind, name and colour.
-    fn look_alike(&self, a: u32, b: u32) -> bool {
-        a == b || self.origins[a as usize] == self.origins[b as usize]
-    }
-}
 
 /// Scratch memory of one worker, reused from brick to brick.
 pub(super) struct Placer {

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use pulp::Simd;
 
-use super::lanes::{Reals, Vectors, cross, dot, minus, plus, times};
+use crate::numeric::lanes::{Reals, Vectors, cross, dot, minus, plus, times};
 use crate::program::Surface;
 
 /// Quads handled together: so many that what is written coordinate by
@@ -226,10 +226,10 @@ impl<S: Simd> Form<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::net::solve;
     use crate::program::Program;
     use crate::random::Random;
     use crate::solid::Solid;
+    use crate::surface::solve;
 
     /// Whether a quad is to be cut along its odd diagonal, and whether that
     /// leaves a bad triangle; `None` where rounding may decide.

@@ -2,10 +2,10 @@
 
 use super::mesh_on;
 use crate::control::Control;
-use crate::mesher::Task;
 use crate::program::Program;
 use crate::report::Report;
 use crate::solid::Solid;
+use crate::task::Task;
 
 fn levels() -> Vec<pulp::Arch> {
     let mut levels = vec![pulp::Arch::Scalar, pulp::Arch::new()];

@@ -10,7 +10,7 @@ use glam::UVec3;
 use pulp::Simd;
 use rustc_hash::FxHashMap;
 
-use super::assembly::Output;
+use super::assembly::{Leftovers, Output};
 use super::lattice::CELLS;
 use super::loops;
 use super::part::{BrickRecord, ComplexCell, FaceArcs, Part, PolygonCode};
@@ -65,17 +65,6 @@ pub(super) struct Stitcher<'a> {
     pub surfaces: &'a [Surface],
     /// A triangle of less area counts as having none.
     pub least_area: f64,
-}
-
-/// What a part has beside two triangles for every polygon.
-#[derive(Debug, Default)]
-pub(super) struct Leftovers {
-    /// Triangles, counted from the part's first, that may have no area or be
-    /// folded over.
-    pub bad: Vec<u32>,
-    /// The further triangles of polygons with more than four corners, each
-    /// with its group's place in the part. They may be bad, too.
-    pub further: Vec<([u32; 3], u32)>,
 }
 
 /// Scratch memory of one worker.

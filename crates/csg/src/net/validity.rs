@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::place::Scene;
+use super::scene::Scene;
 use crate::program::{Cell, Formula, Operand, Operation};
 
 /// Vertices tested together.

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use glam::{DAffine2, DVec2};
+use glam::{DAffine2, DMat2, DVec2};
 
-use super::fault::ProfileFault;
 use super::plane_set::{Leaf, PlaneSet};
 use super::{Contour, Corner};
+use crate::error::ProfileFault;
 
 /// An arc from one point to another.
 #[derive(Clone, Copy, Debug)]
@@ -262,4 +262,13 @@ pub(super) fn reversed(contour: &[Corner]) -> Contour {
             bulge: -contour[(2 * count - 2 - k) % count].bulge,
         })
         .collect()
+}
+
+/// By how much a linear map stretches at most.
+pub(super) fn stretch(map: &DMat2) -> f64 {
+    let (x, y) = (map.x_axis, map.y_axis);
+    let sum = x.length_squared() + y.length_squared();
+    let product = map.determinant();
+    let difference = (sum * sum - 4.0 * product * product).max(0.0).sqrt();
+    (0.5 * (sum + difference)).sqrt()
 }

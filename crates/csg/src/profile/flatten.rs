@@ -7,12 +7,11 @@ use i_overlay::core::overlay::{Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
-use super::arcs::{Sagitta, chords, cut};
-use super::contour::{Nesting, cleaned, stretch};
-use super::fault::ProfileFault;
-use super::monotone::orient;
+use super::arcs::{Sagitta, chords, cut, stretch};
+use super::polygon::{Nesting, cleaned, crossing, doubled_area, points_of};
 use super::turn::turn;
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape};
+use crate::error::ProfileFault;
 
 /// A polygon: its outer contour, counter-clockwise, then its holes, clockwise.
 pub(super) type Polygon = Vec<Vec<DVec2>>;
@@ -118,92 +117,6 @@ pub(super) fn disc_corners(map: &DAffine2, sagitta: Sagitta) -> Contour {
         corners.reverse();
     }
     corners
-}
-
-pub(super) fn points_of(contours: &[Contour]) -> Vec<Vec<DVec2>> {
-    contours
-        .iter()
-        .map(|contour| contour.iter().map(|corner| corner.point).collect())
-        .collect()
-}
-
-/// Twice the area of a polygon: positive if counter-clockwise.
-pub(crate) fn doubled_area(points: &[DVec2]) -> f64 {
-    let Some(&base) = points.first() else {
-        return 0.0;
-    };
-    let sides = points.iter().zip(points.iter().cycle().skip(1));
-    sides.map(|(&a, &b)| (a - base).perp_dot(b - base)).sum()
-}
-
-/// Whether a point lies within a polygon and not on its boundary: crossings
-/// of the ray towards +x, by exact predicates.
-pub(super) fn encloses(polygon: &[DVec2], point: DVec2) -> bool {
-    let mut inside = false;
-    for (&a, &b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
-        if (a.y > point.y) != (b.y > point.y) {
-            let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
-            inside ^= orient(low, high, point) > 0.0;
-        }
-    }
-    inside
-}
-
-/// The corners at which a polygon turns.
-pub(super) fn without_straight(points: &[DVec2]) -> Vec<DVec2> {
-    let corners: Contour = points.iter().copied().map(Corner::straight).collect();
-    let clean = cleaned(&corners).ok().flatten().unwrap_or_default();
-    clean.into_iter().map(|corner| corner.point).collect()
-}
-
-/// A place where two sides meet that are not neighbours, or neighbours in more
-/// than their corner; arcs as fine polygons. Sides are sorted by x.
-pub(super) fn crossing(contours: &[Contour]) -> Option<DVec2> {
-    let mut sides: Vec<(DVec2, DVec2, usize, usize)> = Vec::new();
-    for contour in contours {
-        let points = super::arcs::trace(contour);
-        let (first, count) = (sides.len(), points.len());
-        for k in 0..count {
-            let next = first + (k + 1) % count;
-            sides.push((points[k], points[(k + 1) % count], first + k, next));
-        }
-    }
-    sides.sort_by(|a, b| a.0.x.min(a.1.x).total_cmp(&b.0.x.min(b.1.x)));
-    for (rank, &(a, b, own, next)) in sides.iter().enumerate() {
-        let reach = a.x.max(b.x);
-        for &(c, d, other, after) in &sides[rank + 1..] {
-            if c.x.min(d.x) > reach {
-                break;
-            }
-            if a.y.max(b.y) < c.y.min(d.y) || c.y.max(d.y) < a.y.min(b.y) {
-                continue;
-            }
-            let meet = if next == other {
-                after != own && folds_back(a, b, d)
-            } else if after == own {
-                folds_back(c, d, b)
-            } else {
-                sides_meet(a, b, c, d)
-            };
-            if meet {
-                return Some(a.midpoint(b).midpoint(c.midpoint(d)));
-            }
-        }
-    }
-    None
-}
-
-/// Whether the side from b to c lies on the one from a to b.
-fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
-    orient(a, b, c) == 0.0 && (a - b).dot(c - b) > 0.0
-}
-
-fn sides_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
-    let ends = [orient(a, b, c), orient(a, b, d)];
-    let others = [orient(c, d, a), orient(c, d, b)];
-    let apart = |[p, q]: [f64; 2]| p > 0.0 && q > 0.0 || p < 0.0 && q < 0.0;
-    // Boxes overlap: on one line that is a meeting.
-    !apart(ends) && !apart(others)
 }
 
 /// Contours that do not meet, as polygons.

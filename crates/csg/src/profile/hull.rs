@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::Profile;
-use super::fault::ProfileFault;
 use super::monotone::orient;
 use super::offset::OF_SIZE;
+use crate::error::ProfileFault;
 
 impl Profile {
     /// The least convex set around the profile: a polygon, arcs within 1e-4 of

@@ -10,13 +10,13 @@
 mod arcs;
 mod contour;
 mod ears;
-mod fault;
 mod flatten;
 mod hull;
 mod monotone;
 mod offset;
 mod path;
 mod plane_set;
+mod polygon;
 mod shapes;
 mod turn;
 
@@ -28,15 +28,16 @@ use std::sync::Arc;
 
 use glam::{DAffine2, DMat2, DVec2};
 
-pub use self::fault::ProfileFault;
+use crate::error::ProfileFault;
+
 pub use self::offset::Join;
 pub use self::path::Path;
 pub use self::turn::turn;
 
 pub(crate) use self::arcs::Sagitta;
 pub(crate) use self::contour::plane_set;
-pub(crate) use self::flatten::doubled_area;
 pub(crate) use self::plane_set::{Leaf, PlaneSet};
+pub(crate) use self::polygon::doubled_area;
 
 /// Which points closed contours enclose, by how often these wind around them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -11,11 +11,11 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::arcs::{Sagitta, cut, doubled_area, side};
-use super::contour::cleaned;
-use super::fault::ProfileFault;
-use super::flatten::{self, crossing, points_of};
+use super::arcs::{Sagitta, cut, doubled_area, side, stretch};
+use super::flatten;
+use super::polygon::{cleaned, crossing, points_of};
 use super::{Contour, Corner, FillRule, Profile, Shape};
+use crate::error::ProfileFault;
 
 /// Chords stray so much of the profile's size where nothing else is asked.
 pub(super) const OF_SIZE: f64 = 1e-4;
@@ -87,7 +87,7 @@ impl Profile {
                         points.fold(0.0, |most, corner| corner.point.length().max(most))
                     }
                 };
-                Ok(reach * super::contour::stretch(&map.matrix2) + map.translation.length())
+                Ok(reach * stretch(&map.matrix2) + map.translation.length())
             },
             |_, sizes| Ok(sizes.into_iter().fold(0.0, f64::max)),
         )?;

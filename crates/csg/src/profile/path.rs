@@ -2,9 +2,9 @@
 
 use glam::DVec2;
 
-use super::fault::ProfileFault;
 use super::monotone::orient;
 use super::{Corner, Profile};
+use crate::error::ProfileFault;
 
 /// A closed contour of lines and arcs, drawn side by side; the last side back
 /// to the start is added where it is missing. It must not cross itself.

@@ -2,9 +2,9 @@
 
 use glam::{DAffine2, DVec2};
 
-use super::fault::ProfileFault;
 use super::turn::turn;
 use super::{Contour, Corner, FillRule, Profile, Shape};
+use crate::error::ProfileFault;
 
 /// The bulge of a quarter of a turn: the tangent of its quarter.
 const QUARTER: f64 = std::f64::consts::SQRT_2 - 1.0;

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DAffine2, DVec2, dvec2};
 
-use super::flatten::encloses;
+use super::polygon::encloses;
 use super::*;
 use crate::random::Random;
 

@@ -9,6 +9,7 @@ mod extrude;
 mod hull;
 mod partition;
 mod polyhedron;
+mod primitive;
 mod primitives;
 mod revolve;
 mod rounded;
@@ -16,8 +17,8 @@ mod transform;
 mod tree;
 mod twist;
 
-pub use polyhedron::PolyhedronFault;
-pub use primitives::{Plane, Primitive};
+pub use crate::error::PolyhedronFault;
+pub use primitive::{Plane, Primitive};
 pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};
 pub use twist::Twist;

@@ -1,10 +1,12 @@
 //! The faces around vertices of a mesh under repair.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
-use super::{Cleaner, Face, Run, Work};
+/// A triangle and what it lies on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Face {
+    pub triangle: u32,
+    pub surface: u32,
+    pub reversed: bool,
+}
 
 /// The faces around the vertices in question.
 #[derive(Default)]
@@ -13,7 +15,7 @@ pub(super) struct Stars {
     place: Vec<u32>,
     stars: Vec<Star>,
     /// The vertices, in the list's order.
-    vertices: Vec<u32>,
+    pub vertices: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -24,6 +26,19 @@ pub(super) struct Star {
 }
 
 impl Stars {
+    /// No star yet, for so many vertices.
+    pub(super) fn none_of(vertices: usize) -> Self {
+        Self {
+            place: vec![0; vertices],
+            ..Self::default()
+        }
+    }
+
+    /// Whether a vertex has a star.
+    pub(super) fn has(&self, vertex: u32) -> bool {
+        self.place[vertex as usize] != 0
+    }
+
     pub(super) fn get(&self, vertex: u32) -> Option<&Star> {
         let place = self.place[vertex as usize] as usize;
         self.stars.get(place.wrapping_sub(1))
@@ -35,116 +50,12 @@ impl Stars {
     }
 
     /// Sees to it that a vertex has a star.
-    fn want(&mut self, vertex: u32) {
+    pub(super) fn want(&mut self, vertex: u32) {
         let place = &mut self.place[vertex as usize];
         if *place == 0 {
             self.stars.push(Star::default());
             self.vertices.push(vertex);
             *place = self.stars.len() as u32;
-        }
-    }
-}
-
-impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
-    /// The run that a triangle belongs to.
-    fn run(&self, triangle: u32) -> usize {
-        let after = self.runs.partition_point(|run| run.start <= triangle);
-        after.saturating_sub(1)
-    }
-
-    pub(super) fn face(&self, triangle: u32) -> Face {
-        self.face_of(triangle, self.run(triangle))
-    }
-
-    fn face_of(&self, triangle: u32, run: usize) -> Face {
-        let run = &self.runs[run];
-        Face {
-            triangle,
-            surface: run.surface,
-            reversed: run.reversed,
-        }
-    }
-
-    pub(super) fn corners(&self, face: Face) -> [u32; 3] {
-        self.triangles[face.triangle as usize]
-    }
-
-    /// The stars of all vertices of the bad triangles; if it is to be thorough,
-    /// of their neighbours, too.
-    pub(super) fn stars(&self, bad: &[Face], thorough: bool, work: &Work) -> Stars {
-        let mut stars = Stars {
-            place: vec![0; self.positions.len()],
-            ..Stars::default()
-        };
-        let around = |stars: &Stars| -> Vec<Face> {
-            let is_around = |&triangle: &usize| {
-                let mut corners = self.triangles[triangle].iter();
-                corners.any(|&v| stars.place[v as usize] != 0)
-            };
-            let ranges = (self.near)(&stars.vertices);
-            let is_elsewhere = |&triangle: &u32| {
-                let after = ranges.partition_point(|range| range.end <= triangle as usize);
-                let range = ranges.get(after);
-                !range.is_some_and(|range| range.contains(&(triangle as usize)))
-            };
-            let elsewhere = work.altered.iter().copied().filter(is_elsewhere);
-            let elsewhere = elsewhere.filter(|&triangle| is_around(&(triangle as usize)));
-            let mut faces: Vec<Face> = elsewhere.map(|triangle| self.face(triangle)).collect();
-            faces.par_extend(ranges.par_iter().flat_map_iter(|range| {
-                let mut run = self.run(range.start as u32);
-                range.clone().filter(is_around).map(move |triangle| {
-                    let is_behind = |run: &Run| run.start as usize <= triangle;
-                    while self.runs.get(run + 1).is_some_and(is_behind) {
-                        run += 1;
-                    }
-                    self.face_of(triangle as u32, run)
-                })
-            }));
-            faces.retain(|face| !work.removed.contains(&face.triangle));
-            faces
-        };
-        let want = |faces: &[Face], stars: &mut Stars| {
-            let corners = faces.iter().flat_map(|&face| self.corners(face));
-            corners.for_each(|vertex| stars.want(vertex));
-        };
-        want(bad, &mut stars);
-        if thorough {
-            want(&around(&stars), &mut stars);
-        }
-        for face in around(&stars) {
-            for vertex in self.corners(face) {
-                if let Some(star) = stars.get_mut(vertex) {
-                    star.faces.push(face);
-                }
-            }
-        }
-        stars
-    }
-
-    /// Whether any merger after the first `since` has changed what decides
-    /// about a face: the stars of its corners and of the vertices around them.
-    pub(super) fn changed_around(&self, face: Face, since: u32, stars: &Stars) -> bool {
-        let has_changed = |vertex: u32| stars.get(vertex).is_some_and(|star| star.changed > since);
-        let around = self.corners(face).into_iter();
-        let around = around.filter_map(|vertex| stars.get(vertex));
-        around
-            .flat_map(|star| &star.faces)
-            .any(|&face| self.corners(face).into_iter().any(has_changed))
-    }
-
-    /// The other face at the edge between two vertices.
-    pub(super) fn neighbour(&self, face: Face, u: u32, v: u32, stars: &Stars) -> Option<Face> {
-        let mut star = stars.get(u)?.faces.iter().copied();
-        star.find(|&other| other.triangle != face.triangle && self.corners(other).contains(&v))
-    }
-
-    /// The vertices around a vertex, each once.
-    pub(super) fn link(&self, vertex: u32, star: &[Face], link: &mut Vec<u32>) {
-        link.clear();
-        for other in star.iter().flat_map(|&face| self.corners(face)) {
-            if other != vertex && !link.contains(&other) {
-                link.push(other);
-            }
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-use super::vertices::Constraints;
-use super::{Crossings, EDGES, Placer, Scene};
+use super::constraints::Constraints;
+use super::{Crossings, EDGES, Placer};
 use crate::net::brick::{self, Mask, WORDS};
 use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
+use crate::net::scene::Scene;
 use crate::program::{Cell, roots_between};
 
 impl Placer {

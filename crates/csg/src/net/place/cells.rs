@@ -3,14 +3,15 @@
 use glam::DVec3;
 use pulp::Simd;
 
-use super::vertices::Constraints;
-use super::{Crossings, EDGES, Placer, Scene};
+use super::constraints::Constraints;
+use super::{Crossings, EDGES, Placer};
 use crate::net::brick::{self, Beam, Mask, WORDS};
 use crate::net::lattice::{CELLS, SAMPLES};
 use crate::net::loops::{self, PATTERNS};
 use crate::net::part::{BrickRecord, ComplexCell, FaceArcs, Part};
-use crate::net::solve;
+use crate::net::scene::Scene;
 use crate::program::{Cell, Surface};
+use crate::surface::solve;
 
 impl Placer {
     /// Places the vertices of cells that one surface crosses in one loop.

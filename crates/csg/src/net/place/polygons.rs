@@ -1,8 +1,9 @@
 //! The polygons of a brick, grouped by provenance.
 
-use super::{Placer, Scene};
+use super::Placer;
 use crate::net::brick;
 use crate::net::part::{Part, PolygonCode, PolygonGroup};
+use crate::net::scene::Scene;
 use crate::program::Cell;
 
 impl Placer {

@@ -4,10 +4,12 @@
 
 use glam::{DVec3, UVec3};
 
-use super::vertices::{Constraints, NEAR};
-use super::{Placer, Scene};
+use super::Placer;
+use super::constraints::Constraints;
+use super::vertices::NEAR;
 use crate::net::brick;
 use crate::net::lattice::{CELLS, Lattice, SAMPLES};
+use crate::net::scene::Scene;
 use crate::net::validity::{self, Tests};
 use crate::program::{Bounds, Cell, Program, Pruner, Reach};
 use crate::random::Random;

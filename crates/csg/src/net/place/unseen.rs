@@ -2,13 +2,15 @@
 
 use glam::DVec3;
 
-use super::vertices::{Constraints, NEAR};
-use super::{Placer, Scene};
+use super::Placer;
+use super::constraints::Constraints;
+use super::vertices::NEAR;
 use crate::net::brick::Mask;
 use crate::net::lattice::CELLS;
 use crate::net::part::{Fallback, FallbackKind, Part};
-use crate::net::solve;
+use crate::net::scene::Scene;
 use crate::program::{Cell, Surface};
+use crate::surface::solve;
 
 impl Placer {
     /// Reports what lies unseen in a brick: tips of cones, and the point of each

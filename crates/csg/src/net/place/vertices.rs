@@ -3,15 +3,14 @@
 
 use glam::DVec3;
 
-use super::{Placer, Scene};
+use super::Placer;
+use super::constraints::{Candidate, Constraints, MOST_CONSTRAINTS};
 use crate::net::meet::{self, Batch};
 use crate::net::part::{Fallback, FallbackKind, Part};
-use crate::net::{solve, validity};
+use crate::net::scene::Scene;
+use crate::net::validity;
 use crate::program::{Cell, Side};
-
-/// The surfaces of one vertex, as positions in the brick's list. More than
-/// this never have a common point but by construction of the model.
-const MOST_CONSTRAINTS: usize = 8;
+use crate::surface::solve;
 
 /// How far a vertex may lie from the middle of its cell along any axis, in
 /// cells: a cell outside of it.
@@ -23,56 +22,6 @@ const FAR: f64 = 2.5;
 
 /// Of the surfaces near a vertex in need of repair, how many are tried.
 const MOST_EXTRAS: usize = 8;
-
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Constraints {
-    pub len: usize,
-    list: [u16; MOST_CONSTRAINTS],
-}
-
-impl Constraints {
-    pub fn of(surface: u16) -> Self {
-        Self::default().with(surface)
-    }
-
-    pub fn insert(&mut self, surface: u16) {
-        if !self.as_slice().contains(&surface) && self.len < MOST_CONSTRAINTS {
-            self.list[self.len] = surface;
-            self.len += 1;
-        }
-    }
-
-    pub fn as_slice(&self) -> &[u16] {
-        &self.list[..self.len]
-    }
-
-    fn with(mut self, surface: u16) -> Self {
-        self.insert(surface);
-        self
-    }
-
-    fn without(&self, index: usize) -> Self {
-        let mut rest = Self::default();
-        for (i, &surface) in self.as_slice().iter().enumerate() {
-            if i != index {
-                rest.insert(surface);
-            }
-        }
-        rest
-    }
-}
-
-/// A vertex in place, and what is to be known should it not be valid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
-    /// Index into the part's vertices.
-    vertex: usize,
-    constraints: Constraints,
-    /// The mean of its crossed edges' middles.
-    start: DVec3,
-    /// The middle of the cell or face.
-    middle: DVec3,
-}
 
 impl Placer {
     /// Adds a vertex on all `constraints`, expected near `start`; `middle` is

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::surface::Surface;
+use super::Surface;
 
 /// A sum of two doubles, the second beyond the last digit of the first (Dekker, *A
 /// Floating-Point Technique for Extending the Available Precision*, 1971).

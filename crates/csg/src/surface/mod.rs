@@ -1,10 +1,22 @@
 //! Surfaces: planes and quadrics about an anchor point.
 
+mod bounds;
+mod kind;
+mod precise;
+mod principal;
+mod quadric;
+pub(crate) mod solve;
+mod standard_form;
+
 use std::fmt;
 
 use glam::{DMat3, DVec3};
 
-use super::Kind;
+pub use self::bounds::Bounds;
+pub(crate) use self::bounds::half_space_bounds;
+pub(crate) use self::kind::Kind;
+pub(crate) use self::quadric::from_coefficients;
+pub(crate) use self::standard_form::StandardForm;
 
 /// Where a surface's half-space f <= 0 lies relative to a set of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

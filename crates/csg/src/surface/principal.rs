@@ -2,7 +2,8 @@
 
 use glam::DMat3;
 
-use super::{Surface, eigen_symmetric};
+use super::Surface;
+use crate::numeric::eigen_symmetric;
 
 impl Surface {
     /// Unit directions at right angles (columns) along which f is

@@ -23,7 +23,7 @@ pub(crate) struct Task<'a> {
 }
 
 impl<'a> Task<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         program: &'a Program,
         bounds: Bounds,
         cell: f64,
@@ -41,7 +41,7 @@ impl<'a> Task<'a> {
     }
 
     /// The solid's bounds.
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         Bounds {
             min: self.origin - 0.5 * self.size,
             max: self.origin + 0.5 * self.size,
@@ -49,7 +49,7 @@ impl<'a> Task<'a> {
     }
 
     /// The same under another control.
-    pub(super) fn with<'b>(&self, control: &'b Control) -> Task<'b>
+    pub(crate) fn with<'b>(&self, control: &'b Control) -> Task<'b>
     where
         'a: 'b,
     {

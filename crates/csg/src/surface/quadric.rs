@@ -1,10 +1,12 @@
 //! General quadrics from ten coefficients: is the zero set a surface, and
 //! where should it be anchored?
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use super::{Kind, Surface};
+use super::Surface;
+use super::kind::Kind;
 use crate::error::NodeFault;
+use crate::numeric::eigen_symmetric;
 
 /// Below this share of the largest eigenvalue (or term) a value counts as
 /// zero: a thousand times what rounding leaves of one.
@@ -12,7 +14,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 
 /// The surface f = 0 of f = c0 x² + c1 y² + c2 z² + c3 xy + c4 yz + c5 zx +
 /// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex.
-pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, NodeFault> {
+pub(crate) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, NodeFault> {
     if coefficients.iter().any(|c| !c.is_finite()) {
         return Err(NodeFault::NotFinite {
             what: "a coefficient of the quadric",
@@ -35,7 +37,7 @@ pub(super) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, Node
 
 /// The kind of f about any anchor.
 #[cfg(test)]
-pub(super) fn kind_of(
+pub(crate) fn kind_of(
     quadratic: [f64; 6],
     linear: DVec3,
     constant: f64,
@@ -68,7 +70,7 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
             linear,
         ));
     }
-    let (values, vectors) = eigen(quadratic);
+    let (values, vectors) = eigen_symmetric(quadratic);
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let mut center = DVec3::ZERO;
     // What of the linear part no centre can take away.
@@ -117,70 +119,12 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
     })
 }
 
-/// Eigenvalues and eigenvectors (columns) of the symmetric matrix of a
-/// quadratic form.
-pub(crate) fn eigen([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> ([f64; 3], DMat3) {
-    let (values, vectors) = jacobi([
-        [xx, 0.5 * xy, 0.5 * zx],
-        [0.5 * xy, yy, 0.5 * yz],
-        [0.5 * zx, 0.5 * yz, zz],
-    ]);
-    (values, DMat3::from_cols_array_2d(&vectors))
-}
-
-/// Eigenvalues and eigenvectors of a symmetric matrix, by cyclic Jacobi
-/// rotations (Golub and Van Loan, *Matrix Computations*, 8.5).
-pub(crate) fn jacobi<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
-    let mut v: [[f64; N]; N] =
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
-    // Convergence is quadratic; six sweeps are plenty.
-    for _ in 0..12 {
-        for apart in 1..N {
-            for p in 0..N - apart {
-                let q = p + apart;
-                if a[p][q] == 0.0 {
-                    continue;
-                }
-                let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                let t = if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + tau.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
-                let s = t * c;
-                let turn = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
-                for row in &mut a {
-                    (row[p], row[q]) = turn(row[p], row[q]);
-                }
-                for (rows, keep) in [(&mut a, false), (&mut v, true)] {
-                    let (low, high) = (rows[p], rows[q]);
-                    for k in 0..N {
-                        (rows[p][k], rows[q][k]) = turn(low[k], high[k]);
-                    }
-                    if !keep {
-                        (rows[p][q], rows[q][p]) = (0.0, 0.0);
-                    }
-                }
-            }
-        }
-    }
-    (std::array::from_fn(|k| a[k][k]), v)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn q(c: [f64; 10]) -> Result<Surface, NodeFault> {
         from_coefficients(c)
-    }
-
-    #[test]
-    fn eigenvalues_of_known_matrices() {
-        // [[2,1,0],[1,2,0],[0,0,5]] has 1, 3, 5.
-        let (mut values, vectors) = eigen([2.0, 2.0, 5.0, 2.0, 0.0, 0.0]);
-        values.sort_by(f64::total_cmp);
-        for (value, expected) in values.iter().zip([1.0, 3.0, 5.0]) {
-            assert!((value - expected).abs() < 1e-14, "{values:?}");
-        }
-        assert!((vectors.determinant().abs() - 1.0).abs() < 1e-14);
     }
 
     #[test]

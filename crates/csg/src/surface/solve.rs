@@ -8,8 +8,8 @@
 use glam::{DMat3, DVec3};
 use pulp::Simd;
 
-use super::lanes::{self, Reals};
-use crate::program::Surface;
+use super::Surface;
+use crate::numeric::lanes::{self, Reals};
 
 /// How the search for a common point ended.
 #[derive(Clone, Copy, Debug)]
@@ -151,7 +151,7 @@ pub(crate) fn common_point(surfaces: &[&Surface], start: DVec3, reach: f64) -> S
 
 /// The shortest step onto all linearised surfaces, and the largest distance
 /// before it.
-pub(super) fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
+pub(crate) fn step(surfaces: &[&Surface], point: DVec3) -> (DVec3, f64) {
     step_by(surfaces, point, distance)
 }
 
@@ -217,7 +217,7 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
         right -= r * n;
     }
     let m = normal_matrix;
-    let (values, vectors) = crate::program::eigen_symmetric([
+    let (values, vectors) = crate::numeric::eigen_symmetric([
         m.x_axis.x,
         m.y_axis.y,
         m.z_axis.z,
@@ -237,7 +237,7 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
 }
 
 /// Points are handled in lanes: so many at once, or a share of it.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// Moves many points onto one surface, along its gradient: Newton's method in
 /// lanes, until no point moves by more than `reach`, a length whose square is
@@ -246,7 +246,7 @@ pub(super) const LANES: usize = 8;
 /// for every point, whatever the machine's vector width. Points beyond the
 /// last multiple of [`LANES`] may stay where they are.
 #[inline(always)]
-pub(super) fn project_all<S: Simd>(
+pub(crate) fn project_all<S: Simd>(
     simd: S,
     surface: &Surface,
     reach: f64,

@@ -10,20 +10,20 @@ use pulp::Simd;
 
 /// A real number in every lane.
 #[derive(Clone, Copy)]
-pub(super) struct Reals<S: Simd> {
+pub(crate) struct Reals<S: Simd> {
     simd: S,
     pub lanes: S::f64s,
 }
 
 /// Whether something holds, in every lane.
 #[derive(Clone, Copy)]
-pub(super) struct Bools<S: Simd> {
+pub(crate) struct Bools<S: Simd> {
     simd: S,
     lanes: S::m64s,
 }
 
 /// A vector of space in every lane.
-pub(super) type Vectors<S> = [Reals<S>; 3];
+pub(crate) type Vectors<S> = [Reals<S>; 3];
 
 impl<S: Simd> Reals<S> {
     #[inline(always)]
@@ -134,27 +134,27 @@ impl<S: Simd> Not for Bools<S> {
 }
 
 #[inline(always)]
-pub(super) fn plus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub(crate) fn plus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 #[inline(always)]
-pub(super) fn times<S: Simd>(factor: Reals<S>, a: Vectors<S>) -> Vectors<S> {
+pub(crate) fn times<S: Simd>(factor: Reals<S>, a: Vectors<S>) -> Vectors<S> {
     [factor * a[0], factor * a[1], factor * a[2]]
 }
 
 #[inline(always)]
-pub(super) fn minus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub(crate) fn minus<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-pub(super) fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Reals<S> {
+pub(crate) fn dot<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Reals<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-pub(super) fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
+pub(crate) fn cross<S: Simd>(a: Vectors<S>, b: Vectors<S>) -> Vectors<S> {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
