@@ -14,7 +14,6 @@ mod mesher;
 mod net;
 mod numeric;
 mod pages;
-mod profile;
 pub mod program;
 #[cfg(test)]
 mod random;
@@ -33,8 +32,8 @@ pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
-pub use profile::{FillRule, Join, Path, Profile, turn};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
+pub use solid::profile::{FillRule, Join, Path, Profile, turn};
 pub use solid::{Axis, Made, Node, Plane, Primitive, Solid, Twist, shear_matrix};
 pub use undecided::{Undecided, Why};

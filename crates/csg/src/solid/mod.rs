@@ -11,6 +11,7 @@ mod partition;
 mod polyhedron;
 mod primitive;
 mod primitives;
+pub(crate) mod profile;
 mod revolve;
 mod rounded;
 mod transform;

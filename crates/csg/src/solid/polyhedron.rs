@@ -11,10 +11,10 @@ use rustc_hash::FxHashMap;
 
 use super::partition::{Facet, Tree};
 use super::primitive::Plane;
+use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::{NodeFault, PolyhedronFault};
 use crate::mesh::Mesh;
-use crate::profile::Profile;
 
 /// The most faces: each is an infinite plane to whatever is cut by it.
 const MOST_FACES: usize = 20_000;
