@@ -21,10 +21,10 @@ use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
-use crate::net;
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
+use crate::surface_nets;
 use crate::task::Task;
 use crate::verify;
 
@@ -361,7 +361,7 @@ impl<'a> Run<'a> {
         let mut mesh = match self.mesher.method {
             Method::Draft => draft::mesh(task, report)?,
             Method::Exact if self.smallest.is_some() => adapt::mesh(task, report)?,
-            Method::Exact => net::mesh(task, report)?,
+            Method::Exact => surface_nets::mesh(task, report)?,
         };
         if let Some(goal) = &self.goal {
             let goal = goal.loosened(factor);

@@ -37,7 +37,7 @@ const ROOMS: [(&str, &str); 22] = [
         "refine",
         "a mesh of the right topology brought to a tolerance",
     ),
-    ("net", "meshes by a lattice"),
+    ("surface_nets", "meshes by a lattice"),
     ("adapt", "meshes by adaptive cells"),
     ("draft", "meshes in draft quality"),
     ("finish", "normals and feature edges"),

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::constraints::Constraints;
 use super::{Crossings, EDGES, Placer};
-use crate::net::brick::{self, Mask, WORDS};
-use crate::net::part::{Fallback, FallbackKind, Part, PolygonCode};
-use crate::net::scene::Scene;
 use crate::program::{Cell, roots_between};
+use crate::surface_nets::brick::{self, Mask, WORDS};
+use crate::surface_nets::part::{Fallback, FallbackKind, Part, PolygonCode};
+use crate::surface_nets::scene::Scene;
 
 impl Placer {
     /// Finds the surface of every crossing, of those on which one surface alone

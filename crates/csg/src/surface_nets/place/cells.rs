@@ -5,13 +5,13 @@ use pulp::Simd;
 
 use super::constraints::Constraints;
 use super::{Crossings, EDGES, Placer};
-use crate::net::brick::{self, Beam, Mask, WORDS};
-use crate::net::lattice::{CELLS, SAMPLES};
-use crate::net::loops::{self, PATTERNS};
-use crate::net::part::{BrickRecord, ComplexCell, FaceArcs, Part};
-use crate::net::scene::Scene;
 use crate::program::{Cell, Surface};
 use crate::surface::solve;
+use crate::surface_nets::brick::{self, Beam, Mask, WORDS};
+use crate::surface_nets::lattice::{CELLS, SAMPLES};
+use crate::surface_nets::loops::{self, PATTERNS};
+use crate::surface_nets::part::{BrickRecord, ComplexCell, FaceArcs, Part};
+use crate::surface_nets::scene::Scene;
 
 impl Placer {
     /// Places the vertices of cells that one surface crosses in one loop.

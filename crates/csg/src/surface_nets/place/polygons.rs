@@ -1,10 +1,10 @@
 //! The polygons of a brick, grouped by provenance.
 
 use super::Placer;
-use crate::net::brick;
-use crate::net::part::{Part, PolygonCode, PolygonGroup};
-use crate::net::scene::Scene;
 use crate::program::Cell;
+use crate::surface_nets::brick;
+use crate::surface_nets::part::{Part, PolygonCode, PolygonGroup};
+use crate::surface_nets::scene::Scene;
 
 impl Placer {
     /// Hands the collected polygons of a surface to the part, grouped by the

@@ -7,13 +7,13 @@ use glam::{DVec3, UVec3};
 use super::Placer;
 use super::constraints::Constraints;
 use super::vertices::NEAR;
-use crate::net::brick;
-use crate::net::lattice::{CELLS, Lattice, SAMPLES};
-use crate::net::scene::Scene;
-use crate::net::validity::{self, Tests};
 use crate::program::{Bounds, Cell, Program, Pruner, Reach};
 use crate::random::Random;
 use crate::solid::Solid;
+use crate::surface_nets::brick;
+use crate::surface_nets::lattice::{CELLS, Lattice, SAMPLES};
+use crate::surface_nets::scene::Scene;
+use crate::surface_nets::validity::{self, Tests};
 
 fn leaf(random: &mut Random) -> Solid {
     let mut size = || 0.2 + 0.8 * random.unit();

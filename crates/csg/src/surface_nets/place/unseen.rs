@@ -5,12 +5,12 @@ use glam::DVec3;
 use super::Placer;
 use super::constraints::Constraints;
 use super::vertices::NEAR;
-use crate::net::brick::Mask;
-use crate::net::lattice::CELLS;
-use crate::net::part::{Fallback, FallbackKind, Part};
-use crate::net::scene::Scene;
 use crate::program::{Cell, Surface};
 use crate::surface::solve;
+use crate::surface_nets::brick::Mask;
+use crate::surface_nets::lattice::CELLS;
+use crate::surface_nets::part::{Fallback, FallbackKind, Part};
+use crate::surface_nets::scene::Scene;
 
 impl Placer {
     /// Reports what lies unseen in a brick: tips of cones, and the point of each

@@ -5,12 +5,12 @@ use glam::DVec3;
 
 use super::Placer;
 use super::constraints::{Candidate, Constraints, MOST_CONSTRAINTS};
-use crate::net::meet::{self, Batch};
-use crate::net::part::{Fallback, FallbackKind, Part};
-use crate::net::scene::Scene;
-use crate::net::validity;
 use crate::program::{Cell, Side};
 use crate::surface::solve;
+use crate::surface_nets::meet::{self, Batch};
+use crate::surface_nets::part::{Fallback, FallbackKind, Part};
+use crate::surface_nets::scene::Scene;
+use crate::surface_nets::validity;
 
 /// How far a vertex may lie from the middle of its cell along any axis, in
 /// cells: a cell outside of it.
