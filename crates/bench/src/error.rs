@@ -14,6 +14,7 @@ use csg::{Mesh, Mesher, Program};
 use glam::DVec3;
 
 use crate::deviation::{boundary_samples, mesh_to_boundary, points_to_mesh};
+use crate::figure::Figure;
 use crate::peers::fidget::{self, Evaluator, Run};
 use crate::peers::{manifold, surface_nets};
 use crate::plot;
@@ -45,57 +46,6 @@ pub struct Options {
     /// A Python that has manifold3d and numpy: by default that of the tests
     #[arg(long, default_value = "target/tmp/manifold3d/venv/bin/python")]
     python: PathBuf,
-}
-
-/// One mesh: a line of the table and of the CSV file.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    pub scene: String,
-    pub mesher: String,
-    pub setting: String,
-    pub seconds: f64,
-    pub deviation: f64,
-    pub volume_error: f64,
-    pub triangles: usize,
-}
-
-impl Figure {
-    fn columns(&self) -> [String; 7] {
-        [
-            self.scene.clone(),
-            self.mesher.clone(),
-            self.setting.clone(),
-            format!("{:.3e}", self.seconds),
-            format!("{:.2e}", self.deviation),
-            format!("{:.2e}", self.volume_error),
-            self.triangles.to_string(),
-        ]
-    }
-
-    fn parse(line: &str) -> Option<Self> {
-        let columns: Vec<&str> = line.split(',').collect();
-        let &[
-            scene,
-            mesher,
-            setting,
-            seconds,
-            deviation,
-            volume,
-            triangles,
-        ] = &columns[..]
-        else {
-            return None;
-        };
-        Some(Self {
-            scene: scene.to_owned(),
-            mesher: mesher.to_owned(),
-            setting: setting.to_owned(),
-            seconds: seconds.parse().ok()?,
-            deviation: deviation.parse().ok()?,
-            volume_error: volume.parse().ok()?,
-            triangles: triangles.parse().ok()?,
-        })
-    }
 }
 
 /// Prints two tables for each scene, a line for each mesh, and draws the plot.

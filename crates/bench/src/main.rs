@@ -9,6 +9,7 @@ mod defects;
 mod deviation;
 mod error;
 mod field;
+mod figure;
 mod files;
 #[path = "../../../tests/judge/mod.rs"]
 mod judge;

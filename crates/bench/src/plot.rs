@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use plotters::style::register_font;
 use raster::Image;
 
-use crate::error::Figure;
+use crate::figure::Figure;
 
 const MESHERS: [(&str, RGBColor); 5] = [
     ("ours", RGBColor(200, 30, 30)),

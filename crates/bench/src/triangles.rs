@@ -1,7 +1,7 @@
 //! How many triangles does each mesher need for the deviation that it reaches,
 //! and how many do we for the same?
 
-use crate::error::Figure;
+use crate::figure::Figure;
 
 /// Meshes nearer to the boundary than this are exact but for rounding.
 const EXACT: f64 = 1e-8;

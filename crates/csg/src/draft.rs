@@ -26,9 +26,9 @@ use self::lattice::Lattice;
 use crate::control::Stage;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
-use crate::mesher::Task;
 use crate::program::{Cell, Pruner};
 use crate::report::Report;
+use crate::task::Task;
 
 /// Cells along the side of a brick: with the apron its samples fill rows of
 /// [`ROW`].

@@ -1,10 +1,13 @@
 //! What can be wrong, where it is, and how to mend it.
 
+mod polyhedron;
+mod profile;
+
 use std::fmt;
 
+pub use self::polyhedron::PolyhedronFault;
+pub use self::profile::ProfileFault;
 use crate::limits::LimitReached;
-use crate::profile::ProfileFault;
-use crate::solid::PolyhedronFault;
 
 /// Why a solid could not be lowered, measured or meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

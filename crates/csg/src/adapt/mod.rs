@@ -35,10 +35,10 @@ use self::settle::{CORNER_SLACK, Expected, constraints_of, passage, vertex};
 use self::tree::{MOST_LEVELS, ROOT_BITS};
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::mesher::Task;
-use crate::net::solve;
 use crate::program::Surface;
 use crate::report::Report;
+use crate::surface::solve;
+use crate::task::Task;
 
 /// The root cell exceeds the solid's longest side by this share, and its
 /// middle is off the solid's by these shares: irrational and different along

@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use super::complex::{FaceCrossing, Pairing};
 use super::probe::{Change, Probe, Scene};
-use crate::net::solve;
 use crate::program::{Cell, Surface};
+use crate::surface::solve;
 
 /// Pairs the crossings of one cell's faces, or of all.
 pub(super) struct Geometric<'a, F> {

@@ -11,8 +11,8 @@ use super::pairing::Geometric;
 use super::probe::{Change, Flatness, Probe, Scene, have_no_common_point};
 use super::touch::{Touch, touch};
 use super::tree::Place;
-use crate::net::solve;
 use crate::program::{Cell, Surface};
+use crate::surface::solve;
 
 /// What is known of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]

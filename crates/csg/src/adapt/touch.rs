@@ -8,8 +8,9 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::net::solve;
-use crate::program::{Surface, eigen_symmetric};
+use crate::numeric::eigen_symmetric;
+use crate::program::Surface;
+use crate::surface::solve;
 
 /// How two surfaces touch.
 #[derive(Clone, Copy, Debug, PartialEq)]

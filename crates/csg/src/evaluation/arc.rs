@@ -3,15 +3,15 @@
 
 use glam::DVec3;
 
-use super::Scene;
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
-use super::lines::{Piece, emit};
-use super::sectors::{HalfPlane, NOTHING, Wedges};
+use super::piece::{NOTHING, Piece};
+use super::scene::Scene;
+use super::sectors::{HalfPlane, Wedges, emit};
 use super::triple::Triple;
-use crate::net::solve;
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// What ends a stretch of a curve.
 #[derive(Clone, Copy, Debug)]

@@ -15,11 +15,14 @@ use super::contacts::Contact;
 use super::curve::{Branch, Meets};
 use super::faces::Faces;
 use super::frame::Frame;
-use super::pairs::{Unknown, curves};
+use super::intersection::Unknown;
+use super::pairs::curves;
+use super::piece::NOTHING;
 use super::roots::Roots;
-use super::sectors::{HalfPlane, NOTHING, Sectors, Wedges};
+use super::scene::Scene;
+use super::sectors::{HalfPlane, Sectors, Wedges};
+use super::traced::Traced;
 use super::triple::{clusters, contacts};
-use super::{Scene, Traced};
 use crate::program::Surface;
 use crate::undecided::{Stop, Why};
 

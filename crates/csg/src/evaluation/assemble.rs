@@ -5,15 +5,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Scene;
 use super::boundary::Boundary;
 use super::contacts::{Contact, add_contacts};
 use super::picture::{NONE, Picture, Slits};
-use super::sectors::Side;
+use super::piece::Side;
+use super::scene::Scene;
 use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
 use crate::mesh::Mesh;
-use crate::mesher::Task;
+use crate::task::Task;
 use crate::undecided::{Stop, Why};
 
 /// Triangles of all faces. Where chords of curves run across each other, or along a

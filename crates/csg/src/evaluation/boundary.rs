@@ -9,14 +9,17 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
-use super::lines::Piece;
 use super::picture::Slits;
-use super::sectors::{NOTHING, Side};
+use super::piece::{NOTHING, Piece, Side};
+use super::scene::Scene;
 use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
-use super::{Borders, Scene};
 use crate::program::Surface;
 use crate::undecided::{Stop, Why};
+
+/// For edges between faces of one surface that look different, by their ends in
+/// ascending order, the other surface on whose curve they are.
+pub(crate) type Borders = FxHashMap<[u32; 2], u32>;
 
 /// An index that stands for nothing.
 pub(super) const NONE: u32 = u32::MAX;

@@ -3,9 +3,10 @@
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
-use super::NEAR;
-use super::curve::{BEGIN, Branch, Branches, Curve, Form, polar};
-use super::pairs::{NEGLIGIBLE, Unknown};
+use super::curve::{Branch, Branches, Curve, Form, polar};
+use super::intersection::{NEGLIGIBLE, Unknown};
+use super::scene::NEAR;
+use super::trig::BEGIN;
 use crate::program::Surface;
 
 /// The curves in which a plane cuts a quadric, where they are known.

@@ -6,9 +6,9 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::picture::{Picture, Slits};
-use super::sectors::Side;
+use super::piece::Side;
+use super::scene::Scene;
 use super::triple::is_common_between;
 use crate::program::Surface;
 

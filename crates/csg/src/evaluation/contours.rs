@@ -4,8 +4,8 @@
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::boundary::{Boundary, NONE};
+use super::scene::Scene;
 use crate::undecided::{Stop, Why};
 
 /// Directions in a face that differ by less are the same, in radians.

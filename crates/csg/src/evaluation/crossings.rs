@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::boundary::Boundary;
+use super::scene::Scene;
 use super::triangulate::orient;
-use crate::net::solve;
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// A point of an edge's curve at which a vertex may part it from another one. One
 /// half of the edge stands for both.

@@ -55,10 +55,6 @@ impl Branch {
     }
 }
 
-/// Closed curves begin so far from the axes of symmetry, in radians, that they
-/// begin on no other surface of a symmetric model.
-pub(super) const BEGIN: f64 = 0.777_312_5;
-
 /// f(origin + x u + y v) as a polynomial in x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Form {

@@ -1,8 +1,8 @@
 //! Which surfaces of a block may carry faces, and what matters on each: mostly far
 //! less than in all of the block.
 
-use super::Scene;
 use super::cells::Block;
+use super::scene::Scene;
 use crate::program::Pruner;
 
 /// The surfaces of a block that may carry faces: those that matter in a box around

@@ -1,27 +1,15 @@
 //! The edges of a polyhedral solid: the lines in which planes meet, cut up by
 //! the other planes, and which faces meet along each piece.
 
-use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::cells::Block;
+use super::line::Line;
+use super::piece::Piece;
 use super::regions::{Candidate, Finder, merge};
-use super::sectors::{HalfPlane, Sectors, Side, Wedges};
-use super::{Plane, Scene};
+use super::scene::Scene;
+use super::sectors::{HalfPlane, Sectors, Wedges, emit};
 use crate::undecided::{Stop, Why};
-
-/// A piece of an edge: the boundary of the first face runs from `from` to `to`
-/// there, with the face on its left as seen from outside, and that of the
-/// second back.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    pub from: DVec3,
-    pub to: DVec3,
-    pub sides: [Side; 2],
-    /// Two surfaces on whose curve it lies, by number; the second
-    /// [`super::sectors::NOTHING`] on seams.
-    pub curve: [u32; 2],
-}
 
 /// Finds the edges in blocks. Holds scratch memory.
 #[derive(Default)]
@@ -32,79 +20,6 @@ pub(super) struct Tracer {
     /// Positions of the planes through the line, but for the first two.
     others: SmallVec<[u32; 4]>,
 }
-
-/// A line with the interval of it that lies in a block.
-pub(super) struct Line {
-    point: DVec3,
-    direction: DVec3,
-    start: f64,
-    end: f64,
-}
-
-impl Line {
-    /// The whole line common to two planes of a block, the same to the bit in
-    /// every block; none if they are parallel.
-    pub fn of_pair(scene: &Scene<'_>, block: &Block, pair: [u32; 2]) -> Option<Self> {
-        let [p, q] = pair.map(|position| {
-            let id = block.cell.surfaces[position as usize];
-            &scene.planes[id as usize]
-        });
-        let direction = p.normal.cross(q.normal);
-        let square = direction.length_squared();
-        if square < PARALLEL * PARALLEL {
-            return None;
-        }
-        let point =
-            (q.normal.cross(direction) * p.offset + direction.cross(p.normal) * q.offset) / square;
-        Some(Self {
-            point,
-            direction: direction / square.sqrt(),
-            start: f64::NEG_INFINITY,
-            end: f64::INFINITY,
-        })
-    }
-
-    /// Clips the line to a box (Liang and Barsky, *A New Concept and Method for
-    /// Line Clipping*, 1984); false if nothing is left.
-    fn clip(&mut self, low: DVec3, high: DVec3) -> bool {
-        for axis in 0..3 {
-            let (at, slope) = (self.point[axis], self.direction[axis]);
-            if slope == 0.0 {
-                if !(low[axis] <= at && at < high[axis]) {
-                    return false;
-                }
-                continue;
-            }
-            let (mut enter, mut leave) = ((low[axis] - at) / slope, (high[axis] - at) / slope);
-            if slope < 0.0 {
-                std::mem::swap(&mut enter, &mut leave);
-            }
-            self.start = self.start.max(enter);
-            self.end = self.end.min(leave);
-        }
-        self.start < self.end
-    }
-
-    pub fn at(&self, t: f64) -> DVec3 {
-        self.point + t * self.direction
-    }
-
-    /// Where along the line a point lies.
-    pub fn along(&self, point: DVec3) -> f64 {
-        (point - self.point).dot(self.direction)
-    }
-
-    /// Whether all of a clipped line lies in a plane.
-    fn lies_in(&self, scene: &Scene<'_>, plane: &Plane) -> bool {
-        let value = plane.value(self.point);
-        let slope = plane.normal.dot(self.direction);
-        let ends = [self.start, self.end].map(|t| (value + slope * t).abs());
-        ends[0].max(ends[1]) <= scene.on_plane
-    }
-}
-
-/// Planes that meet at a smaller sine of their angle are parallel.
-const PARALLEL: f64 = 1e-11;
 
 /// In blocks of no more planes every pair of them is traced: it takes less time
 /// than finding out which pairs meet on the boundary.
@@ -343,19 +258,4 @@ impl Tracer {
             .around
             .extend(half_planes.into_iter().map(|(_, h)| h));
     }
-}
-
-/// Adds a piece for each wedge.
-pub(super) fn emit(
-    wedges: &Wedges,
-    [from, to]: [DVec3; 2],
-    curve: [u32; 2],
-    pieces: &mut Vec<Piece>,
-) {
-    pieces.extend(wedges.iter().map(|&sides| Piece {
-        from,
-        to,
-        sides,
-        curve,
-    }));
 }

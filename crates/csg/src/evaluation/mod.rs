@@ -46,18 +46,23 @@ mod crossings;
 mod curve;
 mod faces;
 mod frame;
+mod intersection;
+mod line;
 mod lines;
 mod pairs;
 mod pencil;
 mod picture;
 #[cfg(test)]
 mod picture_tests;
+mod piece;
 mod regions;
 mod roots;
 #[cfg(test)]
 mod roots_tests;
 mod rulings;
+mod scene;
 mod sectors;
+mod traced;
 mod triangulate;
 mod trig;
 mod triple;
@@ -66,10 +71,11 @@ mod weld;
 
 use std::time::Instant;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+pub(crate) use self::boundary::Borders;
 pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
 #[cfg(test)]
@@ -79,16 +85,15 @@ use self::arcs::ArcTracer;
 use self::assemble::assemble;
 use self::boundary::Boundary;
 use self::cells::{Block, cut};
-use self::contacts::Contact;
 use self::frame::Frame;
-use self::lines::{Piece, Tracer};
-use self::sectors::Side;
-use crate::control::Control;
+use self::lines::Tracer;
+use self::scene::{NEAR, ON_PLANE, Plane, Scene, WELD};
+use self::traced::Traced;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::mesher::Task;
 use crate::program::{Origin, Program, Surface};
 use crate::report::Report;
+use crate::task::Task;
 use crate::undecided::{Stop, Undecided};
 
 /// By how much chords turn at most, in radians; less where faces cannot be cut
@@ -100,16 +105,6 @@ pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
 
 /// And where these are, too.
 pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
-
-/// Points nearer to each other than this share of the scene are one vertex.
-const WELD: f64 = 3e-11;
-
-/// A line nearer to a plane than this share of the scene lies in it.
-const ON_PLANE: f64 = 3e-12;
-
-/// Curved surfaces nearer to each other than this share of the scene, but not
-/// crossing, touch.
-const NEAR: f64 = 1e-9;
 
 /// Surfaces that are nowhere farther apart than this share of the scene bound walls or
 /// gaps that the stages of the evaluation cannot tell from none: a curve on the one is
@@ -138,104 +133,11 @@ const ABOVE: DVec3 = DVec3::new(
     0.023_245_553_203_368,
 );
 
-/// n·x - offset, at most 0 inside.
-#[derive(Clone, Copy, Debug)]
-struct Plane {
-    normal: DVec3,
-    offset: f64,
-}
-
-impl Plane {
-    fn value(&self, point: DVec3) -> f64 {
-        self.normal.dot(point) - self.offset
-    }
-}
-
-/// What all blocks have in common.
-struct Scene<'a> {
-    surfaces: &'a [Surface],
-    planes: &'a [Plane],
-    /// For each curved surface its frame, if it has one.
-    frames: &'a [Option<Frame>],
-    /// For each primitive the first that looks like it.
-    looks: &'a [u32],
-    on_plane: f64,
-    near: f64,
-    /// No point of the solid is farther from the origin.
-    reach: f64,
-    weld: f64,
-    /// Distances that rounding may make.
-    rounding: f64,
-    control: &'a Control,
-}
-
-impl Scene<'_> {
-    /// Whether the caller wants more.
-    pub fn go_on(&self) -> Result<(), Stop> {
-        self.control.check().map_err(|_| Stop::Halted)
-    }
-
-    /// Curvatures that differ by less are the same: those of curves that over the
-    /// length of the scene part by less than what is near.
-    fn same_bend(&self) -> f64 {
-        NEAR * NEAR / self.near
-    }
-
-    /// Next to where surfaces touch, points nearer to each other may not be told apart:
-    /// where a curve touches a surface to the fourth order, the place is known to a
-    /// quarter of the digits.
-    fn touching_reach(&self) -> f64 {
-        1e6 * self.weld
-    }
-
-    /// By how much rounding may move points of a surface before its values are to be
-    /// known to more digits.
-    fn blur(&self) -> f64 {
-        4.0 * self.rounding
-    }
-
-    /// The point common to three planes, the same to the bit in whatever order
-    /// they are named.
-    fn common_point(&self, mut ids: [u32; 3]) -> DVec3 {
-        ids.sort_unstable();
-        let planes = ids.map(|id| self.planes[id as usize]);
-        let [p, q, r] = planes.map(|plane| plane.normal);
-        let crosses = [q.cross(r), r.cross(p), p.cross(q)];
-        let solve = |values: [f64; 3]| {
-            (values[0] * crosses[0] + values[1] * crosses[1] + values[2] * crosses[2])
-                / p.dot(crosses[0])
-        };
-        let point = solve(planes.map(|plane| plane.offset));
-        // A step of iterative refinement.
-        point - solve(planes.map(|plane| plane.value(point)))
-    }
-
-    /// A point of a face seen from outside, along the axis that its plane faces
-    /// most: no coordinate is rounded.
-    fn flatten(&self, side: &Side, point: DVec3) -> DVec2 {
-        if let Some(frame) = &self.frames[side.plane as usize] {
-            return frame.flatten(side.patch, side.along_normal, point);
-        }
-        let normal = self.planes[side.plane as usize].normal;
-        let axis = normal.abs().max_position();
-        let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
-        if (normal[axis] > 0.0) == side.along_normal {
-            DVec2::new(u, v)
-        } else {
-            DVec2::new(v, u)
-        }
-    }
-}
-
 /// A solid's boundary.
 pub(crate) struct Evaluated {
     pub mesh: Mesh,
     pub borders: Borders,
 }
-
-/// For edges between faces of one surface that look different, by their ends in
-/// ascending order, the other surface on whose curve they are.
-pub(crate) type Borders = FxHashMap<[u32; 2], u32>;
 
 /// Whether a program has planes alone.
 pub(crate) fn is_polyhedral(program: &Program) -> bool {
@@ -374,15 +276,6 @@ fn linked(
     Ok(Evaluated { mesh, borders })
 }
 
-impl Plane {
-    fn of(surface: &Surface) -> Self {
-        Self {
-            normal: surface.linear,
-            offset: surface.linear.dot(surface.anchor),
-        }
-    }
-}
-
 /// For each primitive the first that looks like it.
 fn looks(origins: &[Origin]) -> Vec<u32> {
     let mut first: FxHashMap<_, u32> = FxHashMap::default();
@@ -401,14 +294,6 @@ fn looks(origins: &[Origin]) -> Vec<u32> {
 
 /// About what is held at a time for each piece and what becomes of it.
 const BYTES_PER_PIECE: usize = 400;
-
-/// What is found in blocks.
-#[derive(Default)]
-struct Traced {
-    /// Of edges.
-    pieces: Vec<Piece>,
-    contacts: Vec<Contact>,
-}
 
 /// What is found in all blocks, in their order.
 fn trace<T>(

@@ -1,26 +1,10 @@
 //! The curves in which two surfaces meet.
 
-use glam::DVec3;
-use smallvec::SmallVec;
-
 use super::conic::conic;
-use super::curve::{Branch, Branches, Curve};
+use super::curve::{Branch, Branches};
+use super::intersection::{NEGLIGIBLE, Unknown, line};
 use super::pencil;
 use crate::program::Surface;
-
-/// Why the curves of two surfaces are not known.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Unknown {
-    /// They have only single points in common, where they touch.
-    Touch(Contacts),
-    /// There is no closed form for them here.
-    NoForm,
-}
-
-pub(super) type Contacts = SmallVec<[DVec3; 2]>;
-
-/// Coefficients below this share of the largest are rounding.
-pub(super) const NEGLIGIBLE: f64 = 1e-11;
 
 /// The curves common to two surfaces: two planes meet in a line, a plane and a
 /// quadric in conics, and two quadrics in curves of degree four (see
@@ -40,24 +24,6 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
         return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, near));
     }
     pencil::curves(a, b, near)
-}
-
-/// The line common to two planes.
-pub(super) fn line(p: &Surface, q: &Surface) -> Option<Curve> {
-    /// Planes that meet at a smaller sine of their angle are parallel.
-    const PARALLEL: f64 = 1e-11;
-    let direction = p.linear.cross(q.linear);
-    let square = direction.length_squared();
-    if square < PARALLEL * PARALLEL {
-        return None;
-    }
-    let offsets = [p, q].map(|s| s.linear.dot(s.anchor));
-    let point =
-        (q.linear.cross(direction) * offsets[0] + direction.cross(p.linear) * offsets[1]) / square;
-    Some(Curve::Line {
-        point,
-        direction: direction / square.sqrt(),
-    })
 }
 
 /// The plane in which two quadrics of the same quadratic part, but for a factor,
@@ -97,13 +63,14 @@ fn radical_plane(a: &Surface, b: &Surface) -> Option<Option<Surface>> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use glam::DMat3;
+    use glam::{DMat3, DVec3};
 
-    use super::super::NEAR;
     use super::super::conic::conics;
+    use super::super::curve::Curve;
+    use super::super::scene::NEAR;
     use super::*;
-    use crate::net::solve;
     use crate::random::Random;
+    use crate::surface::solve;
 
     /// A quadric of any kind about the origin, turned.
     pub fn quadric(random: &mut Random) -> Surface {

@@ -11,6 +11,7 @@
 //! two or three of the roots of the determinant are one, and rounding parts them,
 //! but not those of its derivatives.
 
+mod conics;
 mod planes;
 
 use std::f64::consts::TAU;
@@ -18,13 +19,14 @@ use std::f64::consts::TAU;
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use self::planes::conics;
-use super::curve::{BEGIN, Branch, Branches, Curve};
-use super::pairs::Unknown;
+use self::conics::conics;
+use super::curve::{Branch, Branches, Curve};
+use super::intersection::Unknown;
 use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
-use super::trig::Trig;
-use crate::program::{Surface, eigen_symmetric, jacobi};
+use super::trig::{BEGIN, Trig};
+use crate::numeric::{eigen_symmetric, jacobi};
+use crate::program::Surface;
 
 /// Eigenvalues below this share of the largest are none.
 const NO_VALUE: f64 = 1e-12;

@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::Scene;
-use super::sectors::Side;
+use super::piece::Side;
+use super::scene::Scene;
 
 /// The triangles of a face; the half-edge 3 t + k leads from corner k of
 /// triangle t to the next one.

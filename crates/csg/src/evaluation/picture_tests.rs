@@ -7,10 +7,10 @@ use glam::{DVec2, DVec3};
 
 use super::frame::Frame;
 use super::picture::{NONE, Picture, Slits};
-use super::sectors::Side;
+use super::piece::Side;
+use super::scene::{Plane, Scene};
 use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
-use super::{Plane, Scene};
 use crate::control::Control;
 use crate::program::Surface;
 use crate::random::Random;

@@ -11,9 +11,9 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::cells::Block;
-use super::lines::Line;
+use super::line::Line;
+use super::scene::Scene;
 use crate::program::{Cell, Operand, Pruner, Side as Half};
 
 /// A stretch of the line common to two planes, which are named by position.

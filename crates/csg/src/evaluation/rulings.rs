@@ -16,9 +16,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use super::curve::BEGIN;
 use super::roots::{Candidate, Roots};
-use super::trig::Trig;
+use super::trig::{BEGIN, Trig};
 use crate::program::Surface;
 
 /// Terms cancel where their sum is below this share of their size: products of up to four

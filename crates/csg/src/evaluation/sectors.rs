@@ -1,29 +1,11 @@
 //! Which faces meet along a curve: the formula on the sectors around it.
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::cells::Block;
-
-/// One of the two faces that meet along an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Side {
-    /// The plane it lies on, by number.
-    pub plane: u32,
-    /// The first primitive of those that look like its own, by number.
-    pub look: u32,
-    /// Whether its outward normal is that of the plane.
-    pub along_normal: bool,
-    /// Which of the parts that its surface is cut into: 0 on a plane.
-    pub patch: u8,
-}
-
-impl Side {
-    /// Whether it is the same patch of the same surface as another one.
-    pub fn shares_patch(&self, other: &Self) -> bool {
-        self.plane == other.plane && self.patch == other.patch
-    }
-}
+use super::piece::{NOTHING, Piece, Side};
+use super::scene::Scene;
 
 /// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
 /// which, turning counter-clockwise about the line, the plane's inside lies.
@@ -31,6 +13,21 @@ pub(super) type HalfPlane = u32;
 
 /// The two faces at every solid wedge around a curve: mostly one wedge.
 pub(super) type Wedges = SmallVec<[[Side; 2]; 2]>;
+
+/// Adds a piece for each wedge.
+pub(super) fn emit(
+    wedges: &Wedges,
+    [from, to]: [DVec3; 2],
+    curve: [u32; 2],
+    pieces: &mut Vec<Piece>,
+) {
+    pieces.extend(wedges.iter().map(|&sides| Piece {
+        from,
+        to,
+        sides,
+        curve,
+    }));
+}
 
 /// What lies around one curve, and along it. Holds scratch memory.
 #[derive(Default)]
@@ -54,9 +51,6 @@ pub(super) struct Sectors {
     /// The first of those that were, and their values.
     evaluated: Option<(usize, u64)>,
 }
-
-/// The position of what is no surface of the formula.
-pub(super) const NOTHING: u32 = u32::MAX;
 
 impl Sectors {
     /// Forgets another block.

@@ -2,8 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::curve::BEGIN;
 use super::roots::{Roots, bend_within};
+
+/// Closed curves begin so far from the axes of symmetry, in radians, that they
+/// begin on no other surface of a symmetric model.
+pub(super) const BEGIN: f64 = 0.777_312_5;
 
 /// The highest degree there is.
 const DEGREE: usize = 8;

@@ -8,12 +8,12 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::curve::{Curve, Meets};
 use super::pairs::curves;
 use super::roots::{Roots, bracketed};
-use crate::net::solve;
+use super::scene::Scene;
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// Roots between which a function stays within so many roundings may be made by rounding
 /// alone, as another one of the three curves may tell: it is about as far off where

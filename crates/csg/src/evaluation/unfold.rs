@@ -10,9 +10,9 @@
 
 use glam::DVec3;
 
-use super::Scene;
 use super::picture::{NONE, Picture, Slits};
-use super::sectors::Side;
+use super::piece::Side;
+use super::scene::Scene;
 use crate::program::Surface;
 
 /// Whether a triangle's normal and the surface's agree in its middle.

@@ -6,11 +6,11 @@ use glam::{BVec3, DVec3, I64Vec3};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::Scene;
 use super::contacts::Contact;
-use super::lines::Piece;
-use crate::net::solve;
+use super::piece::Piece;
+use super::scene::Scene;
 use crate::program::Surface;
+use crate::surface::solve;
 use crate::undecided::Stop;
 
 /// Of the distances that rounding makes: farther from a surface a point is off it.
@@ -248,7 +248,7 @@ impl Welder {
 mod tests {
     use super::*;
     use crate::control::Control;
-    use crate::evaluation::sectors::Side;
+    use crate::evaluation::piece::Side;
 
     fn ball(center: DVec3, radius: f64) -> Surface {
         Surface::of_terms(

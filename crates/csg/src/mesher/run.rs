@@ -1,6 +1,7 @@
 //! One run of a mesher: which way the mesh is made, what is done when it fails
 //! or costs too much, and what a finished mesh still gets.
 
+mod prepare;
 mod settling;
 mod tolerance;
 
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 
 use self::settling::Settling;
 use super::fit::{HALVINGS, fit, is_too_much};
-use super::{Meshed, Mesher, Method, Task};
+use super::options::{Mesher, Method};
 use crate::adapt;
 use crate::control::Control;
 use crate::draft;
@@ -20,10 +21,11 @@ use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
-use crate::net;
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
+use crate::surface_nets;
+use crate::task::Task;
 use crate::verify;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
@@ -31,6 +33,16 @@ const CHECK_BYTES: usize = 100;
 
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
+
+/// A finished mesh and how it came about.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Meshed {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was done for it, and what could not be done.
+    pub report: Report,
+}
 
 /// A mesher with valid options at work.
 pub(super) struct Run<'a> {
@@ -349,7 +361,7 @@ impl<'a> Run<'a> {
         let mut mesh = match self.mesher.method {
             Method::Draft => draft::mesh(task, report)?,
             Method::Exact if self.smallest.is_some() => adapt::mesh(task, report)?,
-            Method::Exact => net::mesh(task, report)?,
+            Method::Exact => surface_nets::mesh(task, report)?,
         };
         if let Some(goal) = &self.goal {
             let goal = goal.loosened(factor);

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::bounds::{Bounds, half_space_bounds};
 use super::formula::{Formula, Gate, Literal, Operand};
-use super::surface::{Side, Surface};
+use crate::surface::{Bounds, Side, Surface, half_space_bounds};
 
 /// What is left of a program inside a box: the surfaces that may cross it
 /// (ids into the program's list) and the formula over them, whose literals
@@ -305,10 +304,4 @@ impl Reach {
         let holds = |a: usize| (low[a] < self.low[a]) & (high[a] > self.high[a]);
         holds(0) & holds(1) & holds(2)
     }
-}
-
-/// The corner of the cube ±1 that octant `octant` (bit 0 for x) lies towards.
-pub(crate) fn octant_offset(octant: u8) -> DVec3 {
-    let side = |bit: u8| if octant >> bit & 1 == 0 { -1.0 } else { 1.0 };
-    DVec3::new(side(0), side(1), side(2))
 }

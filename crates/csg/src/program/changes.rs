@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::cell::Cell;
-use super::surface::Surface;
+use crate::surface::Surface;
 
 /// Bit i of the k-th: bit k of i.
 const VARIABLES: [u64; 6] = [

@@ -4,10 +4,9 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use super::quadric;
-use super::{Kind, Surface};
 use crate::error::NodeFault;
 use crate::solid::{Plane, Primitive};
+use crate::surface::{Kind, Surface, from_coefficients};
 
 /// A primitive as half-spaces: all must hold; none at all is all of space.
 pub(super) enum LocalShape {
@@ -95,7 +94,7 @@ pub(super) fn half_spaces(primitive: &Primitive) -> Result<LocalShape, NodeFault
                 normal,
             )]
         }
-        &Primitive::Quadric(coefficients) => vec![quadric::from_coefficients(coefficients)?],
+        &Primitive::Quadric(coefficients) => vec![from_coefficients(coefficients)?],
         &Primitive::Cuboid { min, max } => cuboid(min, max)?,
         &Primitive::Ellipsoid { radii } => {
             let (squares, least) = inverse_squares(radii, "a radius")?;

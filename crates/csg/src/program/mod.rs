@@ -1,19 +1,14 @@
 //! The solid lowered: distinct surfaces and one Boolean formula over
 //! half-space literals. No transforms and no shapes are left in it.
 
-mod bounds;
 mod cell;
 mod changes;
+mod extent;
 mod formula;
-mod kind;
 mod local;
 mod lower;
-mod precise;
-mod principal;
-mod quadric;
 mod reach;
 mod settle;
-mod surface;
 mod unify;
 
 use std::fmt;
@@ -23,17 +18,14 @@ use glam::DVec3;
 
 use crate::color::Color;
 
-pub use bounds::Bounds;
 pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
-pub(crate) use quadric::{eigen as eigen_symmetric, jacobi};
 pub(crate) use settle::Settled;
-pub(crate) use surface::roots_between;
 
+pub use crate::surface::{Bounds, Side, Surface};
+pub(crate) use crate::surface::{Kind, StandardForm, roots_between};
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
-pub(crate) use kind::{Kind, StandardForm};
-pub use surface::{Side, Surface};
 
 /// Where a literal comes from: one primitive of the tree.
 #[derive(Clone, Debug, PartialEq)]

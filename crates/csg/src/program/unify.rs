@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::surface::Surface;
+use crate::surface::Surface;
 
 const EPS: f64 = f64::EPSILON;
 

@@ -9,9 +9,8 @@
 
 use glam::DVec3;
 
-use super::grow::splits_well;
 use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
-use super::separate::{Side, cut_of};
+use super::side::{Side, cut_of, splits_well};
 
 /// Sides of two triangles, with points beside corners of the other triangle which are
 /// between a triangle and its surface; if there are none, beside the points where

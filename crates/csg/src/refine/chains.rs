@@ -4,10 +4,12 @@
 use glam::DVec3;
 
 use super::conics::OnConic;
+use super::course::Course;
 use super::curves::{Stretches, is_straight};
+use super::deviation;
+use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, next};
 use super::shape::faces_out_in_the_middle;
-use super::{Goal, deviation};
 use crate::program::Surface;
 
 /// A chain of edges along one curve, cut into chords that stray alike.
@@ -65,27 +67,6 @@ fn onward(mesh: &HalfEdges<'_>, half: u32) -> Option<u32> {
     let back = mesh.twin(half);
     mesh.around(vertex)
         .find(|&spoke| spoke != back && mesh.is_feature(spoke))
-}
-
-/// A curve measured in chords, with the vertices of a chain along it.
-pub(super) trait Course {
-    /// How many chords it takes, as a real number.
-    fn chords(&self) -> f64;
-
-    /// The share of all chords up to each vertex, the first and the last one
-    /// included.
-    fn shares(&self) -> Vec<f64>;
-
-    /// The points that cut it into so many chords that stray alike; `None` if it
-    /// could not be followed.
-    fn points(&self, chords: u32) -> Option<Vec<DVec3>>;
-
-    /// Whether all its chords are alike.
-    fn is_even(&self) -> bool;
-
-    /// Two surfaces that meet in it, for which a chord's distance is bounded
-    /// best.
-    fn surfaces(&self) -> [&Surface; 2];
 }
 
 /// Finds the points for a chain: as few as the tolerance asks for, but no

@@ -13,9 +13,9 @@
 
 use glam::DVec3;
 
-use super::Goal;
+use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, next, triangle_of};
-use super::regions::{Bend, metric};
+use super::region::{Bend, metric};
 use super::shape::faces_out;
 
 /// Of the angle between a triangle and its surface at a corner: 37°.

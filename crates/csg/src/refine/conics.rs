@@ -12,13 +12,14 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::Goal;
-use super::chains::Course;
+use super::course::Course;
 use super::curves::on_curve;
+use super::goal::Goal;
 use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
-use crate::net::solve;
-use crate::program::{Surface, eigen_symmetric};
+use crate::numeric::eigen_symmetric;
+use crate::program::Surface;
+use crate::surface::solve;
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
 pub(super) struct Conic {

@@ -1,27 +1,17 @@
 //! Where the solid touches itself: edges of several faces that join the same two
 //! places. They are the same in all of these faces, and cut together, at the same
 //! point: else the faces would run through each other.
-//!
-//! Next to a curve along which two surfaces touch, these part with the square of
-//! the distance x from it, and a chord of length h strays by the square of h. So
-//! there the chords must be no longer than the triangles next to them are high.
 
-use glam::DVec3;
 use rustc_hash::FxHashMap;
-
-use super::curves::on_curve;
-use super::grow::Grower;
-use super::half_edges::{HalfEdges, Kind};
-use super::separate::{Side, halved};
 
 /// Edges, by their ends in ascending order, that join the same two places as
 /// others.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Contacts {
     /// Of each edge its place in the list.
-    place_of: FxHashMap<[u32; 2], u32>,
+    pub place_of: FxHashMap<[u32; 2], u32>,
     /// For each two places all edges that join them, in ascending order.
-    edges: Vec<Vec<[u32; 2]>>,
+    pub edges: Vec<Vec<[u32; 2]>>,
 }
 
 impl Contacts {
@@ -41,156 +31,6 @@ impl Contacts {
         if let Some(&place) = self.place_of.get(&ends) {
             let parts = ends.map(|end| ([end.min(vertex), end.max(vertex)], place));
             self.place_of.extend(parts);
-        }
-    }
-}
-
-impl HalfEdges<'_> {
-    /// Lets no vertex move that is in the same place as another one, where the
-    /// solid touches itself, and leaves edges as they are that join the same two
-    /// places as another one.
-    pub fn fix_contacts(&mut self) {
-        // Zero has two signs.
-        let bits = |at: DVec3| (at + DVec3::ZERO).to_array().map(f64::to_bits);
-        // The first vertex in the same place, and whether there are others.
-        let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
-        let mut is_shared = vec![false; self.positions.len()];
-        let mut first_at = FxHashMap::default();
-        first_at.reserve(self.positions.len());
-        for (vertex, place) in (0u32..).zip(&mut places) {
-            if self.kinds[vertex as usize] == Kind::Gone {
-                continue;
-            }
-            *place = *first_at.entry(bits(self.at(vertex))).or_insert(vertex);
-            if *place != vertex {
-                for shared in [*place, vertex] {
-                    self.kinds[shared as usize] = Kind::Corner;
-                    is_shared[shared as usize] = true;
-                }
-            }
-        }
-        if !is_shared.contains(&true) {
-            self.contacts = Contacts::default();
-            return;
-        }
-        let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::new();
-        for half in self.halves() {
-            let ends = [self.origin(half), self.target(half)];
-            let mut between = ends.map(|v| places[v as usize]);
-            if ends[0] < ends[1] && ends.iter().any(|&v| is_shared[v as usize]) {
-                between.sort_unstable();
-                edges.push((between, ends));
-            }
-        }
-        edges.sort_unstable();
-        let alike = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        let precision = super::precision(&self.positions);
-        let alike = alike.map(|edges| {
-            let edges = edges.iter().map(|edge| edge.1).collect();
-            self.along_one_curve(edges, precision)
-        });
-        let edges: Vec<Vec<[u32; 2]>> = alike.filter(|edges| edges.len() > 1).collect();
-        let places = (0..).zip(&edges);
-        let place_of = places.flat_map(|(place, edges)| edges.iter().map(move |&e| (e, place)));
-        self.contacts = Contacts {
-            place_of: place_of.collect(),
-            edges,
-        };
-    }
-
-    /// Of edges that join the same two places those whose surfaces go through the
-    /// point at which their curve would be cut: a chord of one face may join the ends of
-    /// an edge that it has nothing to do with. None if all of them are such chords.
-    fn along_one_curve(&self, mut edges: Vec<[u32; 2]>, precision: f64) -> Vec<[u32; 2]> {
-        /// Of the distance to which points are on their surfaces.
-        const NEAR: f64 = 1e3;
-        let Some(curve) = self.contact_curve(&edges) else {
-            return Vec::new();
-        };
-        let curve = curve.map(|index| &self.surfaces[index as usize]);
-        let [p, q] = edges[0].map(|v| self.at(v));
-        if let Some(middle) = on_curve(curve, p.midpoint(q), 0.5 * p.distance(q), precision) {
-            let is_on = |half: u32| {
-                let surface = self.surface(half);
-                let off = surface.value(middle).abs();
-                off <= NEAR * precision * surface.gradient(middle).length()
-            };
-            edges.retain(|&ends| {
-                let half = self.between(ends);
-                half.is_some_and(|half| is_on(half) && is_on(self.twin(half)))
-            });
-        }
-        edges
-    }
-
-    pub fn between(&self, [from, to]: [u32; 2]) -> Option<u32> {
-        self.around(from).find(|&half| self.target(half) == to)
-    }
-
-    /// Whether another edge joins the same two places, so that it is to stay.
-    #[inline(always)]
-    pub fn is_contact(&self, half: u32) -> bool {
-        !self.contacts.is_empty() && self.contacts.place_of.contains_key(&self.ends(half))
-    }
-
-    /// The surfaces on whose curve edges at the same place are: those on both sides of
-    /// the first that runs between two, or, if all run along faces, two that touch each
-    /// other at both ends.
-    pub fn contact_curve(&self, edges: &[[u32; 2]]) -> Option<[u32; 2]> {
-        /// Sine of an angle between surfaces that is none.
-        const PARALLEL: f64 = 1e-4;
-        let halves = edges.iter().filter_map(|&ends| self.between(ends));
-        if let Some(border) = halves.clone().find(|&half| self.is_on_curve(half)) {
-            return Some(self.curve(border));
-        }
-        let ends = edges.first()?.map(|end| self.at(end));
-        let mut surfaces = halves.map(|half| self.surface_index(half));
-        let one = surfaces.next()?;
-        let touches = |&other: &u32| {
-            let pair = [one, other].map(|index| &self.surfaces[index as usize]);
-            let is_parallel = |&at: &DVec3| {
-                let [n, m] = pair.map(|s| s.gradient(at).normalize_or_zero());
-                n.cross(m).length() <= PARALLEL
-            };
-            one != other && ends.iter().all(is_parallel)
-        };
-        Some([one, surfaces.find(touches)?])
-    }
-}
-
-impl Grower<'_, '_> {
-    /// Cuts the edges along curves on which the solid touches itself until they are
-    /// clearly nearer to these than the tolerance.
-    pub(super) fn cut_contacts(&mut self) {
-        /// Halves an edge as often.
-        const MOST_ROUNDS: u32 = 24;
-        /// Of the tolerance: chords are shorter than the sides of triangles next to
-        /// them.
-        const NEAR: f64 = 0.5;
-        for _ in 0..MOST_ROUNDS {
-            let mut sides = Vec::new();
-            for edges in &self.mesh.contacts.edges {
-                let half = edges.first().and_then(|&ends| self.mesh.between(ends));
-                let halved = half.and_then(|half| halved(self.mesh, half, self.precision));
-                let (Some((off, side)), Some(curve)) = (halved, self.mesh.contact_curve(edges))
-                else {
-                    continue;
-                };
-                let [a, b] = curve.map(|surface| self.goal.tolerance_on(surface));
-                if off > NEAR * a.min(b) {
-                    let kind = Kind::Corner;
-                    sides.extend(edges.iter().map(|&ends| Side { ends, kind, ..side }));
-                }
-            }
-            if sides.is_empty() {
-                break;
-            }
-            for side in &sides {
-                self.cut_side(side);
-            }
-            self.flip();
-            self.free_stuck();
-            self.mesh.fix_contacts();
         }
     }
 }

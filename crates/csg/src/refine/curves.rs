@@ -7,11 +7,11 @@
 
 use glam::DVec3;
 
-use super::Goal;
-use super::chains::Course;
+use super::course::Course;
+use super::goal::Goal;
 use super::round::Round;
-use crate::net::solve;
 use crate::program::Surface;
+use crate::surface::solve;
 
 /// Steps in which a curve is measured between two vertices.
 const STEPS: usize = 16;

@@ -31,8 +31,6 @@ mod chord;
 use glam::DVec3;
 
 pub(crate) use self::chord::of_chord;
-use super::regions::Region;
-use super::shape::faces_out_in_the_middle;
 use crate::program::Surface;
 
 /// The spectral norm of the Hessian of f, or a little more: its largest sum of
@@ -96,21 +94,9 @@ fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
 
 /// The largest |f| of a triangle's points if it is none at the corners.
 #[inline(always)]
-fn largest_inside(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
+pub(super) fn largest_inside(surface: &Surface, [p, q, r]: [DVec3; 3]) -> f64 {
     let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
     largest_on_triangle([quarter(q - p), quarter(r - q), quarter(p - r)])
-}
-
-/// The distance of the triangle's farthest point to the surface to first order,
-/// of corners on it. No bound, but fast.
-#[inline(always)]
-pub(super) fn estimate(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
-    let largest = largest_inside(surface, corners);
-    if let Some(round) = &region.round {
-        return round.estimate(surface, largest, &corners);
-    }
-    let [p, q, r] = corners;
-    largest / surface.gradient((p + q + r) / 3.0).length()
 }
 
 /// A bound of the distance of any point of the triangle to the surface; of
@@ -194,7 +180,7 @@ pub(super) fn is_within(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub at: DVec3,
-    gradient: DVec3,
+    pub gradient: DVec3,
     value: f64,
 }
 
@@ -209,61 +195,10 @@ impl Corner {
     }
 }
 
-/// [`of_triangle`] for many triangles of one quadric's smooth part.
-pub(super) struct Judge<'a> {
-    surface: &'a Surface,
-    region: &'a Region,
-    tolerance: f64,
-}
-
-impl<'a> Judge<'a> {
-    pub fn new(surface: &'a Surface, region: &'a Region, tolerance: f64) -> Self {
-        Self {
-            surface,
-            region,
-            tolerance,
-        }
-    }
-
-    /// The bound of a triangle's distance; `None` for one that does not face
-    /// outward, or hardly.
-    #[inline(always)]
-    pub fn judge(&self, corners: [&Corner; 3]) -> Option<f64> {
-        /// Far from folded: the squared cosine between the triangle's normal
-        /// and the surface's.
-        const LEAST_COSINE_SQUARED: f64 = 0.04;
-        let [p, q, r] = corners.map(|corner| corner.at);
-        if self.region.round.is_some() {
-            let faces_out = faces_out_in_the_middle(self.surface, self.region, [p, q, r]);
-            return faces_out.then(|| self.region.bound(self.surface, [p, q, r]));
-        }
-        let normal = (q - p).cross(r - p);
-        let sum = corners[0].gradient + corners[1].gradient + corners[2].gradient;
-        let along = self.region.outward * normal.dot(sum);
-        let square = sum.length_squared();
-        if along <= 0.0 || along * along < LEAST_COSINE_SQUARED * normal.length_squared() * square {
-            return None;
-        }
-        // Mostly the tolerance itself is a distance that the map shrinks.
-        let ratio = Ratio::new(
-            self.region.shrinkage,
-            corners,
-            quarters(self.surface, corners),
-            sum * square.sqrt().recip(),
-        );
-        let bound = ratio.of(self.tolerance);
-        if bound <= self.tolerance {
-            return Some(bound);
-        }
-        let shrinkage = self.region.shrinkage;
-        Some(with_shrinkage(self.surface, shrinkage, [p, q, r]))
-    }
-}
-
 /// f over the triangle is Σ 2 b_ij λ_i λ_j plus what it is at the corners:
 /// b01, b12, b20.
 #[inline(always)]
-fn quarters(surface: &Surface, [p, q, r]: [&Corner; 3]) -> [f64; 3] {
+pub(super) fn quarters(surface: &Surface, [p, q, r]: [&Corner; 3]) -> [f64; 3] {
     let quarter = |d: DVec3| -0.25 * surface.curvature_along(d);
     [
         quarter(q.at - p.at),
@@ -288,7 +223,7 @@ fn towards_farthest(corners: &[Corner; 3], quarters: [f64; 3]) -> DVec3 {
 /// With f = Σ 2 b_ij λ_i λ_j and the slope Σ s_i λ_i >= (Σ √s_i λ_i)² by Cauchy
 /// and Schwarz: in terms of √s_i λ_i their ratio is one of quadratic forms
 /// again.
-struct Ratio {
+pub(super) struct Ratio {
     slopes: [f64; 3],
     least: f64,
     greatest: f64,
@@ -312,7 +247,12 @@ impl Part {
 
 impl Ratio {
     #[inline(always)]
-    fn new(shrinkage: Shrinkage, corners: [&Corner; 3], quarters: [f64; 3], along: DVec3) -> Self {
+    pub fn new(
+        shrinkage: Shrinkage,
+        corners: [&Corner; 3],
+        quarters: [f64; 3],
+        along: DVec3,
+    ) -> Self {
         let gradients = corners.map(|corner| corner.gradient);
         // The gradient's component along any direction is linear.
         let slopes = gradients.map(|gradient| gradient.dot(along));
@@ -368,7 +308,7 @@ impl Ratio {
     }
 
     #[inline(always)]
-    fn of(&self, distance: f64) -> f64 {
+    pub fn of(&self, distance: f64) -> f64 {
         self.larger(|part| self.of_part(part, distance))
     }
 

@@ -9,7 +9,7 @@
 use glam::DVec3;
 
 use super::half_edges::{HalfEdges, next, previous};
-use super::regions::{Bend, Region, Way, metric};
+use super::region::{Bend, Region, Way, metric};
 use super::shape::faces_out_in_the_middle;
 use crate::program::Surface;
 

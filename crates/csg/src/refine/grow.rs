@@ -11,30 +11,25 @@
 //! Faces that bend both ways and come to many triangles are left to
 //! [`super::patches`].
 
+mod contacts;
 mod insert;
 mod measure;
-
-pub(super) use self::insert::splits_well;
 
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
+use super::deviation;
+use super::fine::Fine;
 use super::flips::Waiting;
+use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, triangle_of};
-use super::regions::{Bend, Way};
-use super::separate::Side;
-use super::tessellate::Fine;
-use super::{BYTES_PER_TRIANGLE, Goal, Outcome, Unkept, deviation};
+use super::outcome::{Outcome, Unkept};
+use super::piece::Piece;
+use super::region::{Bend, Way};
+use super::side::{Side, splits_well};
+use super::surfaced::BYTES_PER_TRIANGLE;
 use crate::control::Control;
 use crate::error::Error;
-
-/// A stretch of a curve that is still one edge: the vertices that are going to
-/// cut it up, in its half-edge's direction.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    pub first: u32,
-    pub count: u32,
-}
 
 pub(super) struct Grower<'m, 's> {
     pub(super) mesh: &'m mut HalfEdges<'s>,

@@ -5,23 +5,21 @@
 //! in the neighbouring triangle. Splitting, flipping and removing keep the mesh
 //! closed, oriented and manifold.
 
+mod build;
 mod changes;
+mod contacts;
 mod pairing;
 
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-pub(super) use self::pairing::{first_of, halves_of, next, previous, triangle_of};
+pub(super) use self::pairing::{NONE, first_of, halves_of, next, previous, triangle_of};
 
-use self::pairing::{Half, pair_up};
-use super::Surfaced;
+use self::pairing::Half;
 use super::contacts::Contacts;
-use super::regions::{Region, regions};
+use super::region::Region;
 use crate::evaluation::Borders;
 use crate::program::Surface;
-
-/// No half-edge, no vertex, no curve.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Where a vertex may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,86 +59,11 @@ pub(super) struct HalfEdges<'a> {
 }
 
 impl<'a> HalfEdges<'a> {
-    /// `None` if the triangles are no closed, oriented 2-manifold.
-    pub fn new(surfaced: &Surfaced, surfaces: &'a [Surface]) -> Option<Self> {
-        let positions = surfaced.positions.clone();
-        let halves = pair_up(positions.len(), &surfaced.triangles)?;
-        let mut leaving = vec![NONE; positions.len()];
-        for (triangle, corners) in (0u32..).zip(&surfaced.triangles) {
-            for (half, &origin) in halves_of(triangle).zip(corners) {
-                leaving[origin as usize] = half;
-            }
-        }
-        let mut mesh = Self {
-            surfaces,
-            regions: Vec::new(),
-            kinds: vec![Kind::Gone; positions.len()],
-            positions,
-            leaving,
-            halves,
-            piece_halves: Vec::new(),
-            free: Vec::new(),
-            fine_edges: FxHashSet::default(),
-            contacts: Contacts::default(),
-            borders: surfaced.borders.clone(),
-        };
-        mesh.regions = regions(&mut mesh, &surfaced.groups, &surfaced.surface_of_group);
-        for vertex in 0..mesh.positions.len() as u32 {
-            if mesh.leaving[vertex as usize] != NONE {
-                mesh.kinds[vertex as usize] = mesh.kind_of(vertex);
-            }
-        }
-        Some(mesh)
-    }
-
     /// The vertices that an edge joins, in ascending order.
     #[inline(always)]
     pub fn ends(&self, half: u32) -> [u32; 2] {
         let [a, b] = [self.origin(half), self.target(half)];
         [a.min(b), a.max(b)]
-    }
-
-    fn kind_of(&self, vertex: u32) -> Kind {
-        let mut features = [NONE; 2];
-        let mut count = 0;
-        for half in self.around(vertex) {
-            if self.is_feature(half) {
-                if count == 2 {
-                    return Kind::Corner;
-                }
-                features[count] = half;
-                count += 1;
-            }
-        }
-        match count {
-            0 if self.has_apex(self.leaving[vertex as usize], self.at(vertex)) => Kind::Corner,
-            0 => Kind::Face,
-            2 => {
-                let [first, second] = features.map(|half| {
-                    let [a, b] = self.curve(half);
-                    (a.min(b), a.max(b))
-                });
-                // A border within one surface of which no more is known is nobody's
-                // to move.
-                let is_curve = first == second && first.0 != first.1;
-                let sides = [features[0], self.twin(features[0])];
-                let is_apex = sides
-                    .iter()
-                    .any(|&half| self.has_apex(half, self.at(vertex)));
-                if is_curve && !is_apex {
-                    Kind::Curve
-                } else {
-                    Kind::Corner
-                }
-            }
-            _ => Kind::Corner,
-        }
-    }
-
-    /// Whether a point is the apex of a half-edge's surface.
-    fn has_apex(&self, half: u32, at: DVec3) -> bool {
-        let apex = self.surface(half).apex();
-        apex.is_some_and(|apex| apex.distance(at) <= 1e-12 * (at.length() + apex.length()))
     }
 
     #[inline(always)]

@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use super::deviation::Corner;
-use super::regions::{Region, metric};
-use super::tessellate::INNER;
+use super::fine::INNER;
+use super::region::{Region, metric};
 use crate::program::Surface;
 
 /// A large triangle being filled; scratch memory.
@@ -226,7 +226,7 @@ fn zip(
 mod tests {
     use super::*;
     use crate::refine::deviation::Shrinkage;
-    use crate::refine::regions::{Bend, Way};
+    use crate::refine::region::{Bend, Way};
     use crate::{Program, Solid};
     use proptest::prelude::*;
     use std::collections::HashSet;

@@ -1,11 +1,13 @@
 //! Faces that bend both ways and come to many triangles: they are cut into large
 //! ones of like size, nearly flat, which are then tessellated in one step.
 
-use super::grow::{Grower, Piece};
+use super::fine::{Fine, INNER};
+use super::grow::Grower;
 use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
-use super::regions::Way;
+use super::piece::Piece;
+use super::region::Way;
 use super::smooth::smooth;
-use super::tessellate::{Fine, INNER, Tessellator, rows_of};
+use super::tessellate::{Tessellator, rows_of};
 use crate::control::Control;
 use crate::error::Error;
 

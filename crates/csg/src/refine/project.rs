@@ -37,8 +37,8 @@ pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
 mod tests {
     use super::*;
     use crate::evaluation::random_quadric;
-    use crate::net::solve;
     use crate::random::Random;
+    use crate::surface::solve;
 
     #[test]
     fn points_come_to_lie_on_quadrics_hardly_farther_than_they_are_off() {

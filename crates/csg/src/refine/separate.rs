@@ -7,16 +7,17 @@
 //! the mesh runs through itself no more once it is fine enough there, and none of it
 //! is folded.
 
-use glam::DVec3;
-
 use super::beside::sides_beside;
-use super::curves::on_curve;
+use super::fine::Fine;
+use super::goal::Goal;
 use super::grow::Grower;
-use super::half_edges::{HalfEdges, Kind, first_of, halves_of};
+use super::half_edges::{HalfEdges, first_of, halves_of};
+use super::hand_back::hand_back;
+use super::outcome::Outcome;
 use super::round::Round;
 use super::shape::{faces_in, facing};
-use super::tessellate::Fine;
-use super::{Goal, Outcome, Surfaced, hand_back};
+use super::side::{Side, halved, together};
+use super::surfaced::{Surfaced, precision};
 use crate::program::Surface;
 
 /// How triangles that run through each other are parted.
@@ -40,7 +41,7 @@ pub(crate) fn separate(
     parting: Parting,
     outcome: &mut Outcome,
 ) -> bool {
-    let precision = super::precision(&surfaced.positions);
+    let precision = precision(&surfaced.positions);
     let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         return false;
     };
@@ -97,30 +98,6 @@ fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
     })
 }
 
-/// A side of a triangle, and where it is to be cut.
-#[derive(Clone, Copy)]
-pub(super) struct Side {
-    /// In ascending order.
-    pub ends: [u32; 2],
-    pub target: DVec3,
-    /// Of the vertex there.
-    pub kind: Kind,
-}
-
-/// Each side once, and where the solid touches itself all edges at the same place, to
-/// be cut at the same point.
-pub(super) fn together(mesh: &HalfEdges<'_>, mut sides: Vec<Side>) -> Vec<Side> {
-    for index in 0..sides.len() {
-        let side = sides[index];
-        let kind = Kind::Corner;
-        let alike = mesh.contacts.alike(side.ends).iter();
-        sides.extend(alike.map(|&ends| Side { ends, kind, ..side }));
-    }
-    sides.sort_unstable_by_key(|side| side.ends);
-    sides.dedup_by_key(|side| side.ends);
-    sides
-}
-
 /// The sides of two triangles to be cut.
 fn sides_of(mesh: &HalfEdges<'_>, pair: [u32; 2], parting: Parting, precision: f64) -> Vec<Side> {
     let beside = match parting {
@@ -144,39 +121,6 @@ fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<S
     let farthest = sides.iter().map(|side| side.0).fold(0.0, f64::max);
     sides.retain(|side| side.0 >= FAR * farthest);
     sides.into_iter().map(|(_, side)| side).collect()
-}
-
-/// Where an edge would be cut next to a point of it.
-pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f64) -> Option<Side> {
-    let ends = mesh.ends(half);
-    let curve = if mesh.is_contact(half) {
-        mesh.contact_curve(mesh.contacts.alike(ends))?
-    } else {
-        mesh.curve(half)
-    };
-    let surfaces = curve.map(|index| &mesh.surfaces[index as usize]);
-    let (target, kind) = if std::ptr::eq(surfaces[0], surfaces[1]) {
-        let kind = if mesh.is_feature(half) {
-            Kind::Corner
-        } else {
-            Kind::Face
-        };
-        (mesh.region(half).project(surfaces[0], near)?, kind)
-    } else {
-        let [p, q] = ends.map(|v| mesh.at(v));
-        let reach = 0.5 * p.distance(q);
-        (on_curve(surfaces, near, reach, precision)?, Kind::Curve)
-    };
-    Some(Side { ends, target, kind })
-}
-
-/// Where an edge would be cut next to its middle, and how far that is from there.
-pub(super) fn halved(mesh: &HalfEdges<'_>, half: u32, precision: f64) -> Option<(f64, Side)> {
-    let middle = mesh
-        .at(mesh.origin(half))
-        .midpoint(mesh.at(mesh.target(half)));
-    let side = cut_of(mesh, half, middle, precision)?;
-    Some((side.target.distance(middle), side))
 }
 
 #[cfg(test)]

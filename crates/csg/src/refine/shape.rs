@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::regions::{Bend, Region, Way};
+use super::region::{Bend, Region, Way};
 use super::round::Round;
 use crate::program::Surface;
 

@@ -3,7 +3,7 @@
 
 use super::flips::Waiting;
 use super::half_edges::{HalfEdges, Kind, next};
-use super::regions::Way;
+use super::region::Way;
 use super::shape::faces_out_in_the_middle;
 
 /// Moves the vertices inside the faces that are to be tessellated amid their

@@ -11,49 +11,20 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::deviation::{Corner, Judge};
-use super::grow::Piece;
+use super::deviation::Corner;
+use super::fine::{Fine, ON_SIDE, Subdivision};
+use super::goal::Goal;
 use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
+use super::judge::{self, Judge};
 use super::patch::Patch;
-use super::regions::Way;
-use super::{BYTES_PER_TRIANGLE, Goal, deviation};
+use super::piece::Piece;
+use super::region::Way;
+use super::surfaced::BYTES_PER_TRIANGLE;
 use crate::control::Control;
 use crate::error::Error;
 
-/// Marks vertices on the sides of large triangles: the rest is their number in
-/// [`Fine::points`].
-pub(super) const ON_SIDE: u32 = 1 << 31;
-
-/// Marks vertices inside of large triangles: the rest is their number in
-/// [`Subdivision::inner`].
-pub(super) const INNER: u32 = 1 << 30;
-
 /// About what is held for each small triangle at a time.
 const BYTES_PER_FINE: usize = 80;
-
-/// The small triangles of faces.
-#[derive(Default)]
-pub(super) struct Fine {
-    /// Those on sides, not all of which are in use.
-    pub points: Vec<DVec3>,
-    pub subdivisions: Vec<Subdivision>,
-}
-
-/// A large triangle and its small ones.
-#[derive(Default)]
-pub(super) struct Subdivision {
-    /// Its number in the half-edge mesh.
-    pub large: u32,
-    pub inner: Vec<DVec3>,
-    pub triangles: Vec<[u32; 3]>,
-    /// The largest bound of a small triangle's distance; infinite if one is
-    /// folded.
-    pub deviation: f64,
-    pub farthest: DVec3,
-    pub is_folded: bool,
-    /// Whether it is not what it should be by now.
-    is_stale: bool,
-}
 
 /// The points on one side of a large triangle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -310,7 +281,7 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let half = first_of(triangle);
     let surface = mesh.surface(half);
     let corners = mesh.corners(triangle);
-    let estimate = deviation::estimate(surface, mesh.region(half), corners);
+    let estimate = judge::estimate(surface, mesh.region(half), corners);
     /// The surface over a triangle is larger than the triangle.
     const CURVED: f64 = 1.05;
     let for_distance = (estimate / goal.aim_on(mesh.surface_index(half))).sqrt();

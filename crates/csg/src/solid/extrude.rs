@@ -7,9 +7,9 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
 use crate::error::NodeFault;
-use crate::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 
 /// Chords stray so much of a profile's size where circles cannot be kept.
 pub(super) const OF_SIZE: f64 = 1e-4;

@@ -10,10 +10,9 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::primitives::Plane;
+use super::primitive::Plane;
 use super::tree::Solid;
-use crate::error::NodeFault;
-use crate::profile::ProfileFault;
+use crate::error::{NodeFault, ProfileFault};
 
 /// Points nearer to a plane, relative to the size of all, lie on it.
 const ON_PLANE: f64 = 1e-13;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::primitives::Plane;
+use super::primitive::Plane;
 use super::tree::Solid;
 
 /// Points nearer to a plane, relative to the polyhedron's size, lie on it.

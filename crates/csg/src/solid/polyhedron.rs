@@ -10,74 +10,17 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
 use super::partition::{Facet, Tree};
-use super::primitives::Plane;
+use super::primitive::Plane;
+use super::profile::Profile;
 use super::tree::Solid;
-use crate::error::NodeFault;
+use crate::error::{NodeFault, PolyhedronFault};
 use crate::mesh::Mesh;
-use crate::profile::Profile;
 
 /// The most faces: each is an infinite plane to whatever is cut by it.
 const MOST_FACES: usize = 20_000;
 /// Corners off the plane of their face by more than this, relative to the
 /// polyhedron's size, make triangles of it.
 const FLAT: f64 = 1e-13;
-
-/// What is wrong with the faces of a polyhedron.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PolyhedronFault {
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} is not finite: give ordinary numbers")]
-    NotFinite {
-        /// Index of the vertex.
-        vertex: usize,
-    },
-    /// A face names a vertex that does not exist.
-    #[error("face {face} names vertex {vertex}, but there are only {vertices}")]
-    NoSuchVertex {
-        /// Index of the face.
-        face: usize,
-        /// What it names.
-        vertex: u32,
-        /// How many vertices there are.
-        vertices: usize,
-    },
-    /// An edge that only one face has, or faces that run the same way along it.
-    #[error(
-        "the surface is not closed: the edge of face {face} from ({:.6}, {:.6}, {:.6}) to ({:.6}, {:.6}, {:.6}) has no face on its other side, or one that runs the same way",
-        .edge[0].x, .edge[0].y, .edge[0].z, .edge[1].x, .edge[1].y, .edge[1].z
-    )]
-    Open {
-        /// Index of the face.
-        face: usize,
-        /// The ends of the edge.
-        edge: [DVec3; 2],
-    },
-    /// The faces look inwards.
-    #[error(
-        "the faces are inside out: list the corners of every face counter-clockwise seen from outside"
-    )]
-    InsideOut,
-    /// No volume.
-    #[error("the faces enclose nothing")]
-    Degenerate,
-    /// Faces run through each other or overlap.
-    #[error("faces {} and {} run through each other at about ({:.6}, {:.6}, {:.6})", .faces[0], .faces[1], .place.x, .place.y, .place.z)]
-    Crossing {
-        /// Indices of the faces.
-        faces: [usize; 2],
-        /// A corner of one of them.
-        place: DVec3,
-    },
-    /// More faces than formulas over infinite planes can serve.
-    #[error("{faces} faces: at most {limit} can be made into a solid")]
-    TooManyFaces {
-        /// How many there are.
-        faces: usize,
-        /// The most there may be.
-        limit: usize,
-    },
-}
 
 impl Solid {
     /// The solid that faces bound: closed, each listing the indices of its

@@ -9,10 +9,10 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine2, DVec2, DVec3};
 
 use super::extrude::{OF_SIZE, double_cone};
-use super::primitives::Plane;
+use super::primitive::Plane;
+use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::Solid;
-use crate::error::NodeFault;
-use crate::profile::{Leaf, PlaneSet, Profile, ProfileFault, Sagitta, plane_set, turn};
+use crate::error::{NodeFault, ProfileFault};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::hull::hull_planes;
+use super::profile::Profile;
 use super::tree::Solid;
-use crate::profile::Profile;
 
 impl Solid {
     /// The least convex solid around balls of the same radius: all points

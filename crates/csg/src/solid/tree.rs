@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::primitives::Primitive;
+use super::primitive::Primitive;
 use crate::color::Color;
 use crate::error::NodeFault;
 

@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use super::extrude::{OF_SIZE, extent};
 use super::partition::{Facet, Tree};
 use super::polyhedron::plane_of;
+use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::NodeFault;
-use crate::profile::Profile;
 
 /// How an extrusion turns and narrows on its way up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +101,7 @@ fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -
     let mut facets = Vec::new();
     let mut size: f64 = low.z.abs().max(high.z.abs());
     for contour in contours {
-        let is_hole = crate::profile::doubled_area(contour) < 0.0;
+        let is_hole = super::profile::doubled_area(contour) < 0.0;
         // Of diagonals of the same length the one that matches its neighbours'.
         let flip = is_hole != turns_back;
         let shrinks = high.scale.min_element() == 0.0;

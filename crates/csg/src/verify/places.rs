@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::proof::{BESIDE, Proof, distance};
 use super::spans::{Tape, roots};
-use super::{Proof, distance};
+use super::spread::Spread;
 use crate::mesh::Mesh;
 use crate::program::{Bounds, Program, Surface};
 
@@ -63,9 +64,6 @@ pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<
     found
 }
 
-/// Of the tolerance: how far from a triangle the solid is asked for on both sides.
-pub(super) const BESIDE: f64 = 1.5;
-
 /// Whether points behind places, and before them, are in the solid.
 fn sides(program: &Program, places: &[Place], distance: f64) -> Vec<[bool; 2]> {
     let mut tape = Tape::new(program);
@@ -106,27 +104,4 @@ fn on(surface: &Surface, point: DVec3) -> Option<Place> {
     let at = point + nearest * direction;
     let normal = surface.gradient(at).try_normalize()?;
     at.is_finite().then_some(Place { at, normal })
-}
-
-/// Points of the unit cube, each far from those before (Roberts's additive recurrence,
-/// *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018).
-pub(super) struct Spread(DVec3);
-
-impl Default for Spread {
-    fn default() -> Self {
-        Self(DVec3::splat(0.5))
-    }
-}
-
-impl Spread {
-    pub fn next(&mut self) -> DVec3 {
-        /// Powers of 1 / g, where g⁴ = g + 1.
-        const STEP: DVec3 = DVec3::new(
-            0.819_172_513_396_164_4,
-            0.671_043_606_703_789_2,
-            0.549_700_477_901_970_1,
-        );
-        self.0 = (self.0 + STEP).fract();
-        self.0
-    }
 }

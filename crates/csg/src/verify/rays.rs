@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::places::Spread;
+use super::spread::Spread;
 use crate::program::Bounds;
 
 /// Lines along the axes through a box: those along one pass through all pairs of places

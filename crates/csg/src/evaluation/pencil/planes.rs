@@ -4,10 +4,11 @@ use glam::{DMat4, DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::Pencil;
-use crate::evaluation::conic::conic;
+use super::conics::conics;
 use crate::evaluation::curve::Branches;
-use crate::evaluation::pairs::{Contacts, Unknown, line};
-use crate::program::{Surface, jacobi};
+use crate::evaluation::intersection::{Unknown, line};
+use crate::numeric::jacobi;
+use crate::program::Surface;
 
 /// Eigenvalues below this share of the largest are none, of a pair of planes, which
 /// is used as if it was one.
@@ -116,33 +117,4 @@ fn eigenvectors(matrix: &DMat4) -> ([f64; 4], [DVec4; 4]) {
         order.map(|k| values[k]),
         order.map(|k| DVec4::from_array(vectors[k])),
     )
-}
-
-/// The conics in which planes cut a quadric, with nodes where they cross.
-pub(super) fn conics(
-    planes: &[Surface],
-    nodes: &[DVec3],
-    quadric: &Surface,
-    near: f64,
-) -> Result<Branches, Unknown> {
-    let mut branches = Branches::new();
-    let mut contacts = Contacts::new();
-    for plane in planes {
-        let conic = match conic(plane, quadric, near) {
-            Err(Unknown::Touch(at)) => {
-                contacts.extend(at);
-                continue;
-            }
-            other => other?,
-        };
-        for mut branch in conic {
-            let places = nodes.iter().filter_map(|&node| branch.curve.place(node));
-            branch.nodes.extend(places);
-            branches.push(branch);
-        }
-    }
-    if branches.is_empty() && !contacts.is_empty() {
-        return Err(Unknown::Touch(contacts));
-    }
-    Ok(branches)
 }

@@ -10,11 +10,11 @@ use crate::error::Error;
 use crate::evaluation::Borders;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
-use crate::mesher::Task;
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
 use crate::refine::{self, Goal, Outcome, Parting, Surfaced, Unkept};
 use crate::report::Report;
+use crate::task::Task;
 
 /// A mesh brought to a tolerance.
 struct Refined {

@@ -1,6 +1,7 @@
 //! How far two surfaces of one kind are apart.
 
-use crate::program::{Surface, eigen_symmetric};
+use crate::numeric::eigen_symmetric;
+use crate::program::Surface;
 
 /// Eigenvalues that differ by less than this share of the largest are the same, and
 /// such as are less are none. They are right to about 1e-14, and what is wrongly told

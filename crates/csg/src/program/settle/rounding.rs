@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::distance::SAME_VALUE;
-use crate::program::{Surface, eigen_symmetric};
+use crate::numeric::eigen_symmetric;
+use crate::program::Surface;
 
 /// How many decimals numbers are rounded to.
 #[derive(Clone, Copy, Debug)]

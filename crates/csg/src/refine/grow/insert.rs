@@ -3,24 +3,12 @@
 
 use glam::DVec3;
 
-use super::{Grower, Piece};
+use super::Grower;
 use crate::refine::half_edges::{HalfEdges, Kind, next};
-use crate::refine::regions::Way;
-use crate::refine::separate::{Side, cut_of, together};
+use crate::refine::piece::Piece;
+use crate::refine::region::Way;
 use crate::refine::shape::{faces_out_in_the_middle, outward_area};
-
-/// Whether the four triangles that a split leaves face the right way.
-pub(in super::super) fn splits_well(mesh: &HalfEdges<'_>, half: u32, target: DVec3) -> bool {
-    let side_is_good = |half: u32| {
-        let (surface, region) = (mesh.surface(half), mesh.region(half));
-        let u = mesh.at(mesh.origin(half));
-        let w = mesh.at(mesh.target(half));
-        let c = mesh.at(mesh.apex(half));
-        faces_out_in_the_middle(surface, region, [u, target, c])
-            && faces_out_in_the_middle(surface, region, [target, w, c])
-    };
-    side_is_good(half) && side_is_good(mesh.twin(half))
-}
+use crate::refine::side::{Side, cut_of, splits_well, together};
 
 /// Whether a triangle of a point and two vertices faces the way the surface along an
 /// edge does.

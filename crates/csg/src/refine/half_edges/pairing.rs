@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::NONE;
+/// No half-edge, no vertex, no curve.
+pub(in super::super) const NONE: u32 = u32::MAX;
 
 /// One side of an edge. Every fourth one is none, so that a triangle's are found
 /// without a division.

@@ -1,0 +1,37 @@
+//! The conics in which planes of a pencil cut its quadrics.
+
+use glam::DVec3;
+
+use crate::evaluation::conic::conic;
+use crate::evaluation::curve::Branches;
+use crate::evaluation::intersection::{Contacts, Unknown};
+use crate::program::Surface;
+
+/// The conics in which planes cut a quadric, with nodes where they cross.
+pub(super) fn conics(
+    planes: &[Surface],
+    nodes: &[DVec3],
+    quadric: &Surface,
+    near: f64,
+) -> Result<Branches, Unknown> {
+    let mut branches = Branches::new();
+    let mut contacts = Contacts::new();
+    for plane in planes {
+        let conic = match conic(plane, quadric, near) {
+            Err(Unknown::Touch(at)) => {
+                contacts.extend(at);
+                continue;
+            }
+            other => other?,
+        };
+        for mut branch in conic {
+            let places = nodes.iter().filter_map(|&node| branch.curve.place(node));
+            branch.nodes.extend(places);
+            branches.push(branch);
+        }
+    }
+    if branches.is_empty() && !contacts.is_empty() {
+        return Err(Unknown::Touch(contacts));
+    }
+    Ok(branches)
+}

@@ -1,0 +1,6 @@
+//! Numbers alone: what knows of no surface and no solid.
+
+mod eigen;
+pub(crate) mod lanes;
+
+pub(crate) use self::eigen::{eigen_symmetric, jacobi};

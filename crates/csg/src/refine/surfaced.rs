@@ -1,0 +1,33 @@
+//! A mesh whose triangles know their surfaces.
+
+use glam::DVec3;
+
+use crate::evaluation::Borders;
+
+/// A mesh whose triangles know their surfaces.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surfaced {
+    /// In the frame of the surfaces.
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle its group. Groups are kept apart.
+    pub groups: Vec<u32>,
+    /// For each group its surface.
+    pub surface_of_group: Vec<u32>,
+    /// Edges between groups of one surface whose curves are known.
+    pub borders: Borders,
+}
+
+/// About what is held for each triangle at a time.
+pub(super) const BYTES_PER_TRIANGLE: usize = 200;
+
+/// A point nearer to a surface than this share of the mesh's size lies on it.
+const ON_SURFACE: f64 = 1e-12;
+
+/// How near points must come to their surfaces.
+pub(super) fn precision(positions: &[DVec3]) -> f64 {
+    let size = positions
+        .iter()
+        .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+    ON_SURFACE * size
+}

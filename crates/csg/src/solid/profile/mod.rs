@@ -1,0 +1,309 @@
+//! Profiles: what a user draws in a plane, to be extruded or revolved.
+//!
+//! A [`Profile`] is a Boolean combination of circles and contours of lines and
+//! arcs, held in postfix order under maps that are already applied to the
+//! leaves: however many operations made it, nothing recurses. It is never
+//! turned into polygons unless an operation needs corners (offset, hull,
+//! twist); lowering makes a formula over half-planes and discs of it
+//! ([`plane_set`]), and extrusion or revolution makes surfaces of these.
+
+mod arcs;
+mod contour;
+mod ears;
+mod flatten;
+mod hull;
+mod monotone;
+mod offset;
+mod path;
+mod plane_set;
+mod polygon;
+mod shapes;
+mod turn;
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::{Add, BitAnd, BitOr, Sub};
+use std::sync::Arc;
+
+use glam::{DAffine2, DMat2, DVec2};
+
+use crate::error::ProfileFault;
+
+pub use self::offset::Join;
+pub use self::path::Path;
+pub use self::turn::turn;
+
+pub(crate) use self::arcs::Sagitta;
+pub(crate) use self::contour::plane_set;
+pub(crate) use self::plane_set::{Leaf, PlaneSet};
+pub(crate) use self::polygon::doubled_area;
+
+/// Which points closed contours enclose, by how often these wind around them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum FillRule {
+    /// Those around which the contours wind an odd number of times: a contour
+    /// within another is a hole, whichever way round it runs.
+    #[default]
+    EvenOdd,
+    /// Those around which they wind at all, counter-clockwise turns counting
+    /// +1 and clockwise ones -1: as outlines of glyphs are meant.
+    NonZero,
+}
+
+impl FillRule {
+    fn is_inside(self, winding: i64) -> bool {
+        match self {
+            Self::EvenOdd => winding % 2 != 0,
+            Self::NonZero => winding != 0,
+        }
+    }
+}
+
+/// A corner of a contour, and how the side that starts there bends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corner {
+    pub point: DVec2,
+    /// The tangent of a quarter of the angle that the arc to the next corner
+    /// turns through, counter-clockwise positive; 0 for a straight side.
+    pub bulge: f64,
+}
+
+impl Corner {
+    pub(crate) const fn straight(point: DVec2) -> Self {
+        Self { point, bulge: 0.0 }
+    }
+}
+
+/// A closed contour of lines and arcs.
+pub(crate) type Contour = Vec<Corner>;
+
+/// A set of points in the plane: a Boolean combination of circles and
+/// contours of lines and arcs.
+///
+/// `|` (and `+`) unite, `-` subtracts, `&` intersects. Building never fails:
+/// what is wrong with an argument is found when the profile is made into a
+/// solid, or asked for by [`Profile::contours`].
+///
+/// ```
+/// use csg::{Profile, Program, Solid};
+///
+/// let plate = Profile::rounded_rectangle([60.0, 40.0], 5.0);
+/// let holes = Profile::circle(3.0);
+/// let drilled = [[-20.0, 0.0], [20.0, 0.0]]
+///     .into_iter()
+///     .fold(plate, |plate, at| plate - holes.translate(at));
+/// let solid = Solid::extrude(&drilled, 0.0..4.0);
+/// let program = Program::lower(&solid)?;
+/// assert!(program.contains([0.0, 0.0, 2.0]) && !program.contains([20.0, 0.0, 2.0]));
+/// # Ok::<(), csg::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// In postfix order; one value is left at the end.
+    steps: Vec<Step>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    Shape(Shape, DAffine2),
+    /// Combines the last so many values.
+    Combine(Combination, usize),
+    Fault(ProfileFault),
+}
+
+/// A leaf in its own coordinates.
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    /// The disc of radius 1 around the origin.
+    Disc,
+    Contours(Arc<[Contour]>, FillRule),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Combination {
+    Union,
+    Intersection,
+    /// The first without all the others.
+    Difference,
+}
+
+impl Profile {
+    fn shape(shape: Shape, map: DAffine2) -> Self {
+        Self {
+            steps: vec![Step::Shape(shape, map)],
+        }
+    }
+
+    fn faulty(fault: ProfileFault) -> Self {
+        Self {
+            steps: vec![Step::Fault(fault)],
+        }
+    }
+
+    fn of(result: Result<Self, ProfileFault>) -> Self {
+        result.unwrap_or_else(Self::faulty)
+    }
+
+    /// The profile without any point.
+    #[must_use]
+    pub fn empty() -> Self {
+        Self::combine(Combination::Union, std::iter::empty())
+    }
+
+    fn combine(combination: Combination, operands: impl IntoIterator<Item = Self>) -> Self {
+        let mut steps = Vec::new();
+        let mut count = 0;
+        for mut operand in operands {
+            // A chain of unions is one union.
+            let first = count == 0 && combination != Combination::Intersection;
+            match operand.steps.last() {
+                Some(&Step::Combine(inner, n)) if first && inner == combination && n > 0 => {
+                    operand.steps.pop();
+                    count += n;
+                }
+                _ => count += 1,
+            }
+            if steps.is_empty() {
+                steps = operand.steps;
+            } else {
+                steps.append(&mut operand.steps);
+            }
+        }
+        steps.push(Step::Combine(combination, count));
+        Self { steps }
+    }
+
+    /// The union of all operands; nothing if there are none.
+    #[must_use]
+    pub fn union(operands: impl IntoIterator<Item = Self>) -> Self {
+        Self::combine(Combination::Union, operands)
+    }
+
+    /// The intersection of all operands; nothing if there are none.
+    #[must_use]
+    pub fn intersection(operands: impl IntoIterator<Item = Self>) -> Self {
+        Self::combine(Combination::Intersection, operands)
+    }
+
+    /// The first operand without all the others; nothing if there are none.
+    #[must_use]
+    pub fn difference(operands: impl IntoIterator<Item = Self>) -> Self {
+        Self::combine(Combination::Difference, operands)
+    }
+
+    /// The image under an invertible affine map.
+    #[must_use]
+    pub fn affine(&self, map: DAffine2) -> Self {
+        if !map.is_finite() {
+            return Self::faulty(ProfileFault::NotFinite { what: "the map" });
+        }
+        let linear = map.matrix2;
+        let lengths = linear.x_axis.length() * linear.y_axis.length();
+        let conditioning = (linear.determinant() / lengths).abs();
+        if conditioning.is_nan() || conditioning <= 64.0 * f64::EPSILON {
+            return Self::faulty(ProfileFault::SingularMap);
+        }
+        let mut mapped = self.clone();
+        for step in &mut mapped.steps {
+            if let Step::Shape(_, own) = step {
+                *own = map * *own;
+            }
+        }
+        mapped
+    }
+
+    /// Moves by `offset`.
+    #[must_use]
+    pub fn translate(&self, offset: impl Into<DVec2>) -> Self {
+        self.affine(DAffine2::from_translation(offset.into()))
+    }
+
+    /// Turns about the origin, counter-clockwise, by an angle in radians.
+    #[must_use]
+    pub fn rotate(&self, radians: f64) -> Self {
+        self.affine(DAffine2::from_angle(radians))
+    }
+
+    /// Scales about the origin; a negative factor turns by half a turn.
+    #[must_use]
+    pub fn scale(&self, factor: f64) -> Self {
+        self.scale_xy([factor; 2])
+    }
+
+    /// Scales about the origin, along x and y; negative factors mirror.
+    #[must_use]
+    pub fn scale_xy(&self, factors: impl Into<DVec2>) -> Self {
+        self.affine(DAffine2::from_scale(factors.into()))
+    }
+
+    /// Mirrors in the line through the origin across `normal`.
+    #[must_use]
+    pub fn mirror(&self, normal: impl Into<DVec2>) -> Self {
+        let normal = normal.into();
+        let Some(unit) = normal.try_normalize() else {
+            return Self::faulty(ProfileFault::NotFinite {
+                what: "the mirror's normal, or its direction,",
+            });
+        };
+        let across = -2.0 * unit;
+        let matrix = DMat2::IDENTITY + DMat2::from_cols(across * unit.x, across * unit.y);
+        self.affine(DAffine2::from_mat2(matrix))
+    }
+
+    /// Goes through the steps: the value of each leaf, then what becomes of
+    /// the values of operands.
+    fn fold<T>(
+        &self,
+        mut leaf: impl FnMut(&Shape, &DAffine2) -> Result<T, ProfileFault>,
+        mut combine: impl FnMut(Combination, Vec<T>) -> Result<T, ProfileFault>,
+    ) -> Result<Option<T>, ProfileFault> {
+        let mut values = Vec::new();
+        for step in &self.steps {
+            let value = match step {
+                Step::Shape(shape, map) => leaf(shape, map)?,
+                Step::Fault(fault) => return Err(fault.clone()),
+                &Step::Combine(combination, count) => {
+                    let operands = values.split_off(values.len() - count);
+                    combine(combination, operands)?
+                }
+            };
+            values.push(value);
+        }
+        Ok(values.pop())
+    }
+}
+
+macro_rules! boolean_operator {
+    ($trait:ident, $method:ident, $combination:ident) => {
+        impl $trait<&Profile> for &Profile {
+            type Output = Profile;
+            fn $method(self, other: &Profile) -> Profile {
+                self.clone().$method(other.clone())
+            }
+        }
+        impl $trait<Profile> for Profile {
+            type Output = Profile;
+            fn $method(self, other: Profile) -> Profile {
+                Profile::combine(Combination::$combination, [self, other])
+            }
+        }
+        impl $trait<&Profile> for Profile {
+            type Output = Profile;
+            fn $method(self, other: &Profile) -> Profile {
+                self.$method(other.clone())
+            }
+        }
+        impl $trait<Profile> for &Profile {
+            type Output = Profile;
+            fn $method(self, other: Profile) -> Profile {
+                self.clone().$method(other)
+            }
+        }
+    };
+}
+
+boolean_operator!(BitOr, bitor, Union);
+boolean_operator!(Add, add, Union);
+boolean_operator!(BitAnd, bitand, Intersection);
+boolean_operator!(Sub, sub, Difference);

@@ -1,0 +1,288 @@
+//! Formulas against winding numbers, areas against closed forms.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DAffine2, DVec2, dvec2};
+
+use super::polygon::encloses;
+use super::*;
+use crate::random::Random;
+
+fn set_of(profile: &Profile) -> PlaneSet {
+    plane_set(profile, Sagitta::of_length(1e-6), &|_| true).expect("a formula")
+}
+
+/// How often closed contours wind around a point.
+fn winding(contours: &[Vec<DVec2>], point: DVec2) -> i64 {
+    let turns = |contour: &Vec<DVec2>| {
+        let next = contour.iter().cycle().skip(1);
+        let angle = |(a, b): (&DVec2, &DVec2)| (*a - point).angle_to(*b - point);
+        (contour.iter().zip(next).map(angle).sum::<f64>() / TAU).round() as i64
+    };
+    contours.iter().map(turns).sum()
+}
+
+fn random_point(random: &mut Random, size: f64) -> DVec2 {
+    dvec2(random.unit() - 0.5, random.unit() - 0.5) * (2.0 * size)
+}
+
+fn assert_same(set: &PlaneSet, inside: impl Fn(DVec2) -> bool, random: &mut Random, what: &str) {
+    for _ in 0..200 {
+        let point = random_point(random, 1.3);
+        assert_eq!(set.contains(point), inside(point), "{point} of {what}");
+    }
+}
+
+/// Corners in any order: they cross themselves wildly.
+#[test]
+fn crossing_polygons_follow_their_rule() {
+    let mut random = Random(5);
+    for round in 0..300 {
+        let contours: Vec<Vec<DVec2>> = (0..1 + random.below(3))
+            .map(|_| {
+                let count = 3 + random.below(9);
+                (0..count).map(|_| random_point(&mut random, 1.0)).collect()
+            })
+            .collect();
+        for rule in [FillRule::EvenOdd, FillRule::NonZero] {
+            let profile = Profile::polygons_of(contours.clone(), rule);
+            let set = set_of(&profile);
+            let inside = |point| rule.is_inside(winding(&contours, point));
+            assert_same(&set, inside, &mut random, &format!("{round} {contours:?}"));
+        }
+    }
+}
+
+/// Corners on a small grid: straight corners, corners on sides, spikes, sides
+/// and corners that are the same, all at once.
+#[test]
+fn degenerate_polygons_follow_their_rule() {
+    let mut random = Random(6);
+    for round in 0..600 {
+        let contours: Vec<Vec<DVec2>> = (0..1 + random.below(3))
+            .map(|_| {
+                let count = 3 + random.below(8);
+                let coordinate = |random: &mut Random| random.below(4) as f64 * 0.5 - 0.75;
+                (0..count)
+                    .map(|_| dvec2(coordinate(&mut random), coordinate(&mut random)))
+                    .collect()
+            })
+            .collect();
+        for rule in [FillRule::EvenOdd, FillRule::NonZero] {
+            let profile = Profile::polygons_of(contours.clone(), rule);
+            let set = set_of(&profile);
+            let inside = |point| rule.is_inside(winding(&contours, point));
+            assert_same(&set, inside, &mut random, &format!("{round} {contours:?}"));
+        }
+    }
+}
+
+/// Gears, spirals and combs: many corners, deep pockets, straight rows.
+#[test]
+fn large_simple_polygons_use_each_side_once() {
+    let mut random = Random(7);
+    let star: Vec<DVec2> = (0..400)
+        .map(|k| turn(k, 400) * (0.3 + 0.7 * random.unit()))
+        .collect();
+    let spiral: Vec<DVec2> = (0..200)
+        .map(|k| turn(k, 40) * (0.1 + 0.004 * k as f64))
+        .chain(
+            (0..200)
+                .rev()
+                .map(|k| turn(k, 40) * (0.15 + 0.004 * k as f64)),
+        )
+        .collect();
+    let comb: Vec<DVec2> = (0..60)
+        .map(|k| {
+            dvec2(
+                0.03 * f64::from(k / 2) - 0.5,
+                if (k + 1) / 2 % 2 == 0 { 0.4 } else { -0.4 },
+            )
+        })
+        .chain([dvec2(0.45, -0.8), dvec2(-0.6, -0.8)])
+        .collect();
+    for (what, polygon) in [("star", star), ("spiral", spiral), ("comb", comb)] {
+        let set = set_of(&Profile::polygon(polygon.clone()));
+        assert_eq!(set.leaves().count(), polygon.len(), "{what}");
+        assert_same(&set, |point| encloses(&polygon, point), &mut random, what);
+    }
+}
+
+#[test]
+fn shapes_have_their_areas_and_points() {
+    let circle = PI * 0.25;
+    let lens = Path::from([-0.5, 0.0])
+        .arc_to([0.5, 0.0], FRAC_PI_2)
+        .arc_to([-0.5, 0.0], FRAC_PI_2)
+        .close();
+    // A disc with a bite, and a pocket that an arc bulges into.
+    let moon = Path::from([0.0, -0.5])
+        .arc_through([0.5, 0.0], [0.0, 0.5])
+        .arc_through([0.2, 0.0], [0.0, -0.5])
+        .close();
+    let (r, h) = (0.725, 0.2);
+    let bite = r * r * (0.5_f64 / r).asin() - 0.5 * (r - h);
+    let keyhole = Path::from([-0.1, -0.8])
+        .line_to([0.1, -0.8])
+        .line_to([0.1, 0.0])
+        .arc_through([0.0, 0.7], [-0.1, 0.0])
+        .close();
+    let radius = (0.7_f64.powi(2) + 0.1_f64.powi(2)) / 1.4;
+    let head = {
+        let half = (0.1 / radius).asin();
+        radius * radius * (PI - half) + 0.1 * radius * half.cos()
+    };
+    let square = Profile::rectangle([1.0, 1.0]);
+    for (what, profile, area) in [
+        ("circle", Profile::circle(0.5), circle),
+        ("ellipse", Profile::ellipse([0.5, 0.25]), circle / 2.0),
+        ("slot", Profile::slot(0.6, 0.2), 0.24 + 0.04 * PI),
+        (
+            "rounded",
+            Profile::rounded_rectangle([1.0, 0.8], 0.1),
+            0.8 - (4.0 - PI) * 0.01,
+        ),
+        (
+            "hexagon",
+            Profile::regular_polygon(6, 1.0),
+            1.5 * 3.0_f64.sqrt(),
+        ),
+        ("lens", lens, 0.5 * (FRAC_PI_2 - 1.0)),
+        ("moon", moon, FRAC_PI_2 * 0.25 - bite),
+        ("keyhole", keyhole, 0.16 + head),
+        ("frame", &square - Profile::circle(0.5), 1.0 - circle),
+        (
+            "ring",
+            square.offset(0.2, Join::Round) - &square,
+            0.8 + 0.04 * PI,
+        ),
+        ("turned", square.rotate(1.0).scale_xyz_test(), 0.5),
+        ("mitre", square.offset(0.2, Join::Mitre(2.0)), 1.96),
+        ("bevel", square.offset(0.2, Join::Bevel), 1.88),
+        (
+            "square",
+            square.offset(0.2, Join::Square),
+            1.96 - 4.0 * (0.2 * (2.0_f64.sqrt() - 1.0)).powi(2),
+        ),
+        ("shrunk", square.offset(-0.2, Join::Round), 0.36),
+        ("none", square.offset(-0.6, Join::Round), 0.0),
+        (
+            "shrunk slot",
+            Profile::slot(0.6, 0.2).offset(-0.1, Join::Round),
+            0.12 + 0.01 * PI,
+        ),
+        (
+            "hull",
+            (square.translate([0.0, 0.3])
+                | Profile::polygon([[0.0, -1.0], [0.1, -0.5], [-0.1, -0.5]]))
+            .hull(),
+            1.4,
+        ),
+    ] {
+        let found = profile.area(1e-9).expect(what);
+        assert!((found - area).abs() < 2e-8, "{what}: {found}, not {area}");
+        // And as a formula: of points spread evenly (Roberts' R2 sequence) as many.
+        let set = set_of(&profile);
+        let n = 300_000;
+        let at = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract() * 2.4 - 1.2;
+        let spread = (0..n).map(|k| {
+            dvec2(
+                at(k, 0.754_877_666_246_692_8),
+                at(k, 0.569_840_290_998_053_3),
+            )
+        });
+        let hits = spread.filter(|&point| set.contains(point)).count();
+        let counted = hits as f64 * 2.4 * 2.4 / f64::from(n);
+        assert!(
+            (counted - area).abs() < 2e-3,
+            "{what}: {counted}, not {area}"
+        );
+    }
+}
+
+impl Profile {
+    fn scale_xyz_test(&self) -> Self {
+        self.scale_xy([-0.5, 1.0])
+    }
+}
+
+/// Where nothing crosses, an offset keeps its arcs: one circle per corner.
+#[test]
+fn offsets_keep_arcs() {
+    let plate = Profile::rectangle([2.0, 1.0]).offset(0.25, Join::Round);
+    let discs = set_of(&plate)
+        .leaves()
+        .filter(|leaf| matches!(leaf, Leaf::Disc(_)))
+        .count();
+    assert_eq!(discs, 4);
+    // Of an L shape, too, though its inner corner is none.
+    let corners = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
+    let grown = Profile::polygon(corners).offset(0.25, Join::Round);
+    assert_eq!(
+        set_of(&grown)
+            .leaves()
+            .filter(|leaf| matches!(leaf, Leaf::Disc(_)))
+            .count(),
+        5
+    );
+    let area = 3.0 + 8.0 * 0.25 - 0.0625 + 5.0 / 4.0 * PI * 0.0625;
+    assert!((grown.area(1e-9).expect("an area") - area).abs() < 1e-7);
+}
+
+#[test]
+fn maps_move_profiles() {
+    let half = Profile::circle(1.0) - Profile::rectangle_between([-2.0, -2.0], [2.0, 0.0]);
+    let map = DAffine2::from_scale_angle_translation(dvec2(2.0, -0.5), 0.7, dvec2(1.0, 3.0));
+    let moved = half.affine(map);
+    let set = set_of(&moved);
+    let mut random = Random(8);
+    for _ in 0..500 {
+        let point = random_point(&mut random, 1.3);
+        let inside = point.length() < 1.0 && point.y > 0.0;
+        assert_eq!(set.contains(map.transform_point2(point)), inside, "{point}");
+    }
+}
+
+#[test]
+fn mistakes_are_named() {
+    let faults = [
+        Profile::circle(-1.0),
+        Profile::rectangle([1.0, f64::NAN]),
+        Profile::regular_polygon(2, 1.0),
+        Profile::rounded_rectangle([1.0, 1.0], 0.6),
+        Profile::polygon([[0.0, 0.0], [1.0, 0.0]]),
+        Profile::polygon([[0.0, 0.0], [1.0, 0.0], [f64::INFINITY, 1.0]]),
+        Profile::circle(1.0).scale_xy([1.0, 0.0]),
+        Profile::circle(1.0).offset(f64::NAN, Join::Round),
+        Path::from([0.0, 0.0]).arc_to([1.0, 0.0], 7.0).close(),
+        Path::from([0.0, 0.0]).line_to([1.0, 0.0]).close(),
+    ];
+    for profile in faults {
+        assert!(profile.contours(1e-3).is_err(), "{profile:?}");
+        let within = Profile::circle(1.0) - profile;
+        assert!(
+            plane_set(&within, Sagitta::of_length(1e-3), &|_| true).is_err(),
+            "{within:?}"
+        );
+    }
+    // A contour with an arc that crosses another side.
+    let crossing = Path::from([0.0, 0.0])
+        .line_to([1.0, 0.0])
+        .arc_to([0.0, 1.0], -3.0)
+        .line_to([0.4, 0.2])
+        .close();
+    let fault = plane_set(&crossing, Sagitta::of_length(1e-3), &|_| true);
+    assert!(
+        matches!(fault, Err(ProfileFault::Crossing { .. })),
+        "{fault:?}"
+    );
+}
+
+/// A chain of many unions neither recurses nor nests.
+#[test]
+fn long_chains_are_flat() {
+    let dots = (0..2000).map(|k| Profile::circle(0.4).translate([f64::from(k), 0.0]));
+    let all = dots.fold(Profile::empty(), |all, dot| all | dot);
+    assert_eq!(all.steps.len(), 2002);
+    assert_eq!(set_of(&all).leaves().count(), 2000);
+}
