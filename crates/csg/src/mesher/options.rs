@@ -123,6 +123,9 @@ impl Mesher {
     /// `"exact"` in [`Report::method`]) they are only as near as the cells are small.
     ///
     /// Not for drafts.
+    ///
+    /// [`Report::deviation`]: crate::Report::deviation
+    /// [`Report::method`]: crate::Report::method
     pub fn tolerance(mut self, distance: f64) -> Self {
         self.tolerance = Some(distance);
         self
@@ -176,6 +179,8 @@ impl Mesher {
 
     /// Fills [`Mesh::corner_normals`] with exact normals: the gradient of each
     /// triangle's surface at its corners. 36 bytes a triangle.
+    ///
+    /// [`Mesh::corner_normals`]: crate::Mesh::corner_normals
     pub fn normals(mut self) -> Self {
         self.normals = true;
         self
@@ -183,6 +188,8 @@ impl Mesher {
 
     /// Fills [`Mesh::feature_edges`] with the edges between different surfaces
     /// that meet at more than `angle` radians, as polylines.
+    ///
+    /// [`Mesh::feature_edges`]: crate::Mesh::feature_edges
     pub fn feature_edges(mut self, angle: f64) -> Self {
         self.feature_angle = Some(angle);
         self
@@ -194,6 +201,9 @@ impl Mesher {
     /// held against the solid along some dozen to some hundred rays, too, which
     /// takes about 3% of the time: what differs by more than the tolerance is among
     /// [`Report::fallbacks`].
+    ///
+    /// [`Report::check`]: crate::Report::check
+    /// [`Report::fallbacks`]: crate::Report::fallbacks
     pub fn check(mut self, check: bool) -> Self {
         self.check = check;
         self

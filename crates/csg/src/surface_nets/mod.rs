@@ -6,7 +6,7 @@
 //! 2. Each remaining brick is classified bit-parallel ([`brick`]), its crossing
 //!    edges are joined into loops cell by cell ([`loops`]), and every loop
 //!    becomes a vertex on the surfaces that cause its crossings ([`place`],
-//!    [`solve`]).
+//!    [`crate::surface::solve`]).
 //! 3. Every crossing edge becomes a polygon between the vertices around it
 //!    ([`stitch`]); triangles without area or folded over are taken out by
 //!    collapses that keep every face on its surface ([`cleanup`]).
