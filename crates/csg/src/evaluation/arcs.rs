@@ -309,7 +309,7 @@ impl ArcTracer {
                 let surfaces = [arc.surfaces[0], arc.surfaces[1], triple.third];
                 let here = triple.around(cluster, at);
                 let mut contacts = contacts(scene, ids).into_iter();
-                contacts.find(|contact| contact.is_same(scene, surfaces, &here))
+                contacts.find(|contact| contact.is_same(scene, &surfaces, &here))
             });
             if contact.is_none() && !cluster.is_contact {
                 let roots = cluster.roots.iter();

@@ -4,11 +4,11 @@
 use glam::DVec3;
 
 use super::boundary::Boundary;
-use super::contacts::Contact;
 use super::frame::Frame;
 use super::piece::Piece;
 use super::piece::Side;
 use super::scene::{Plane, Scene};
+use super::triple::contacts;
 use crate::control::Control;
 use crate::program::Surface;
 use crate::undecided::{Stop, Undecided, Why};
@@ -185,7 +185,7 @@ fn a_face_of_two_corners_stays_if_it_is_wider_than_rounding() {
 /// A cylinder along the z axis touches the plane y = 0, and so does the rim of one
 /// along the y axis that line, to the fourth order.
 #[test]
-fn contacts_that_cannot_be_told_apart_are_one() {
+fn contacts_of_fourth_order_are_one_for_all_three() {
     let turned = |surface: Surface| Surface {
         quadratic: [1.0, 0.0, 1.0, 0.0, 0.0, 0.0],
         ..surface
@@ -200,30 +200,24 @@ fn contacts_that_cannot_be_told_apart_are_one() {
         // Crosses the others at an angle.
         plane(0.0),
     ];
-    // On the rim.
-    let at = |z: f64| DVec3::new(-z * z / 1.5, 0.0, z);
-    let contact = |z: f64, surfaces: &[u32]| Contact {
-        at: at(z),
-        surfaces: surfaces.iter().copied().collect(),
-    };
-    let is_part =
-        |one: Contact, other: Contact| with_scene(&surfaces, |scene| one.is_part_of(scene, &other));
-    let all = [0, 1, 2];
-    let apart = 1e5 * WELD;
-    assert!(is_part(contact(apart, &all), contact(0.0, &all)));
-    assert!(is_part(
-        contact(apart, &all),
-        contact(-apart, &[0, 1, 2, 3])
-    ));
-    assert!(!is_part(contact(apart, &[0, 1, 2, 3]), contact(0.0, &all)));
-    assert!(!is_part(contact(1e8 * WELD, &all), contact(0.0, &all)));
-    // Two surfaces have a curve in common, and in these three only one point.
-    assert!(!is_part(contact(apart, &[0, 1]), contact(0.0, &all)));
-    assert!(is_part(contact(0.5 * WELD, &[0, 1]), contact(0.0, &all)));
-    assert!(!is_part(
-        contact(apart, &[0, 2, 3]),
-        contact(0.0, &[0, 2, 3])
-    ));
+    with_scene(&surfaces, |scene| {
+        let found = contacts(scene, [0, 1, 2]);
+        assert_eq!(found.len(), 1, "{found:?}");
+        // Rounding blurs a place to the fourth order to a quarter of its digits.
+        let at = found[0].center;
+        assert!(at.length() < 1e-3, "{at}");
+        for surface in &surfaces[..3] {
+            let off = surface.value(at).abs() / surface.gradient(at).length();
+            assert!(off <= scene.rounding, "{off}");
+        }
+        for ids in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+            let same = contacts(scene, ids);
+            assert_eq!(same.len(), 1);
+            assert_eq!(same[0].center, at);
+        }
+        // They cross.
+        assert!(contacts(scene, [0, 2, 3]).is_empty());
+    });
 }
 
 /// Two planes meet along one edge, and nothing goes on from its ends.

@@ -9,8 +9,6 @@ use smallvec::SmallVec;
 use super::picture::{Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
-use super::triple::is_common_between;
-use crate::program::Surface;
 
 /// A point in which surfaces touch each other.
 #[derive(Clone, Debug)]
@@ -18,25 +16,6 @@ pub(super) struct Contact {
     pub at: DVec3,
     /// Those that may, by number.
     pub surfaces: SmallVec<[u32; 3]>,
-}
-
-impl Contact {
-    /// Whether it is between surfaces of another contact, and cannot be told from that:
-    /// they have all between the two places in common.
-    pub fn is_part_of(&self, scene: &Scene<'_>, other: &Self) -> bool {
-        let distance = self.at.distance(other.at);
-        let is_among = |id: &u32| other.surfaces.contains(id);
-        if distance > scene.touching_reach() || !self.surfaces.iter().all(is_among) {
-            return false;
-        }
-        // Two have a curve in common anyway.
-        if distance <= scene.weld || self.surfaces.len() < 3 {
-            return distance <= scene.weld;
-        }
-        let surfaces = self.surfaces.iter().map(|&id| &scene.surfaces[id as usize]);
-        let surfaces: SmallVec<[&Surface; 4]> = surfaces.collect();
-        is_common_between(scene, &surfaces, self.at, other.at)
-    }
 }
 
 /// Makes vertices of contacts that lie inside of faces.

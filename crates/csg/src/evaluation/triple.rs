@@ -161,10 +161,17 @@ pub(super) struct Ball {
 impl Ball {
     /// Whether what three surfaces have in another ball cannot be told from what they have
     /// in this one: all between the two is common to them.
-    pub fn is_same(&self, scene: &Scene<'_>, surfaces: [&Surface; 3], other: &Self) -> bool {
+    pub fn is_same(&self, scene: &Scene<'_>, surfaces: &[&Surface; 3], other: &Self) -> bool {
         let distance = self.center.distance(other.center);
-        distance <= self.radius + other.radius + scene.weld
-            || is_common_between(scene, &surfaces, self.center, other.center)
+        if distance <= self.radius + other.radius + scene.weld {
+            return true;
+        }
+        if distance > scene.touching_reach() {
+            return false;
+        }
+        let middle = self.center.midpoint(other.center);
+        let common = solve::common_point(surfaces, middle, distance);
+        common.residual <= scene.rounding && common.point.distance(middle) <= 0.25 * distance
     }
 
     /// The smallest around both.
@@ -175,22 +182,6 @@ impl Ball {
             radius: self.radius.max(distance + other.radius),
         }
     }
-}
-
-/// Whether rounding hides what surfaces have in common between two points of them.
-pub(super) fn is_common_between(
-    scene: &Scene<'_>,
-    surfaces: &[&Surface],
-    a: DVec3,
-    b: DVec3,
-) -> bool {
-    let distance = a.distance(b);
-    if distance > scene.touching_reach() {
-        return false;
-    }
-    let middle = a.midpoint(b);
-    let common = solve::common_point(surfaces, middle, distance);
-    common.residual <= scene.rounding && common.point.distance(middle) <= 0.25 * distance
 }
 
 /// Where three surfaces touch: in each ball is one point of all three, its centre. The same
@@ -215,7 +206,7 @@ pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 
         let (mut ball, _) = found.remove(first);
         while let Some(same) = found
             .iter()
-            .position(|(other, _)| ball.is_same(scene, surfaces, other))
+            .position(|(other, _)| ball.is_same(scene, &surfaces, other))
         {
             ball = ball.with(&found.remove(same).0);
         }
