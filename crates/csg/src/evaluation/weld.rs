@@ -2,12 +2,17 @@
 
 use glam::{BVec3, DVec3, I64Vec3};
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 use super::contacts::Contact;
 use super::piece::Piece;
 use super::scene::Scene;
 use crate::program::Surface;
+use crate::surface::solve;
 use crate::undecided::Stop;
+
+/// Of the distances that rounding makes: farther from a surface a point is off it.
+const OFF: f64 = 100.0;
 
 /// The vertices of all pieces.
 pub(super) struct Welded {
@@ -33,14 +38,93 @@ pub(super) fn weld(
         contact.at = welder.points[vertex as usize];
     }
     let mut ends = Vec::with_capacity(pieces.len());
+    // Pieces by vertices in which points are together that differ.
+    let mut mixed: FxHashMap<u32, SmallVec<[usize; 8]>> = FxHashMap::default();
     for piece in pieces {
         scene.go_on()?;
-        ends.push([piece.from, piece.to].map(|point| welder.number(point)));
+        ends.push([piece.from, piece.to].map(|point| {
+            let vertex = welder.number(point);
+            if welder.points[vertex as usize].distance(point) > OFF * scene.rounding {
+                mixed.entry(vertex).or_default();
+            }
+            vertex
+        }));
     }
-    Ok(Welded {
-        points: welder.points,
-        ends,
-    })
+    let points = welder.points;
+    let mut welded = Welded { points, ends };
+    if !mixed.is_empty() {
+        for (index, end) in (0..)
+            .zip(&welded.ends)
+            .flat_map(|(k, e)| e.map(|end| (k, end)))
+        {
+            if let Some(pieces) = mixed.get_mut(&end) {
+                pieces.push(index);
+            }
+        }
+        let mut mixed: Vec<(u32, SmallVec<[usize; 8]>)> = mixed.into_iter().collect();
+        mixed.sort_unstable();
+        welded.contract(scene, pieces, mixed);
+    }
+    Ok(welded)
+}
+
+impl Welded {
+    /// Moves vertices that are off the surfaces of their pieces to where these touch
+    /// next to them, until that is done: a block's side has cut curves there in points
+    /// that are nearer to each other than what is told apart, but in no vertex.
+    fn contract(
+        &mut self,
+        scene: &Scene<'_>,
+        pieces: &[Piece],
+        mut mixed: Vec<(u32, SmallVec<[usize; 8]>)>,
+    ) {
+        loop {
+            let before = mixed.len();
+            mixed.retain(|(vertex, around)| !self.put_right(scene, pieces, *vertex, around));
+            if mixed.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// Puts pieces around a vertex that is off their surfaces to the nearest one to
+    /// which two of their curves lead and that is on all of them, too; whether there is
+    /// nothing left to be done.
+    fn put_right(
+        &mut self,
+        scene: &Scene<'_>,
+        pieces: &[Piece],
+        vertex: u32,
+        around: &[usize],
+    ) -> bool {
+        let is_on = |vertex: u32| {
+            let ids = around.iter().flat_map(|&k| pieces[k].curve);
+            let surfaces = ids.filter_map(|id| scene.surfaces.get(id as usize));
+            let off = solve::residual(surfaces, self.points[vertex as usize]);
+            off <= OFF * scene.rounding
+        };
+        if is_on(vertex) {
+            return true;
+        }
+        let at = self.points[vertex as usize];
+        let distance = |v: u32| self.points[v as usize].distance(at);
+        let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
+        let touch = |&k: &usize| {
+            let is_other =
+                |&j: &usize| pieces[j].curve != pieces[k].curve && beyond(j) == beyond(k);
+            let is_next = beyond(k) != vertex && distance(beyond(k)) <= scene.touching_reach();
+            is_next && around.iter().any(is_other) && is_on(beyond(k))
+        };
+        let touching = around.iter().copied().filter(touch).map(beyond);
+        let nearest = touching.min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        let Some(nearest) = nearest else {
+            return false;
+        };
+        for &k in around {
+            self.ends[k] = self.ends[k].map(|end| if end == vertex { nearest } else { end });
+        }
+        true
+    }
 }
 
 /// Numbers points, the same for all within a distance of the first of them.
@@ -120,5 +204,80 @@ impl Welder {
             at = self.next[at as usize];
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Control;
+    use crate::evaluation::piece::Side;
+
+    fn ball(center: DVec3, radius: f64) -> Surface {
+        Surface::of_terms(
+            center,
+            [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+            DVec3::ZERO,
+            -radius * radius,
+        )
+    }
+
+    /// A circle within another one, which it touches, both cut next to there.
+    #[test]
+    fn stretches_between_curves_that_touch_are_contracted() {
+        let plane = Surface::plane(DVec3::ZERO, DVec3::Z);
+        let [inner, outer] = [DVec3::X, 2.0 * DVec3::X];
+        let surfaces = [ball(inner, 1.0), ball(outer, 2.0), plane];
+        let control = Control::default();
+        let scene = Scene {
+            surfaces: &surfaces,
+            planes: &[],
+            frames: &[],
+            looks: &[],
+            on_plane: 1e-11,
+            near: 1e-9,
+            reach: 10.0,
+            weld: 1e-10,
+            rounding: 1e-15,
+            control: &control,
+        };
+        let side = |plane| Side {
+            plane,
+            look: 0,
+            along_normal: true,
+            patch: 0,
+        };
+        let at = |radius: f64, y: f64| {
+            DVec3::new(y * y / (radius + (radius * radius - y * y).sqrt()), y, 0.0)
+        };
+        let pieces = |first: f64| -> Vec<Piece> {
+            let along = |(index, radius)| {
+                let piece = move |from, to| Piece {
+                    from: at(radius, from),
+                    to: at(radius, to),
+                    sides: [side(index), side(2)],
+                    curve: [index, 2],
+                };
+                [piece(0.0, first), piece(first, 0.5)]
+            };
+            [(0, 1.0), (1, 2.0)].into_iter().flat_map(along).collect()
+        };
+        // Apart by a quarter of the square.
+        for (first, is_contracted) in [(1e-5, true), (1e-7, false), (1e-4, false)] {
+            let pieces = pieces(first);
+            let welded = weld(&scene, &pieces, &mut []);
+            let Welded { points, ends } = welded.expect("not to be stopped");
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| ends[k]);
+            assert_eq!(a[0], c[0]);
+            assert_eq!(a[0] == a[1] && c[0] == c[1], is_contracted, "{first}");
+            for (piece, ends) in pieces.iter().zip(&ends) {
+                for &end in ends {
+                    let surfaces = piece.curve.map(|id| &surfaces[id as usize]);
+                    let off = solve::residual(surfaces.into_iter(), points[end as usize]);
+                    assert!(off < 1e-13, "{first}: {off}");
+                }
+            }
+            assert!(a[1] == b[0] && c[1] == d[0] && b[1] != d[1]);
+        }
     }
 }
