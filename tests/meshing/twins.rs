@@ -105,3 +105,57 @@ fn near_misses_of_contacts_are_meshed() {
         assert!(off < TOLERANCE * mesh.area(), "{by}: {}", mesh.volume());
     }
 }
+
+/// A screw thread of convex wedges, each the hull of eight points on a helix: the end of
+/// one is the begin of the next, and planes of a turn are those of the turn before, both
+/// but for rounding.
+#[test]
+fn wedges_of_a_thread_join() {
+    const STEPS: u32 = 36;
+    const TURNS: u32 = 14;
+    const PITCH: f64 = 0.3;
+    let wedge = |step: u32| {
+        let corner = |step: u32, radius: f64, z: f64| {
+            let turns = f64::from(step) / f64::from(STEPS);
+            let (sin, cos) = (2.0 * PI * turns).sin_cos();
+            [radius * cos, radius * sin, z + PITCH * turns]
+        };
+        let section = [(0.9, -0.1), (0.9, 0.1), (1.2, -0.02), (1.2, 0.02)];
+        let end = |step: u32| section.map(|(radius, z)| corner(step, radius, z));
+        let corners = [step, step + 1].map(end).concat();
+        Solid::hull(corners)
+    };
+    let thread = Solid::union((0..STEPS * TURNS).map(wedge));
+    let Meshed { mesh, report, .. } = mesh(&thread);
+    assert_eq!(report.method, "polyhedral");
+    assert!(report.is_proven(), "{report:?}");
+    assert_eq!(
+        (report.check.components, report.check.genus()),
+        (1, Some(0))
+    );
+    let one = volume_of(&wedge(0));
+    let off = mesh.volume() - f64::from(STEPS * TURNS) * one;
+    assert!(off.abs() < 1e-12 * mesh.volume(), "{off}");
+
+    // Its core fills it up to a prism: what is left of each wedge is beyond that.
+    let around = |step: u32| 2.0 * PI * f64::from(step) / f64::from(STEPS);
+    let corners: Vec<[f64; 3]> = (0..STEPS)
+        .flat_map(|step| [-1.0, 6.0].map(|z| [around(step).cos(), around(step).sin(), z]))
+        .collect();
+    let core = Solid::hull(corners);
+    let beyond = volume_of(&(wedge(0) - &core));
+    let whole = volume_of(&core) + f64::from(STEPS * TURNS) * beyond;
+    let screw = thread | core;
+    let Meshed { mesh, report, .. } = self::mesh(&screw);
+    assert!(report.is_proven(), "{report:?}");
+    assert_eq!(
+        (report.check.components, report.check.genus()),
+        (1, Some(0))
+    );
+    let off = mesh.volume() - whole;
+    assert!(off.abs() < 1e-12 * whole, "{off}");
+}
+
+fn volume_of(solid: &Solid) -> f64 {
+    mesh(solid).mesh.volume()
+}

@@ -131,7 +131,8 @@ pub struct Moved {
     pub merged: usize,
     /// Bound on how far any surface was moved, within the solid's bounds, in model
     /// units. It is part of [`Report::deviation`], but walls, gaps and contacts of such
-    /// a size may be lost or new.
+    /// a size may be lost or new. Moves that are no more than what rounding does to
+    /// coordinates are not told.
     pub distance: f64,
     /// A point of the surface that was moved farthest: its centre, or a point of its
     /// axis or plane.

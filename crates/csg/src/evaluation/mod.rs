@@ -144,6 +144,12 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
     program.surfaces().iter().all(Surface::is_plane)
 }
 
+/// By how much rounding may move points of a scene around `center` whose longest side is
+/// `size`: some operations on its coordinates.
+pub(crate) fn rounding(center: DVec3, size: f64) -> f64 {
+    16.0 * f64::EPSILON * (center.length() + size)
+}
+
 /// The boundary of a solid, in the local frame: of planes alone the exact one,
 /// with as few triangles as its faces' corners and holes permit; else one whose
 /// vertices are on their surfaces, of the right topology, to be refined.
@@ -167,7 +173,7 @@ pub(crate) fn mesh(
     let frames = task.surfaces.iter().map(|s| Frame::of(s, reach));
     let frames: Vec<Option<Frame>> = frames.collect();
     let looks = looks(task.program.origins());
-    let rounding = 16.0 * f64::EPSILON * (task.origin.length() + longest);
+    let rounding = rounding(task.origin, longest);
     let scene = Scene {
         surfaces: &task.surfaces,
         planes: &planes,

@@ -47,7 +47,10 @@ impl Run<'_> {
                 })
             }
         };
-        report.moved = settled.as_ref().map(|settled| Moved {
+        // What was moved by less than rounding moves it is where it was.
+        let rounding = evaluation::rounding(bounds.center(), size.max_element());
+        let moved = settled.as_ref().filter(|s| s.moved > rounding);
+        report.moved = moved.map(|settled| Moved {
             merged: settled.merged,
             distance: settled.moved,
             place: settled.place,
