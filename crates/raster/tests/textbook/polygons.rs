@@ -99,6 +99,9 @@ fn polygon_tables() {
     ];
     for (face, axis) in axes.into_iter().enumerate() {
         assert!(model.vector_area(face).abs_diff_eq(axis, 1e-12), "{face}");
+        // N = U1 x U2 with U1 = v1 - v0, U2 = v2 - v0.
+        let [v0, v1, v2] = [0, 1, 2].map(|k| model.vertices[model.faces[face][k] as usize]);
+        assert_eq!((v1 - v0).cross(v2 - v0), axis);
         // Back-face removal, exact for a convex model.
         let eye = DVec3::new(5.0, -4.0, 0.5);
         let wanted = matches!(face, 0 | 2);
