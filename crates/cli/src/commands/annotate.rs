@@ -94,13 +94,6 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The least and the greatest corner of a box around a mesh.
-fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
-    let first = mesh.positions.first().copied().unwrap_or_default();
-    let points = mesh.positions.iter();
-    points.fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
-}
-
 /// How a unit is written.
 fn symbol(unit: LengthUnit) -> &'static str {
     match unit {
@@ -127,7 +120,7 @@ impl Annotations {
         if self.dimension.is_empty() {
             return Cow::Borrowed(mesh);
         }
-        let (low, high) = bounds(mesh);
+        let (low, high) = mesh.bounds().unwrap_or_default();
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let corner = |k: usize| {
             let sign = |axis: usize| if k >> axis & 1 == 0 { -ROOM } else { ROOM };
@@ -170,7 +163,7 @@ impl Annotations {
         for measured in &self.dimension {
             match measured {
                 Measured::Box => {
-                    let (low, high) = bounds(mesh);
+                    let (low, high) = mesh.bounds().unwrap_or_default();
                     found.extend(Dimension::of_box(low, high, view, width, height));
                 }
                 Measured::Between(one, other) => {
