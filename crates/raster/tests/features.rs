@@ -2,7 +2,7 @@
 
 mod common;
 
-use csg::Mesh;
+use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DVec3, Vec3};
 use raster::{
     AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, RasterError,
@@ -59,6 +59,35 @@ fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
 
 /// The nine visible edges of a cube are dark all along, the three hidden ones
 /// not at all, or in dashes.
+/// Where surfaces are tangent there is no edge, however coarse the triangles;
+/// where they meet at a small angle there is a whole one.
+#[test]
+fn tangent_surfaces_have_no_edge_between_them() {
+    let mesh = |solid: &Solid, tolerance: f64| {
+        let program = Program::lower(solid).unwrap();
+        let mesher = Mesher::new().tolerance(tolerance).normals();
+        mesher.mesh(&program).unwrap().mesh
+    };
+    let rod = Solid::cylinder(0.5, 0.0..2.0);
+    let ends = |radius: f64| {
+        let ball = Solid::sphere(radius);
+        rod.clone() | ball.clone() | ball.translate([0.0, 0.0, 2.0])
+    };
+    for tolerance in [3e-2, 1e-2, 1e-3] {
+        let capsule = mesh(&ends(0.5), tolerance);
+        assert_eq!(Prepared::new(&capsule).feature_edges(), [[0; 0]; 0]);
+        let swollen = mesh(&ends(0.51), tolerance);
+        let scene = Prepared::new(&swollen);
+        let mut ends_at = std::collections::HashMap::new();
+        for v in scene.feature_edges().iter().flatten() {
+            *ends_at.entry(v).or_insert(0) += 1;
+        }
+        // Two closed circles: as many edges as corners.
+        assert!(ends_at.len() > 12, "{}", ends_at.len());
+        assert!(ends_at.values().all(|&ends| ends == 2), "{tolerance}");
+    }
+}
+
 #[test]
 fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     let mesh = common::cuboid(DVec3::ZERO, UNIT);

@@ -21,7 +21,7 @@ use crate::frame::FrameMatrix;
 use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
 use crate::ground::draw_ground_shadow;
 use crate::image::Image;
-use crate::options::{AntiAliasing, RenderOptions};
+use crate::options::RenderOptions;
 use crate::prepared::Prepared;
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::shading::ShadeContext;
@@ -261,10 +261,11 @@ impl Renderer {
         batch: &[(f32, u32)],
         columns: usize,
     ) {
-        let sample_range = match options.anti_aliasing {
-            AntiAliasing::Msaa4 | AntiAliasing::Msaa8 => [0, 255],
-            _ => [128, 128],
-        };
+        let samples = options.anti_aliasing.samples();
+        let sample_range = samples
+            .as_flattened()
+            .iter()
+            .fold([255, 0], |[low, high], &v| [v.min(low), v.max(high)]);
         let context = GeometryContext {
             scene: shading.scene,
             matrix: shading.matrix,
