@@ -233,7 +233,7 @@ pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
 pub use deviation::color_by_deviation;
-pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written};
+pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written, written_within};
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
 pub use explode::exploded;

@@ -7,7 +7,7 @@ use csg::{Color, Mesh, MeshSurface, Mesher, Program, Solid};
 use glam::DVec3;
 use raster::{
     ColorBy, Dimension, Image, Legend, Lens, StandardView, color_by_deviation, draw_dimensions,
-    draw_legend, draw_scale_bar, exploded, ramp, written,
+    draw_legend, draw_scale_bar, exploded, ramp, written, written_within,
 };
 
 const SIZE: u32 = 240;
@@ -84,6 +84,17 @@ fn numbers_are_written_short() {
         (f64::NAN, "0"),
     ] {
         assert_eq!(written(value), text);
+    }
+    // Digits that are not known are not written.
+    for (value, error, text) in [
+        (1.999, 2e-3, "2"),
+        (1.234, 4e-3, "1.23"),
+        (1.234, 6e-3, "1.2"),
+        (1.234, 0.4, "1"),
+        (12.34, 70.0, "12"),
+        (0.7, 1e-12, "0.7"),
+    ] {
+        assert_eq!(written_within(value, error), text);
     }
 }
 

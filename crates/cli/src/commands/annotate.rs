@@ -152,10 +152,10 @@ impl Annotations {
     }
 
     /// The dimensions of a mesh as a view shows it; or the names that are not
-    /// those of two parallel flat faces.
+    /// those of two parallel flat faces. The mesh is within `deviation` of the model.
     pub(super) fn dimensions(
         &self,
-        mesh: &Mesh,
+        (mesh, deviation): (&Mesh, f64),
         view: &View,
         [width, height]: [u32; 2],
     ) -> Result<Vec<Dimension>, String> {
@@ -164,7 +164,9 @@ impl Annotations {
             match measured {
                 Measured::Box => {
                     let (low, high) = mesh.bounds().unwrap_or_default();
-                    found.extend(Dimension::of_box(low, high, view, width, height));
+                    let mut sides = Dimension::of_box(low, high, view, width, height);
+                    sides.iter_mut().for_each(|side| side.error = deviation);
+                    found.append(&mut sides);
                 }
                 Measured::Between(one, other) => {
                     let between = Dimension::between(mesh, one, other);

@@ -159,7 +159,9 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
         None => camera.view(width, height)?,
     };
     let size = [width, height];
-    let dimensions = options.annotations.dimensions(&product.mesh, &view, size)?;
+    let deviation = product.report.as_ref().and_then(|report| report.deviation);
+    let measured = (&product.mesh, deviation.unwrap_or(0.0));
+    let dimensions = annotations.dimensions(measured, &view, size)?;
     if let Some(way) = looks.hidden_surface {
         let image = product.stage("draw", |product| {
             way.draw(&product.mesh, &view, [width, height], &render)

@@ -211,10 +211,10 @@ fn weld(scene: &Prepared) -> Vec<u32> {
 }
 
 /// The feature edges of a mesh that brings none, each as a polyline of two
-/// vertices: edges that do not join exactly two triangles, that join two
-/// surfaces which are not tangent to each other there, or two triangles more
-/// than [`CREASE_ANGLE`] apart. Vertices at the same position count as one.
-/// O(n log n).
+/// vertices: edges that do not join exactly two triangles; and those that join
+/// two surfaces, or two triangles more than [`CREASE_ANGLE`] apart, unless
+/// these have the same normals there. Vertices at the same position count as
+/// one. O(n log n).
 pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
     let welded = weld(scene);
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
@@ -236,8 +236,8 @@ pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
         (b - a).cross(c - a).normalize_or_zero()
     };
     let surface = |triangle: u32| scene.triangle_surfaces.get(triangle as usize);
-    // Triangles on either side of a seam turn by what chords leave over: that
-    // two surfaces are tangent, normals at the corners tell.
+    // Triangles turn by what chords leave over: that surfaces are tangent, or
+    // that there is but one, normals at the corners tell.
     let smooth = |triangle: u32, ends: [u32; 2]| {
         let normals = scene.corner_normals(triangle as usize)?;
         let corners = scene.triangles[triangle as usize].map(|v| welded[v as usize]);
@@ -251,8 +251,8 @@ pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
         .filter(|group| match **group {
             [[i, j, s], [_, _, t]] => {
                 let faces = normal(s).dot(normal(t));
-                if surface(s) == surface(t) {
-                    return faces < crease;
+                if surface(s) == surface(t) && faces >= crease {
+                    return false;
                 }
                 let cosine = match smooth(s, [i, j]).zip(smooth(t, [i, j])) {
                     Some(([a, b], [c, d])) => a.dot(c).min(b.dot(d)),
