@@ -166,7 +166,7 @@
 //! | I = Ka Iamb + Σ (Kd Iin (L·N) + Ks Iin (R·V)^n), per channel, several lights | [`shade::phong`], [`Finish`], [`Light`] | `phong_with_the_printed_coefficients`, `materials_are_those_of_the_texts` in `tests/scene.rs` |
 //! | interpolation along edges and rows (za, zb, xa, xb, z*) | [`scanline`] | `scan_lines_interpolate_linearly` |
 //! | planes, spheres, quadrics; a cylinder as three half-spaces f <= 0 | `csg::Solid` | `equations_are_the_primitives`, `a_cylinder_is_three_half_spaces` |
-//! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles` |
+//! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles`, `polygons_of_many_sides_are_scan_converted` |
 //! | painter, depth buffer, scan-line depth buffer | [`hidden_surface`] | `the_painter_fails_and_depth_buffers_do_not`, `scan_line_buffers_draw_what_depth_buffers_draw` |
 //! | lines clipped before and after the division | [`wireframe_reference`] | `wireframes_are_clipped` |
 //!

@@ -147,7 +147,7 @@ impl Renderer {
             self.darken(scene, view, options.ground_shadow, image);
         }
         if options.ground_shadow {
-            draw_ground_shadow(self.level, scene, view, image);
+            draw_ground_shadow(self.level, scene, view, behind, image);
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
