@@ -1,9 +1,11 @@
-//! How long does a steady frame of 1920x1080 pixels take?
+//! How long does a frame take, the first one of a process and a steady one?
 //!
 //! `raster-frame [--level portable|avx2|avx512] [--msaa 0|4|8] [--look] [--stats]
-//! [--png FOLDER] [--llvmpipe PYTHON] [--euc] [m1 m2 m3 m4 S2 S4 ...]`; threads
-//! by `RAYON_NUM_THREADS`, and by `LP_NUM_THREADS` for llvmpipe. Prints the
-//! best and the median of the frames drawn within two seconds; with the path
+//! [--size 1920x1080] [--seconds 2] [--png FOLDER] [--llvmpipe PYTHON] [--euc]
+//! [m1 m2 m3 m4 S2 S4 ...]`; threads by `RAYON_NUM_THREADS`, and by
+//! `LP_NUM_THREADS` for llvmpipe. Prints the first, the best and the median of
+//! the frames drawn within two seconds, or other `--seconds` (with 0 the first
+//! alone; of the first subject only that is a cold one); with the path
 //! of a Python that has moderngl and numpy, llvmpipe's beside it; and those of
 //! the crate euc, which runs on one thread and has no multisampling.
 //! With `--look` our frames have edges, occlusion and a shadow as well.
@@ -32,10 +34,8 @@ use raster::{
 #[global_allocator]
 static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 
-const SIZE: (u32, u32) = (1920, 1080);
-
 /// A named mesh, and where it is seen from.
-fn subject(name: &str) -> Option<(Mesh, View)> {
+fn subject(name: &str, size: (u32, u32)) -> Option<(Mesh, View)> {
     let mesh = match name {
         "m1" => meshes::icosphere(6),
         "m2" => meshes::icosphere(8),
@@ -62,7 +62,7 @@ fn subject(name: &str) -> Option<(Mesh, View)> {
         near: 0.1,
         far: 100.0,
     };
-    Some((mesh, camera.view(SIZE.0, SIZE.1).ok()?))
+    Some((mesh, camera.view(size.0, size.1).ok()?))
 }
 
 fn main() {
@@ -70,6 +70,7 @@ fn main() {
     let mut level = Level::best();
     let mut options = RenderOptions::default();
     let (mut stats, mut euc, mut folder, mut python) = (false, false, None, None);
+    let (mut size, mut seconds) = ((1920, 1080), 2.0);
     let mut samples = 0;
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -92,6 +93,16 @@ fn main() {
                 options.edges = Some(EdgeOptions::default());
                 options.ambient_occlusion = true;
                 options.ground_shadow = true;
+            }
+            "--size" => {
+                let given = arguments.next().unwrap_or_default();
+                let sides = given.split_once('x');
+                let sides = sides.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+                size = sides.expect("a size like 1920x1080");
+            }
+            "--seconds" => {
+                let given = arguments.next().and_then(|given| given.parse().ok());
+                seconds = given.expect("a number of seconds");
             }
             "--stats" => stats = true,
             "--euc" => euc = true,
@@ -121,7 +132,7 @@ fn main() {
         options.anti_aliasing
     );
     for name in names {
-        let Some((mesh, view)) = subject(&name) else {
+        let Some((mesh, view)) = subject(&name, size) else {
             eprintln!("no subject {name}");
             continue;
         };
@@ -133,20 +144,28 @@ fn main() {
         let mut times = Vec::new();
         let (begun, cpu) = (Instant::now(), ProcessTime::now());
         let mut counts = None;
-        while times.len() < 5 || begun.elapsed() < Duration::from_secs(2) {
+        // The first touches its memory for the first time, as a process does that
+        // draws no more than one.
+        let mut first = None;
+        let span = Duration::from_secs_f64(seconds);
+        while times.is_empty() || begun.elapsed() < span {
             let start = Instant::now();
-            let drawn = renderer.draw(&scene, &view, SIZE.0, SIZE.1, &options, &mut image);
+            let drawn = renderer.draw(&scene, &view, size.0, size.1, &options, &mut image);
             times.push(start.elapsed());
+            first.get_or_insert((start.elapsed(), cpu.elapsed()));
             counts = Some(drawn.expect("a picture"));
         }
         let cpu = cpu.elapsed() / times.len() as u32;
+        let first = first.unwrap_or_default();
         times.sort();
         let ms = |t: Duration| t.as_secs_f64() * 1e3;
         println!(
-            "{name}: {} triangles, prepared in {:.1} ms; frame best {:.2} ms, median {:.2} ms of {}, \
-             processor time {:.2} ms",
+            "{name}: {} triangles, prepared in {:.1} ms; first frame {:.2} ms, processor time {:.2} \
+             ms; best {:.2} ms, median {:.2} ms of {}, processor time {:.2} ms",
             mesh.triangles.len(),
             ms(prepared),
+            ms(first.0),
+            ms(first.1),
             ms(times[0]),
             ms(times[times.len() / 2]),
             times.len(),
@@ -162,7 +181,7 @@ fn main() {
         };
         if euc {
             let frames = 12;
-            let (mut theirs, pixels) = euc_peer::draw(&indexed, &view, SIZE, Vec3::ONE, frames);
+            let (mut theirs, pixels) = euc_peer::draw(&indexed, &view, size, Vec3::ONE, frames);
             theirs.sort();
             let alike = |(a, b): &(&u32, &[u8; 4])| {
                 let near = |(a, b): (&u8, &u8)| a.abs_diff(*b) <= 1;
@@ -178,7 +197,7 @@ fn main() {
         }
         if let Some(python) = &python {
             let frames = 10;
-            match llvmpipe::draw(python, &indexed, &view, SIZE, DVec3::ONE, samples, frames) {
+            match llvmpipe::draw(python, &indexed, &view, size, DVec3::ONE, samples, frames) {
                 Ok(mut theirs) => {
                     theirs.times.sort();
                     println!(

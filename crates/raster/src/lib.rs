@@ -141,7 +141,7 @@
 //! | 90 degrees on 400 by 320 | [`projection::perspective`] | `ninety_degrees_on_400_by_320` |
 //! | x* = h x / (z + h); z* = z / (z + h), h z / (z + h), (z - h) / (z + h) | [`projection::one_point`], [`projection::perspective_depth`], [`projection::normalised_perspective_depth`] | `perspective_with_h` |
 //! | pinhole at distance d, w = z / d | [`projection::pinhole`] | `pinhole_with_d` |
-//! | row vectors: T, S, Rx, Ry, Rz | [`transform::for_row_vectors`] | `row_vectors_take_transposes` |
+//! | row vectors: T, S, Rx, Ry, Rz; (W X Y Z) | [`transform::for_row_vectors`], [`transform::for_row_vectors_w_first`] | `row_vectors_take_transposes` |
 //! | A = T R from C, D and V' (U = N × V, left-handed) | [`Frame::left_handed`] | `viewing_from_c_along_n` |
 //! | left-handed frames through projection and view | [`projection::left_handed`] | `left_handed_frames_give_the_same_picture` |
 //! | M_v = R_v T_v | [`look_at`] | `look_at_has_the_printed_rows` |
@@ -149,6 +149,8 @@
 //! | depth as integers up to z_max | [`Renderer::integer_depth_buffer`] | `depths_are_integers_up_to_z_max` |
 //! | outcodes A to E | [`cohen_sutherland`] | `outcodes_a_to_e` |
 //! | homogeneous coordinates, their difference, points and directions | [`transform::cartesian`], [`transform::homogeneous_difference`] | `homogeneous_coordinates` |
+//! | affine maps as matrices of rows | [`transform::from_frame`] | `affine_maps_are_matrices` |
+//! | T(-t), S(1/s), Rᵀ, and (Rᵀ, -Rᵀ t) of a rigid motion; scaling about any point | [`transform::rigid_inverse`], [`transform::scaling_about`] | `inverses_need_no_division` |
 //! | shears and their inverses | [`transform::shear`] | `shears_and_their_inverses` |
 //! | rotation about (l, m, n), about any point | [`transform::rotation`] | `rotation_about_l_m_n` |
 //! | rotation from u to v, change of basis, scaling in a frame | [`transform::rotation_between`], [`transform::change_of_basis`], [`transform::scaling_in_frame`] | `rotation_from_u_to_v_and_changes_of_basis` |
@@ -163,7 +165,8 @@
 //! | textures: checkers by place, and by the parameters u, v of surfaces | [`Texture`], [`Texture::on_surface`] | `checkers_have_squares`, `checkers_go_by_the_parameters_of_surfaces` in `tests/scene.rs` |
 //! | I = Ka Iamb + Σ (Kd Iin (L·N) + Ks Iin (R·V)^n), per channel, several lights | [`shade::phong`], [`Finish`], [`Light`] | `phong_with_the_printed_coefficients`, `materials_are_those_of_the_texts` in `tests/scene.rs` |
 //! | interpolation along edges and rows (za, zb, xa, xb, z*) | [`scanline`] | `scan_lines_interpolate_linearly` |
-//! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles` |
+//! | planes, spheres, quadrics; a cylinder as three half-spaces f <= 0 | `csg::Solid` | `equations_are_the_primitives`, `a_cylinder_is_three_half_spaces` |
+//! | vertex, edge and face tables; orientation; back-face removal | [`polygon_model`] | `polygon_tables`, `concave_polygons_become_triangles`, `polygons_of_many_sides_are_scan_converted` |
 //! | painter, depth buffer, scan-line depth buffer | [`hidden_surface`] | `the_painter_fails_and_depth_buffers_do_not`, `scan_line_buffers_draw_what_depth_buffers_draw` |
 //! | lines clipped before and after the division | [`wireframe_reference`] | `wireframes_are_clipped` |
 //!
@@ -209,9 +212,9 @@ mod textbook;
 mod viewpoint;
 
 use engine::{
-    caps, cluster, corners, cull, deferred, fill, frame, geometry, hatch, interpolate, light, look,
-    normals, pipeline, prepared, resolve, section, set_up, shading, simd, smooth, stats, texture,
-    tile, transparent,
+    caps, cluster, corners, cull, deferred, fill, fill_tile, frame, geometry, hatch, interpolant,
+    interpolate, light, look, normals, pipeline, prepared, resolve, section, set_up, shading, simd,
+    smooth, stats, texture, tile, transparent,
 };
 use output::{buffer_images, buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
@@ -230,7 +233,7 @@ pub use camera::{Camera, Frame, Lens, View, look_at};
 pub use color_map::{ColorBy, Legend, draw_legend, name_color, ramp};
 pub use csg::Mesh;
 pub use deviation::color_by_deviation;
-pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written};
+pub use dimension::{Dimension, draw_dimensions, draw_scale_bar, written, written_within};
 pub use edges::{EdgeOptions, HiddenEdges, MAX_LINE_WIDTH};
 pub use error::{MAX_SIZE, RasterError};
 pub use explode::exploded;

@@ -81,6 +81,33 @@ fn shadows_darken_backgrounds() {
     assert_eq!(image.get(0, 0), Some([255; 4]));
 }
 
+/// A shadow on nothing, put over white as browsers do, is that on white.
+#[test]
+fn shadows_look_alike_on_a_page() {
+    let mesh = common::icosphere(DVec3::new(0.0, 0.0, 1.5), 1.0, 3);
+    let direction = DVec3::new(-1.0, 1.0, -0.8);
+    let camera = framing(direction, Lens::DEFAULT, true)
+        .camera(&mesh)
+        .unwrap();
+    let view = camera.view(SIZE, SIZE).unwrap();
+    let mut options = RenderOptions::default();
+    options.ground_shadow = true;
+    let on_nothing = drawn(&mesh, &view, &options);
+    options.background = csg::Color::from_srgb([1.0; 3]);
+    let on_white = drawn(&mesh, &view, &options);
+    let mut shaded = 0;
+    for (above, wanted) in on_nothing.pixels.iter().zip(&on_white.pixels) {
+        if above[..3] == [0; 3] && above[3] < 255 {
+            assert!(
+                (255 - above[3]).abs_diff(wanted[0]) <= 1,
+                "{above:?} {wanted:?}"
+            );
+            shaded += usize::from(above[3] > 20);
+        }
+    }
+    assert!(shaded > 300, "{shaded}");
+}
+
 /// The share of a box's largest visible face in all that is seen of it, along
 /// a direction: its areas times the cosines.
 fn largest_share(axes: DMat3, sides: DVec3, direction: DVec3) -> f64 {

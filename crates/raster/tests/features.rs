@@ -1,13 +1,12 @@
-//! Edges, sections, shadows and series: what must be true of them.
+//! Edges, sections and shadows: what must be true of them.
 
 mod common;
 
-use csg::Mesh;
+use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DVec3, Vec3};
 use raster::{
-    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, ProjectionAngle,
-    RasterError, RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport,
-    contact_sheet, turntable, turntable_camera, write_apng,
+    AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, RasterError,
+    RenderOptions, Renderer, SectionPlane, StandardView, View, Viewport,
 };
 
 const SIZE: u32 = 160;
@@ -60,6 +59,35 @@ fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
 
 /// The nine visible edges of a cube are dark all along, the three hidden ones
 /// not at all, or in dashes.
+/// Where surfaces are tangent there is no edge, however coarse the triangles;
+/// where they meet at a small angle there is a whole one.
+#[test]
+fn tangent_surfaces_have_no_edge_between_them() {
+    let mesh = |solid: &Solid, tolerance: f64| {
+        let program = Program::lower(solid).unwrap();
+        let mesher = Mesher::new().tolerance(tolerance).normals();
+        mesher.mesh(&program).unwrap().mesh
+    };
+    let rod = Solid::cylinder(0.5, 0.0..2.0);
+    let ends = |radius: f64| {
+        let ball = Solid::sphere(radius);
+        rod.clone() | ball.clone() | ball.translate([0.0, 0.0, 2.0])
+    };
+    for tolerance in [3e-2, 1e-2, 1e-3] {
+        let capsule = mesh(&ends(0.5), tolerance);
+        assert_eq!(Prepared::new(&capsule).feature_edges(), [[0; 0]; 0]);
+        let swollen = mesh(&ends(0.51), tolerance);
+        let scene = Prepared::new(&swollen);
+        let mut ends_at = std::collections::HashMap::new();
+        for v in scene.feature_edges().iter().flatten() {
+            *ends_at.entry(v).or_insert(0) += 1;
+        }
+        // Two closed circles: as many edges as corners.
+        assert!(ends_at.len() > 12, "{}", ends_at.len());
+        assert!(ends_at.values().all(|&ends| ends == 2), "{tolerance}");
+    }
+}
+
 #[test]
 fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     let mesh = common::cuboid(DVec3::ZERO, UNIT);
@@ -230,7 +258,7 @@ fn silhouettes_are_where_the_surface_turns_away() {
 fn a_section_is_capped_at_its_plane() {
     let mesh = common::merge(
         common::cuboid(DVec3::ZERO, UNIT),
-        &inside_out(common::cuboid(DVec3::splat(0.3), DVec3::splat(0.7))),
+        &common::inside_out(common::cuboid(DVec3::splat(0.3), DVec3::splat(0.7))),
     );
     let plane = SectionPlane {
         normal: DVec3::NEG_Y,
@@ -288,13 +316,6 @@ fn a_section_is_capped_at_its_plane() {
     let (renderer, _) = draw(&scene, &behind, &RenderOptions::default());
     let pick = renderer.pick(&scene, &behind, SIZE / 2, SIZE / 2).unwrap();
     assert!((pick.point.y - 1.0).abs() < 1e-5);
-}
-
-fn inside_out(mut mesh: Mesh) -> Mesh {
-    for triangle in &mut mesh.triangles {
-        triangle.swap(1, 2);
-    }
-    mesh
 }
 
 /// Two planes cut a wedge out of nothing but what both keep.
@@ -415,95 +436,6 @@ fn the_triad_shows_the_axes() {
         "{right:?}"
     );
     assert!(up[3] > 100 && up[2] > up[0] && up[2] > up[1], "{up:?}");
-}
-
-#[test]
-fn turntables_go_once_round_and_read_back() {
-    let mesh = common::cuboid(DVec3::new(-1.0, -0.5, 0.0), DVec3::new(1.0, 0.5, 0.6));
-    let scene = Prepared::new(&mesh);
-    let options = RenderOptions::default();
-    let camera = turntable_camera(&mesh, StandardView::Front, Lens::DEFAULT, 1.0).unwrap();
-    let frames = turntable(&scene, &camera, 8, 64, 64, &options).unwrap();
-    for (k, frame) in frames.iter().enumerate() {
-        // Whole in every frame: nothing touches the border.
-        let border = (0..64).all(|i| {
-            [(i, 0), (i, 63), (0, i), (63, i)]
-                .iter()
-                .all(|&(x, y)| frame.get(x, y).unwrap()[3] == 0)
-        });
-        assert!(border, "frame {k}");
-    }
-    // A box looks the same from opposite sides, as far as coverage goes.
-    let covered = |frame: &Image| -> Vec<bool> { frame.pixels.iter().map(|p| p[3] > 0).collect() };
-    for k in 0..4 {
-        let differing = covered(&frames[k])
-            .iter()
-            .zip(covered(&frames[k + 4]))
-            .filter(|(a, b)| **a != *b)
-            .count();
-        assert!(differing < 20, "frame {k}: {differing}");
-    }
-    assert_ne!(covered(&frames[0]), covered(&frames[1]));
-    let mut file = Vec::new();
-    write_apng(&frames, 10, &mut file).unwrap();
-    let mut reader = png::Decoder::new(std::io::Cursor::new(file))
-        .read_info()
-        .unwrap();
-    assert_eq!(reader.info().animation_control().unwrap().num_frames, 8);
-    for frame in &frames {
-        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut bytes).unwrap();
-        assert_eq!(bytes, frame.pixels.as_flattened());
-    }
-    assert!(write_apng(&[], 10, Vec::new()).is_err());
-    assert!(
-        write_apng(
-            &[frames[0].clone(), Image::new(3, 3, [0; 4])],
-            10,
-            Vec::new()
-        )
-        .is_err()
-    );
-}
-
-/// Top over front, front beside right, all to one scale.
-#[test]
-fn contact_sheets_line_up() {
-    let mesh = common::cuboid(DVec3::ZERO, DVec3::new(2.0, 1.0, 0.5));
-    let scene = Prepared::new(&mesh);
-    let sheet = contact_sheet(
-        &mesh,
-        &scene,
-        Lens::DEFAULT,
-        ProjectionAngle::Third,
-        400,
-        300,
-        &RenderOptions::default(),
-    )
-    .unwrap();
-    let extent = |left: u32, top: u32| {
-        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
-        // (Above the view's name.)
-        for y in top..top + 136 {
-            for x in left..left + 200 {
-                if sheet.get(x, y).unwrap()[3] > 0 {
-                    low = [low[0].min(x), low[1].min(y)];
-                    high = [high[0].max(x + 1), high[1].max(y + 1)];
-                }
-            }
-        }
-        [high[0] - low[0], high[1] - low[1]]
-    };
-    let (top, front, right) = (extent(0, 0), extent(0, 150), extent(200, 150));
-    let scale = f64::from(top[0]) / 2.0;
-    for (size, expected) in [(top, [2.0, 1.0]), (front, [2.0, 0.5]), (right, [1.0, 0.5])] {
-        for axis in 0..2 {
-            assert!(
-                (f64::from(size[axis]) - expected[axis] * scale).abs() <= 1.0,
-                "{size:?}"
-            );
-        }
-    }
 }
 
 /// Anti-aliased edges have the opacity of the area covered.

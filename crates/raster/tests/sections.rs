@@ -13,14 +13,6 @@ use raster::{
 
 const SIZE: u32 = 48;
 
-/// A mesh whose faces show their other sides.
-fn inside_out(mut mesh: Mesh) -> Mesh {
-    for triangle in &mut mesh.triangles {
-        triangle.swap(1, 2);
-    }
-    mesh
-}
-
 /// A cube of side 2 around the origin with a hollow of this half-side, if any,
 /// cut by planes.
 #[derive(Debug)]
@@ -34,7 +26,7 @@ impl Solid {
         let cube = common::cuboid(DVec3::NEG_ONE, DVec3::ONE);
         let Some(half) = self.hollow else { return cube };
         let hollow = common::cuboid(DVec3::splat(-half), DVec3::splat(half));
-        common::merge(cube, &inside_out(hollow))
+        common::merge(cube, &common::inside_out(hollow))
     }
 
     /// The first parameter in 0..1 at which `from` + t (`to` - `from`) is in
@@ -224,7 +216,7 @@ fn cut_solids_are_seen_through() {
     // (Hatching leaves black as it is.)
     let [red, black, blue] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]];
     let outside = common::cuboid(DVec3::splat(-0.75), DVec3::splat(0.75));
-    let hollow = inside_out(common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)));
+    let hollow = common::inside_out(common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)));
     let view = Camera::looking_at(DVec3::Z * 10.0, DVec3::ZERO)
         .lens(Lens::Orthographic { height: 2.0 })
         .view(SIZE, SIZE)

@@ -94,13 +94,6 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The least and the greatest corner of a box around a mesh.
-fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
-    let first = mesh.positions.first().copied().unwrap_or_default();
-    let points = mesh.positions.iter();
-    points.fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
-}
-
 /// How a unit is written.
 fn symbol(unit: LengthUnit) -> &'static str {
     match unit {
@@ -127,7 +120,7 @@ impl Annotations {
         if self.dimension.is_empty() {
             return Cow::Borrowed(mesh);
         }
-        let (low, high) = bounds(mesh);
+        let (low, high) = mesh.bounds().unwrap_or_default();
         let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
         let corner = |k: usize| {
             let sign = |axis: usize| if k >> axis & 1 == 0 { -ROOM } else { ROOM };
@@ -159,10 +152,10 @@ impl Annotations {
     }
 
     /// The dimensions of a mesh as a view shows it; or the names that are not
-    /// those of two parallel flat faces.
+    /// those of two parallel flat faces. The mesh is within `deviation` of the model.
     pub(super) fn dimensions(
         &self,
-        mesh: &Mesh,
+        (mesh, deviation): (&Mesh, f64),
         view: &View,
         [width, height]: [u32; 2],
     ) -> Result<Vec<Dimension>, String> {
@@ -170,8 +163,10 @@ impl Annotations {
         for measured in &self.dimension {
             match measured {
                 Measured::Box => {
-                    let (low, high) = bounds(mesh);
-                    found.extend(Dimension::of_box(low, high, view, width, height));
+                    let (low, high) = mesh.bounds().unwrap_or_default();
+                    let mut sides = Dimension::of_box(low, high, view, width, height);
+                    sides.iter_mut().for_each(|side| side.error = deviation);
+                    found.append(&mut sides);
                 }
                 Measured::Between(one, other) => {
                     let between = Dimension::between(mesh, one, other);

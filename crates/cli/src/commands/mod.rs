@@ -9,3 +9,4 @@ pub(crate) mod mesh;
 mod parse;
 pub(crate) mod render;
 mod view_reference;
+mod viewing;

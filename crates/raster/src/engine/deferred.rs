@@ -11,9 +11,8 @@ use crate::corners::Corners;
 use crate::fill::{LANE_X, LANE_Y};
 use crate::fixed::SUBPIXELS;
 use crate::hatch::hatch;
-use crate::interpolate::{
-    Cache, interpolate_few, interpolate_scattered, sample_positions, scattered,
-};
+use crate::interpolant::Cache;
+use crate::interpolate::{interpolate_few, interpolate_scattered, sample_positions, scattered};
 use crate::light::Source;
 use crate::shade::Interpolation;
 use crate::shading::ShadeContext;

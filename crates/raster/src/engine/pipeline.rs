@@ -15,19 +15,19 @@ use crate::caps::cap_tile;
 use crate::cull::{Visibility, cluster_visibility};
 use crate::edges::draw_edges;
 use crate::error::{MAX_SIZE, RasterError};
-use crate::fill::{FillCounts, fill, fill_pixels};
+use crate::fill::FillCounts;
+use crate::fill_tile::{FillTile, UpdateFarthest, any_in};
 use crate::frame::FrameMatrix;
 use crate::geometry::{Bins, Facing, GeometryContext, SetUpClusters};
 use crate::ground::draw_ground_shadow;
 use crate::image::Image;
-use crate::options::{AntiAliasing, RenderOptions};
+use crate::options::RenderOptions;
 use crate::prepared::Prepared;
 use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::shading::ShadeContext;
-use crate::simd::{Kernel, Lanes, Level};
+use crate::simd::Level;
 use crate::stats::Stats;
 use crate::tile::{PlanePool, TILE, TileBuffer, Tiles};
-use crate::transparent::collect;
 use crate::triad::draw_triad;
 
 /// What is drawn, and how large.
@@ -147,7 +147,7 @@ impl Renderer {
             self.darken(scene, view, options.ground_shadow, image);
         }
         if options.ground_shadow {
-            draw_ground_shadow(self.level, scene, view, image);
+            draw_ground_shadow(self.level, scene, view, behind, image);
         }
         if let Some(edges) = &options.edges {
             draw_edges(self, scene, &matrix, edges, image);
@@ -261,10 +261,11 @@ impl Renderer {
         batch: &[(f32, u32)],
         columns: usize,
     ) {
-        let sample_range = match options.anti_aliasing {
-            AntiAliasing::Msaa4 | AntiAliasing::Msaa8 => [0, 255],
-            _ => [128, 128],
-        };
+        let samples = options.anti_aliasing.samples();
+        let sample_range = samples
+            .as_flattened()
+            .iter()
+            .fold([255, 0], |[low, high], &v| [v.min(low), v.max(high)]);
         let context = GeometryContext {
             scene: shading.scene,
             matrix: shading.matrix,
@@ -412,14 +413,6 @@ impl Renderer {
     }
 }
 
-/// Whether there is anything to be filled into a tile.
-fn any_in(bins: &[Bins], tile: usize) -> bool {
-    bins.iter().any(|bins| {
-        let records = !bins.tiles[tile].is_empty() || !bins.transparent[tile].is_empty();
-        records || !bins.pixels[tile].is_empty()
-    })
-}
-
 /// The first pixel of a tile.
 fn origin(index: usize, columns: usize) -> [i32; 2] {
     [index % columns, index / columns].map(|t| (t * TILE) as i32)
@@ -443,61 +436,4 @@ fn batches(clusters: usize, tile_by_tile: bool, windings: bool) -> Vec<usize> {
     let mut sizes: Vec<usize> = [8, 8, 8, 8, 4].iter().map(|part| clusters / part).collect();
     sizes.push(clusters - sizes.iter().sum::<usize>());
     sizes
-}
-
-/// Brings the hierarchical depth of one tile up to date.
-struct UpdateFarthest<'a, 'b> {
-    tile: &'a mut TileBuffer<'b>,
-}
-
-impl Kernel for UpdateFarthest<'_, '_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<S: Lanes>(self, s: S) {
-        self.tile.update_farthest(s);
-    }
-}
-
-/// Fills the triangles of one batch into one tile.
-struct FillTile<'a, 'b> {
-    tile: &'a mut TileBuffer<'b>,
-    index: usize,
-    bins: &'a [Bins],
-    origin: [i32; 2],
-    samples: &'static [[i32; 2]],
-}
-
-impl Kernel for FillTile<'_, '_> {
-    type Output = FillCounts;
-    #[inline(always)]
-    fn run<S: Lanes>(self, s: S) -> FillCounts {
-        let mut counts = FillCounts::default();
-        for bins in self.bins {
-            let pixels = &bins.pixels[self.index];
-            if !pixels.is_empty() {
-                if !self.tile.tile.drawn {
-                    self.tile.begin(false);
-                }
-                counts.any = true;
-                fill_pixels(self.tile, pixels);
-            }
-            for &entry in &bins.tiles[self.index] {
-                counts.any = true;
-                let record = &bins.records[entry as usize];
-                fill(s, self.tile, self.origin, record, self.samples, &mut counts);
-            }
-            let transparent = &bins.transparent[self.index];
-            if !transparent.is_empty() {
-                if !self.tile.tile.drawn {
-                    self.tile.begin(false);
-                }
-                counts.any = true;
-                let records = transparent
-                    .iter()
-                    .map(|&entry| &bins.records[entry as usize]);
-                collect(self.tile, self.origin, records, self.samples);
-            }
-        }
-        counts
-    }
 }

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec3};
 use crate::camera::View;
 
 use crate::frame::FrameMatrix;
-use crate::interpolate::weights_at;
+use crate::interpolant::weights_at;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
 use crate::section::Section;

@@ -19,6 +19,9 @@ pub struct Dimension {
     /// What the line keeps clear of: it is drawn on the far side of `from` and
     /// `to` from there.
     pub clear_of: DVec3,
+    /// By how much each end may be off: digits that this leaves open are not
+    /// written.
+    pub error: f64,
 }
 
 impl Dimension {
@@ -57,6 +60,7 @@ impl Dimension {
                 from: corner(best.1),
                 to: corner(best.1 | 1 << axis),
                 clear_of: centre,
+                error: 0.0,
             })
         };
         (0..3)
@@ -79,6 +83,7 @@ impl Dimension {
             from: a,
             to,
             clear_of: low + (high - low) / 2.0,
+            error: 0.0,
         })
     }
 }
@@ -110,10 +115,20 @@ fn flat_face(mesh: &Mesh, name: &str) -> Option<(DVec3, DVec3)> {
 /// after them.
 #[must_use]
 pub fn written(value: f64) -> String {
+    written_within(value, 0.0)
+}
+
+/// A number that may be off by so much, as [`written`] but for the decimals that
+/// this leaves open.
+#[must_use]
+pub fn written_within(value: f64, error: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
     }
-    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    // Half a unit of the last one is the error or more.
+    let known = -(2.0 * error.abs()).max(1e-9).log10().ceil() as i32;
+    let digits = 3 - value.abs().log10().floor() as i32;
+    let digits = digits.min(known).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').into()
@@ -169,7 +184,10 @@ pub fn draw_dimensions(
                 stroke(tip, tip + DVec2::from_angle(turn).rotate(back) * text * 0.9);
             }
         }
-        let label = format!("{} {unit}", written(dimension.length()));
+        let label = format!(
+            "{} {unit}",
+            written_within(dimension.length(), 2.0 * dimension.error)
+        );
         let label = label.trim();
         let half = DVec2::new(text_width(label, text) / 2.0, text / 2.0);
         let away = outwards * (half.dot(outwards.abs()) + text * 0.6);

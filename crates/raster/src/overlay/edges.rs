@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use csg::Color;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::frame::FrameMatrix;
@@ -211,9 +211,10 @@ fn weld(scene: &Prepared) -> Vec<u32> {
 }
 
 /// The feature edges of a mesh that brings none, each as a polyline of two
-/// vertices: edges that do not join exactly two triangles, that join two
-/// surfaces (unless flat), or two normals more than [`CREASE_ANGLE`] apart.
-/// Vertices at the same position count as one. O(n log n).
+/// vertices: edges that do not join exactly two triangles; and those that join
+/// two surfaces, or two triangles more than [`CREASE_ANGLE`] apart, unless
+/// these have the same normals there. Vertices at the same position count as
+/// one. O(n log n).
 pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
     let welded = weld(scene);
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
@@ -235,13 +236,29 @@ pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
         (b - a).cross(c - a).normalize_or_zero()
     };
     let surface = |triangle: u32| scene.triangle_surfaces.get(triangle as usize);
+    // Triangles turn by what chords leave over: that surfaces are tangent, or
+    // that there is but one, normals at the corners tell.
+    let smooth = |triangle: u32, ends: [u32; 2]| {
+        let normals = scene.corner_normals(triangle as usize)?;
+        let corners = scene.triangles[triangle as usize].map(|v| welded[v as usize]);
+        let at = |end: u32| corners.iter().position(|&corner| corner == end);
+        let [a, b] = [normals[at(ends[0])?], normals[at(ends[1])?]].map(Vec3::as_dvec3);
+        (a.is_normalized() && b.is_normalized()).then_some([a, b])
+    };
     let crease = CREASE_ANGLE.cos();
     edges
         .chunk_by(|a, b| a[..2] == b[..2])
-        .filter(|group| match group {
-            [[_, _, s], [_, _, t]] => {
-                let cosine = normal(*s).dot(normal(*t));
-                cosine < crease || (surface(*s) != surface(*t) && cosine < 1.0 - 1e-6)
+        .filter(|group| match **group {
+            [[i, j, s], [_, _, t]] => {
+                let faces = normal(s).dot(normal(t));
+                if surface(s) == surface(t) && faces >= crease {
+                    return false;
+                }
+                let cosine = match smooth(s, [i, j]).zip(smooth(t, [i, j])) {
+                    Some(([a, b], [c, d])) => a.dot(c).min(b.dot(d)),
+                    None => faces,
+                };
+                cosine < 1.0 - 1e-6
             }
             _ => true,
         })

@@ -14,6 +14,7 @@ use crate::image::Image;
 use crate::options::RenderOptions;
 use crate::pipeline::Renderer;
 use crate::prepared::Prepared;
+use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::{
     DoubleLanes, FloatLanes, IntLanes, Kernel, LANE_NUMBERS, LANES, Lanes, Level, MaskLanes,
 };
@@ -200,8 +201,16 @@ pub(crate) fn ground_height(scene: &Prepared) -> f64 {
 }
 
 /// Puts the shadow that a scene casts on the plane through its lowest point
-/// under the picture. Nothing happens for a viewer below that plane.
-pub(crate) fn draw_ground_shadow(level: Level, scene: &Prepared, view: &View, image: &mut Image) {
+/// under the picture. Nothing happens for a viewer below that plane. What will be
+/// behind is mixed with it in linear light if `linear`, or, as by those who show
+/// pictures with transparent places, as encoded in sRGB: over white both look alike.
+pub(crate) fn draw_ground_shadow(
+    level: Level,
+    scene: &Prepared,
+    view: &View,
+    linear: bool,
+    image: &mut Image,
+) {
     if scene.triangles.is_empty() || image.pixels.is_empty() {
         return;
     }
@@ -226,22 +235,33 @@ pub(crate) fn draw_ground_shadow(level: Level, scene: &Prepared, view: &View, im
         .take(rows.len())
         .for_each(|(y, line)| {
             level.run(ShadowRow {
-                shadow,
-                to_cells: to_cells.transpose(),
-                plane,
+                cast: Cast {
+                    shadow,
+                    linear,
+                    to_cells: to_cells.transpose(),
+                    plane,
+                },
                 first: [columns.start as f64 + 0.5, y as f64 + 0.5],
                 pixels: &mut line[columns.clone()],
             });
         });
 }
 
-/// Puts the shadow under some pixels of a row.
-struct ShadowRow<'a> {
+/// A shadow as a view shows it.
+#[derive(Clone, Copy)]
+struct Cast<'a> {
     shadow: &'a Shadow,
+    /// How it will be mixed with what is behind.
+    linear: bool,
     /// The window to the shadow's cells, row by row.
     to_cells: DMat3,
     /// The ground's depth.
     plane: DVec3,
+}
+
+/// Puts the shadow under some pixels of a row.
+struct ShadowRow<'a> {
+    cast: Cast<'a>,
     /// The middle of the first pixel.
     first: [f64; 2],
     pixels: &'a mut [[u8; 4]],
@@ -256,14 +276,7 @@ impl Kernel for ShadowRow<'_> {
             if pixels.iter().any(|pixel| pixel[3] < 255) {
                 let first = x + (number * LANES) as f64;
                 let x = s.load_f(&LANE_NUMBERS).to_double() + s.d(first);
-                put_shadow(
-                    s,
-                    self.shadow,
-                    &self.to_cells,
-                    self.plane,
-                    [x, s.d(y)],
-                    pixels,
-                );
+                put_shadow(s, &self.cast, [x, s.d(y)], pixels);
             }
         }
     }
@@ -271,14 +284,13 @@ impl Kernel for ShadowRow<'_> {
 
 /// The same of at most sixteen.
 #[inline(always)]
-fn put_shadow<S: Lanes>(
-    s: S,
-    shadow: &Shadow,
-    to_cells: &DMat3,
-    plane: DVec3,
-    at: [S::D; 2],
-    pixels: &mut [[u8; 4]],
-) {
+fn put_shadow<S: Lanes>(s: S, cast: &Cast, at: [S::D; 2], pixels: &mut [[u8; 4]]) {
+    let Cast {
+        shadow,
+        linear,
+        to_cells,
+        plane,
+    } = *cast;
     let (zero, one, last) = (s.f(0.0), s.f(1.0), s.f((SIZE - 1) as f32));
     let w = on_plane(s, to_cells.z_axis, at);
     let x = (on_plane(s, to_cells.x_axis, at) / w).to_single();
@@ -311,7 +323,13 @@ fn put_shadow<S: Lanes>(
     let top = a * (one - u) + b * u;
     let bottom = c * (one - u) + d * u;
     let hidden = top * (one - v) + bottom * v;
-    let opacity = seen.select_f(hidden * s.f(DARKNESS), zero);
+    let opacity = hidden * s.f(DARKNESS);
+    let opacity = if linear {
+        opacity
+    } else {
+        (one - linear_to_srgb_byte(s, one - opacity) * s.f(1.0 / 255.0)).max(zero)
+    };
+    let opacity = seen.select_f(opacity, zero);
     let (mut opacities, mut bytes) = ([0.0; LANES], [0; LANES]);
     opacity.store(&mut opacities);
     (opacity * s.f(255.0)).round().store(&mut bytes);

@@ -5,7 +5,7 @@
 //! what [`point`] and [`direction`] say, w = 1 and w = 0.
 
 use csg::Axis;
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
 
 pub use crate::euler::{EulerOrder, GimbalLock};
 
@@ -40,6 +40,15 @@ pub fn homogeneous_difference(to: DVec4, from: DVec4) -> DVec4 {
 #[must_use]
 pub fn for_row_vectors(m: DMat4) -> DMat4 {
     m.transpose()
+}
+
+/// The same for row vectors with w in front, (W X Y Z): rows and columns are
+/// moved on by one.
+#[must_use]
+pub fn for_row_vectors_w_first(m: DMat4) -> DMat4 {
+    let rows = m.transpose();
+    let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(DVec4::wxyz);
+    DMat4::from_cols(w, x, y, z)
 }
 
 /// The sixteen numbers in the order in which OpenGL takes them: column by

@@ -106,6 +106,14 @@ pub fn icosphere(centre: DVec3, radius: f64, level: u32) -> Mesh {
     mesh
 }
 
+/// A mesh whose faces show their other sides.
+pub fn inside_out(mut mesh: Mesh) -> Mesh {
+    for triangle in &mut mesh.triangles {
+        triangle.swap(1, 2);
+    }
+    mesh
+}
+
 /// Both meshes as one.
 pub fn merge(mut a: Mesh, b: &Mesh) -> Mesh {
     let base = a.positions.len() as u32;

@@ -7,6 +7,7 @@ mod hidden_surfaces;
 mod polygons;
 mod projections;
 mod shading;
+mod solids;
 mod transforms;
 mod viewing;
 

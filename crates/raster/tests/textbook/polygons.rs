@@ -2,7 +2,9 @@
 
 use glam::{DVec2, DVec3};
 use raster::cohen_sutherland::{Decision, Rectangle, decide};
+use raster::hidden_surface::ScanLine;
 use raster::polygon_model::PolygonModel;
+use raster::{Camera, Lens, RenderOptions, render_reference};
 
 #[test]
 fn outcodes_a_to_e() {
@@ -99,6 +101,9 @@ fn polygon_tables() {
     ];
     for (face, axis) in axes.into_iter().enumerate() {
         assert!(model.vector_area(face).abs_diff_eq(axis, 1e-12), "{face}");
+        // N = U1 x U2 with U1 = v1 - v0, U2 = v2 - v0.
+        let [v0, v1, v2] = [0, 1, 2].map(|k| model.vertices[model.faces[face][k] as usize]);
+        assert_eq!((v1 - v0).cross(v2 - v0), axis);
         // Back-face removal, exact for a convex model.
         let eye = DVec3::new(5.0, -4.0, 0.5);
         let wanted = matches!(face, 0 | 2);
@@ -114,10 +119,8 @@ fn polygon_tables() {
     assert!(turned.vector_area(0).abs_diff_eq(DVec3::NEG_X, 1e-12));
 }
 
-/// A prism over a star of ten corners: concave faces are cut into triangles
-/// whose areas add up to theirs.
-#[test]
-fn concave_polygons_become_triangles() {
+/// A prism over a star of ten corners.
+fn star() -> PolygonModel {
     let corner = |k: u32, z: f64| {
         let radius = if k.is_multiple_of(2) { 1.0 } else { 0.4 };
         (DVec2::from_angle(f64::from(k) * 0.2 * std::f64::consts::PI) * radius).extend(z)
@@ -132,11 +135,22 @@ fn concave_polygons_become_triangles() {
         let next = (k + 1) % 10;
         model.faces.push(vec![k, next, next + 10, k + 10]);
     }
+    model
+}
+
+/// Ten triangles between neighbours at angle pi/5.
+fn star_area() -> f64 {
+    10.0 * 0.5 * 0.4 * (0.2 * std::f64::consts::PI).sin()
+}
+
+/// Concave faces are cut into triangles whose areas add up to theirs.
+#[test]
+fn concave_polygons_become_triangles() {
+    let model = star();
     assert!(model.is_closed());
     let mesh = model.to_mesh();
     assert_eq!(mesh.triangles.len(), 2 * 8 + 10 * 2);
-    // Ten triangles between neighbours at angle pi/5.
-    let area = 10.0 * 0.5 * 0.4 * (0.2 * std::f64::consts::PI).sin();
+    let area = star_area();
     assert!((mesh.volume() - 0.5 * area).abs() < 1e-12);
     for face in 0..2 {
         let own = (0..mesh.triangles.len()).filter(|&t| mesh.triangle_surfaces[t] == face);
@@ -149,5 +163,35 @@ fn concave_polygons_become_triangles() {
             })
             .sum();
         assert!((sum - area).abs() < 1e-12);
+    }
+}
+
+/// Its picture from above, a row at a time, is the star: as many pixels as its
+/// area has, and none of a notch.
+#[test]
+fn polygons_of_many_sides_are_scan_converted() {
+    const SIZE: u32 = 200;
+    let camera = Camera::looking_at(DVec3::Z * 4.0, DVec3::ZERO)
+        .lens(Lens::Orthographic { height: 2.0 })
+        .depths(1.0, 8.0);
+    let view = camera.view(SIZE, SIZE).unwrap();
+    let options = RenderOptions::default();
+    let mesh = star().to_mesh();
+    let rows = &mut ScanLine::new(SIZE);
+    let image = render_reference(&mesh, &view, SIZE, SIZE, &options, rows).unwrap();
+    let covered = image.pixels.iter().filter(|pixel| pixel[3] > 0).count();
+    let side = 2.0 / f64::from(SIZE);
+    // Centres decide: off by less than a pixel along the outline.
+    let outline = 10.0 * DVec2::X.distance(DVec2::from_angle(0.2 * std::f64::consts::PI) * 0.4);
+    let off = covered as f64 * side * side - star_area();
+    assert!(off.abs() < side * outline, "{off}");
+    let at = |angle: f64, radius: f64| {
+        let p = DVec2::from_angle(angle) * radius;
+        let [x, y] = [p.x + 1.0, 1.0 - p.y].map(|v| (v / side) as u32);
+        image.get(x, y).unwrap()[3] > 0
+    };
+    for k in 0..5 {
+        let tip = f64::from(k) * 0.4 * std::f64::consts::PI;
+        assert!(at(tip, 0.9) && !at(tip + 0.2 * std::f64::consts::PI, 0.5));
     }
 }

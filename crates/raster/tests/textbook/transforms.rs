@@ -59,6 +59,76 @@ fn row_vectors_take_transposes() {
         by_rows = row_times(by_rows, printed);
     }
     assert!(by_columns.abs_diff_eq(by_rows, 1e-12));
+    // With w in front: [1 x y z] times A.
+    let moved = transform::for_row_vectors_w_first(transform::translation(t));
+    let printed = rows([
+        [1.0, 4.0, 3.0, -2.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ]);
+    assert_eq!(moved, printed);
+    let turned = transform::for_row_vectors_w_first(transform::rotation(DVec3::Z, 0.7));
+    let found = row_times(DVec4::new(1.0, 2.0, 3.0, 4.0), turned);
+    let wanted = DVec4::new(1.0, 2.0 * cos - 3.0 * sin, 2.0 * sin + 3.0 * cos, 4.0);
+    assert!(found.abs_diff_eq(wanted, 1e-12));
+}
+
+/// x' = a_xx x + a_yx y + a_zx z + b_x and so on: a linear map and a translation
+/// are one matrix, whose rows are multiplied as scalar products.
+#[test]
+fn affine_maps_are_matrices() {
+    let a = DMat3::from_cols(
+        DVec3::new(1.0, 2.0, 0.5),
+        DVec3::new(0.0, 1.0, 3.0),
+        DVec3::new(2.0, 0.1, 1.0),
+    );
+    let (b, p) = (DVec3::new(4.0, 3.0, -2.0), DVec3::new(0.3, -0.2, 0.7));
+    let m = transform::from_frame(a, b);
+    let by_rows = |row: usize| {
+        let linear = a.x_axis[row] * p.x + a.y_axis[row] * p.y + a.z_axis[row] * p.z;
+        let product = m.row(row).dot(transform::point(p));
+        assert!((product - (linear + b[row])).abs() < 1e-12);
+        product
+    };
+    let moved = DVec3::new(by_rows(0), by_rows(1), by_rows(2));
+    assert!(m.transform_point3(p).abs_diff_eq(moved, 1e-12));
+    assert_eq!(m.row(3), DVec4::W);
+}
+
+/// T(-t), S(1/s), the transpose, H(-s); of a rigid motion the transpose and
+/// -R^T t; of scaling about a point and a turn about one, theirs.
+#[test]
+fn inverses_need_no_division() {
+    let (t, s) = (DVec3::new(4.0, 3.0, -2.0), DVec3::new(2.0, 0.5, 4.0));
+    let r = transform::rotation(DVec3::new(2.0, -1.0, 2.0) / 3.0, 0.8);
+    let turn = DMat3::from_mat4(r);
+    let back = -(turn.transpose() * t);
+    let rigid = transform::translation(t) * r;
+    let [c0, c1, c2] = [turn.x_axis, turn.y_axis, turn.z_axis];
+    let printed = rows([
+        [c0.x, c0.y, c0.z, back.x],
+        [c1.x, c1.y, c1.z, back.y],
+        [c2.x, c2.y, c2.z, back.z],
+        [0.0, 0.0, 0.0, 1.0],
+    ]);
+    assert!(close(transform::rigid_inverse(rigid), printed));
+    for (m, inverse) in [
+        (rigid, printed),
+        (transform::translation(t), transform::translation(-t)),
+        (
+            transform::scaling(s),
+            transform::scaling(DVec3::new(0.5, 2.0, 0.25)),
+        ),
+        (r, r.transpose()),
+        (
+            transform::scaling_about(t, s),
+            transform::scaling_about(t, s.recip()),
+        ),
+    ] {
+        assert!(close(m * inverse, DMat4::IDENTITY));
+        assert!(close(m.inverse(), inverse));
+    }
 }
 
 #[test]
@@ -282,6 +352,21 @@ fn normals_take_the_adjugate() {
     );
     let wanted = m.inverse().transpose() * m.determinant();
     assert!(transform::normal_matrix(m).abs_diff_eq(wanted, 1e-12));
+    // Minors with their signs, row by row: adj(M) = |M| times the inverse.
+    let minor = |row: usize, column: usize| {
+        let [r, s] = [(row + 1) % 3, (row + 2) % 3];
+        let [c, d] = [(column + 1) % 3, (column + 2) % 3];
+        m.col(c)[r] * m.col(d)[s] - m.col(d)[r] * m.col(c)[s]
+    };
+    for row in 0..3 {
+        for column in 0..3 {
+            let found = transform::normal_matrix(m).col(column)[row];
+            assert!((found - minor(row, column)).abs() < 1e-12);
+        }
+    }
+    // That of a rotation is itself.
+    let turn = DMat3::from_mat4(transform::rotation(DVec3::Y, 0.7));
+    assert!(transform::normal_matrix(turn).abs_diff_eq(turn, 1e-12));
 }
 
 /// M_c = M_p M_v M_m puts local points where the three do one after another.

@@ -9,7 +9,9 @@
 //! The instruction sets come from `pulp`, whose tokens prove at run time that
 //! the processor has them; nothing here is unsafe. (`fearless_simd` asks for
 //! more of AVX-512 than the first server generations have, `wide` chooses at
-//! compile time.)
+//! compile time. The portable arrays, compiled for AVX2 by `pulp`, take 1.2 to
+//! 2.1 times as long for a frame as AVX2's own lanes, with 4x MSAA 1.6 to 2.1
+//! times: these are worth their lines.)
 
 pub mod math;
 mod portable;
