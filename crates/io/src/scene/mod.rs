@@ -45,14 +45,17 @@
 //!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
 //!   primitive shows that primitive's colour, as in OpenSCAD's preview.
 
+mod arguments;
 mod build;
 mod corners;
 mod error;
 mod facets;
 mod flat;
 mod lex;
+mod operations;
 mod parse;
 mod pieces;
+mod primitives;
 mod shapes;
 mod values;
 mod write;
