@@ -12,14 +12,20 @@ use crate::failure::Failure;
 /// The input file of the `csg` command.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Input {
-    /// The input: a scene (.csg), or a mesh (.glb .gltf .obj .stl .ply); `-`
-    /// reads a scene from standard input
+    /// The input: a scene (.csg), or a mesh (.glb .gltf .obj .stl .ply .off);
+    /// `-` reads a scene from standard input
     #[arg(value_name = "IN")]
     path: PathBuf,
     /// Read circles, spheres and cones as the polygons that OpenSCAD makes of
     /// them
     #[arg(long)]
     faceted: bool,
+    /// A file with fonts that text in the scene may name, beside those installed
+    #[arg(long, value_name = "FILE")]
+    font: Vec<PathBuf>,
+    /// Let a scene import files from folders other than its own
+    #[arg(long)]
+    any_folder: bool,
 }
 
 /// What a command works on.
@@ -34,7 +40,10 @@ impl Input {
     /// Reads the file by its extension; warnings go to standard error. With
     /// `faces_only`, a mesh need not be connected ([`io::read_mesh_to_draw`]).
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
-        let options = ReadOptions::default().faceted(self.faceted);
+        let options = ReadOptions::default()
+            .faceted(self.faceted)
+            .any_folder(self.any_folder);
+        let options = self.font.iter().fold(options, ReadOptions::font);
         let scene = if self.path.as_os_str() == "-" {
             let mut bytes = Vec::new();
             std::io::stdin()
@@ -56,7 +65,7 @@ impl Input {
             let extension = self.path.extension().and_then(|e| e.to_str());
             if !extension.is_some_and(|e| e.eq_ignore_ascii_case("csg")) {
                 let hint = "name a .csg scene (`openscad -o part.csg part.scad` makes one of an \
-                            OpenSCAD model) or a .glb, .gltf, .obj, .stl or .ply mesh";
+                            OpenSCAD model) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
                 return Err(Failure::input(&name, "its extension is not known").hint(hint));
             }
             scene::read_file(&self.path, &options).map_err(|error| scene_failure(&name, error))?

@@ -33,5 +33,7 @@ pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use profile::{FillRule, Join, Path, Profile, ProfileFault, turn};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
-pub use solid::{Axis, Made, Node, Plane, PolyhedronFault, Primitive, Solid, Twist, shear_matrix};
+pub use solid::{
+    Axis, Made, MeshFaults, Node, Plane, PolyhedronFault, Primitive, Solid, Twist, shear_matrix,
+};
 pub use undecided::{Undecided, Why};

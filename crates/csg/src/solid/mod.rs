@@ -6,6 +6,7 @@
 //! ([`crate::Program::lower`]).
 
 mod extrude;
+mod from_mesh;
 mod hull;
 mod partition;
 mod polyhedron;
@@ -16,6 +17,7 @@ mod transform;
 mod tree;
 mod twist;
 
+pub use from_mesh::MeshFaults;
 pub use polyhedron::PolyhedronFault;
 pub use primitives::{Plane, Primitive};
 pub use transform::{Axis, shear_matrix};

@@ -1,6 +1,7 @@
 //! Meaning: from the text's nodes to a solid.
 
 use csg::{Made, Node, Solid};
+use text::Fonts;
 
 use super::corners::{self, Allowance};
 use super::error::{Place, SceneError, Warning};
@@ -21,7 +22,7 @@ const MOST_WARNINGS: usize = 1000;
 /// What becomes of a node that something is wrong with.
 const NO_POINTS: &str = ": it has no points";
 
-pub(super) fn build(tree: &Tree<'_>, options: ReadOptions) -> Result<Scene, SceneError> {
+pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, SceneError> {
     let mut builder = Builder {
         tree,
         options,
@@ -29,6 +30,7 @@ pub(super) fn build(tree: &Tree<'_>, options: ReadOptions) -> Result<Scene, Scen
         index: 0,
         facets: 0.0,
         allowance: Allowance::default(),
+        fonts: None,
         warnings: Vec::new(),
         cursor: Cursor::default(),
     };
@@ -104,7 +106,7 @@ pub(super) struct Open<'a> {
 
 pub(super) struct Builder<'a> {
     pub(super) tree: &'a Tree<'a>,
-    pub(super) options: ReadOptions,
+    pub(super) options: &'a ReadOptions,
     /// Nodes before this one are read faceted, whatever the options say.
     pub(super) faceted_until: usize,
     /// The next node.
@@ -113,6 +115,8 @@ pub(super) struct Builder<'a> {
     facets: f64,
     /// What may still be meshed.
     pub(super) allowance: Allowance,
+    /// Loaded when the first text is read.
+    pub(super) fonts: Option<Fonts>,
     warnings: Vec<Warning>,
     cursor: Cursor,
 }

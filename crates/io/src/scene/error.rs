@@ -51,7 +51,7 @@ pub enum SceneError {
     },
     /// A node that is not known.
     #[error(
-        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, hull, minkowski, multmatrix, resize, color, render, cube, sphere, cylinder, polyhedron, circle, square, polygon, offset, projection, linear_extrude and rotate_extrude (a `%` before the node leaves it out)"
+        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, hull, minkowski, multmatrix, resize, color, render, cube, sphere, cylinder, polyhedron, circle, square, polygon, text, import, surface, offset, projection, linear_extrude and rotate_extrude (a `%` before the node leaves it out)"
     )]
     Unsupported {
         /// Where.

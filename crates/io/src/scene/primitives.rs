@@ -19,6 +19,9 @@ impl Builder<'_> {
             Kind::Circle => self.circle(node),
             Kind::Square => self.square(node),
             Kind::Polygon => self.polygon(node),
+            Kind::Text => self.lettering(node),
+            Kind::Import => self.import(node),
+            Kind::Surface => self.surface(node),
             _ => self.cylinder(node),
         }
     }
