@@ -13,6 +13,7 @@ mod polyhedron;
 mod primitives;
 mod revolve;
 mod rounded;
+mod section;
 mod transform;
 mod tree;
 mod twist;

@@ -182,7 +182,14 @@ impl Builder<'_> {
                     .map_err(|e| self.fault(node, &e))?;
                 Ok(Piece::Flat(shadow))
             }
-            (Operation::Projection, _) => Ok(self.nothing(node, "it takes solids")),
+            (Operation::Section, Piece::Solid(solid)) => {
+                let section = corners::section(&solid, &mut self.allowance)
+                    .map_err(|e| self.fault(node, &e))?;
+                self.flat(node, section)
+            }
+            (Operation::Projection | Operation::Section, _) => {
+                Ok(self.nothing(node, "it takes solids"))
+            }
             (Operation::Resize(size, auto), piece) => self.resized(node, piece, size, auto),
             (_, piece) => Ok(piece),
         }

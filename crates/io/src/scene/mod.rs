@@ -3,11 +3,10 @@
 //! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
 //! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
-//! `polygon`, `text`, `import` (of meshes),
-//! `surface` (of numbers), `linear_extrude`, `rotate_extrude`, `offset`, `projection` (not
-//! its `cut`), `hull`, `minkowski` (of solids) and `resize`. Any other node is
-//! an error that names it and its place, unless `%` (background) leaves it out
-//! of the solid anyway.
+//! `polygon`, `text`, `import` (of meshes), `surface` (of numbers),
+//! `linear_extrude`, `rotate_extrude`, `offset`, `projection`, `hull`,
+//! `minkowski` (of solids) and `resize`. Any other node is an error that names it
+//! and its place, unless `%` (background) leaves it out of the solid anyway.
 //!
 //! ```
 //! use io::scene::{ReadOptions, read, write};
@@ -36,7 +35,7 @@
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
 //!   of the size (faceted: as many as OpenSCAD takes).
-//! - Hulls, Minkowski sums, projections and `resize` need corners: what is in
+//! - Hulls, Minkowski sums, projections, sections and `resize` need corners: what is in
 //!   them is meshed while reading, circles there as polygons of at least 30
 //!   corners. A hull of nothing but equal spheres is exact. How many cells and
 //!   corners all of them together may cost is bounded; more is an error.

@@ -24,6 +24,8 @@ pub(super) enum Operation {
     Revolve(Revolution),
     Offset(Growth),
     Projection,
+    /// The plane z = 0 of it.
+    Section,
     Hull,
     Minkowski,
     /// To a size where it is not 0; as much as that along the axes that are so
@@ -54,7 +56,8 @@ impl Builder<'_> {
             Kind::Projection => {
                 let [cut, _] = self.arguments(node, &["cut", "convexity"])?;
                 if self.flag(node, "cut", cut)? {
-                    return Err(self.fault(node, "sections (`cut = true`) cannot be read"));
+                    self.faceted_until = self.faceted_until.max(node.end);
+                    return Ok(Operation::Section);
                 }
                 Ok(Operation::Projection)
             }
