@@ -142,7 +142,7 @@ fn circles_and_polygons() {
         for (text, round, flat) in [
             (sphere, "sphere", "convex_polyhedron"),
             (cylinder(5), "cylinder", "prism"),
-            (cylinder(0), "frustum", "convex_polyhedron"),
+            (cylinder(0), "cone", "convex_polyhedron"),
         ] {
             assert_eq!(kind(&text, true), flat, "{text}");
             assert_eq!(kind(&text, false), if smooth { round } else { flat });
@@ -192,6 +192,10 @@ fn errors_say_where_and_what() {
     for (text, line, column, says) in [
         ("fill() { sphere(r = 1); }", 1, 1, "`fill`"),
         ("group() {\n\troof(convexity = 0);\n}", 2, 2, "cylinder"),
+        ("spehre(r = 1);", 1, 1, "(`sphere` is meant?)"),
+        ("Cube(size = [1, 1, 1]);", 1, 1, "(`cube` is meant?)"),
+        ("translate([1, 0, 0]) { }", 1, 1, "(`multmatrix` is meant?)"),
+        ("torus(r = 1);", 1, 1, "`torus` cannot be read: supported"),
         ("group() {", 1, 1, "never closed"),
         ("group(); }", 1, 10, "no `{` is open"),
         ("group()", 1, 8, "the end of the text, not `;`"),

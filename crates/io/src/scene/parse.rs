@@ -39,6 +39,34 @@ pub(super) enum Kind {
     Other,
 }
 
+/// The nodes that can be read, as messages list them.
+pub(super) const NODES: [&str; 24] = [
+    "group",
+    "union",
+    "difference",
+    "intersection",
+    "hull",
+    "minkowski",
+    "multmatrix",
+    "resize",
+    "color",
+    "render",
+    "cube",
+    "sphere",
+    "cylinder",
+    "polyhedron",
+    "circle",
+    "square",
+    "polygon",
+    "text",
+    "import",
+    "surface",
+    "offset",
+    "projection",
+    "linear_extrude",
+    "rotate_extrude",
+];
+
 impl Kind {
     fn of(name: &str) -> Self {
         match name {
