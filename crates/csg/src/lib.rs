@@ -19,6 +19,7 @@ pub mod program;
 mod random;
 mod refine;
 mod report;
+mod shapes;
 pub mod solid;
 mod undecided;
 mod verify;
@@ -33,6 +34,7 @@ pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use profile::{FillRule, Join, Path, Profile, ProfileFault, turn};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
+pub use shapes::{Gear, Screw};
 pub use solid::{
     Axis, Made, MeshFaults, Node, Plane, PolyhedronFault, Primitive, Solid, Twist, shear_matrix,
 };

@@ -134,7 +134,7 @@ impl Profile {
         }
     }
 
-    fn faulty(fault: ProfileFault) -> Self {
+    pub(crate) fn faulty(fault: ProfileFault) -> Self {
         Self {
             steps: vec![Step::Fault(fault)],
         }
