@@ -27,11 +27,10 @@ fn curves_have_the_chords_of_openscad_or_finer_ones() {
     let found = volume(&scene(B, &faceted));
     assert!((found / wanted - 1.0).abs() < 1e-5, "{found}, not {wanted}");
     // Two chords a curve at the least.
+    // (Holes shrink as well: little of the area changes.)
     let coarse = volume(&scene(&B.replace("$fn = 64", "$fn = 3"), &faceted));
-    assert!(
-        coarse < 0.999 * wanted && coarse > 0.95 * wanted,
-        "{coarse}"
-    );
+    let share = (coarse / wanted - 1.0).abs();
+    assert!(share > 1e-4 && share < 0.05, "{coarse}");
     let smooth = volume(&scene(B, &ReadOptions::default()));
     assert!((smooth / wanted - 1.0).abs() < 1e-3, "{smooth}");
 }
