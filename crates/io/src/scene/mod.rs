@@ -63,6 +63,7 @@ mod lex;
 mod operations;
 mod parse;
 mod pieces;
+mod polyhedra;
 mod primitives;
 mod shapes;
 mod values;
