@@ -1,25 +1,36 @@
 //! What goes in: a scene, a mesh, or a model written in Rust.
 
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::{Mesh, Solid};
 use io::MeshFormat;
-use io::scene::{self, ReadOptions, SceneError};
+use io::scene::{self, ReadOptions, Scene, SceneError};
 
 use crate::failure::Failure;
+use crate::openscad;
 
 /// The input file of the `csg` command.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Input {
-    /// The input: a scene (.csg), or a mesh (.glb .gltf .obj .stl .ply); `-`
-    /// reads a scene from standard input
+    /// The input: a scene (.csg), an OpenSCAD model (.scad, if openscad is
+    /// installed), or a mesh (.glb .gltf .obj .stl .ply .off); `-` reads a scene
+    /// from standard input
     #[arg(value_name = "IN")]
     path: PathBuf,
     /// Read circles, spheres and cones as the polygons that OpenSCAD makes of
     /// them
     #[arg(long)]
     faceted: bool,
+    /// A file with fonts that text in the scene may name, beside those installed
+    #[arg(long, value_name = "FILE")]
+    font: Vec<PathBuf>,
+    /// Let a scene import files from folders other than its own
+    #[arg(long)]
+    any_folder: bool,
+    /// Set a variable of an OpenSCAD model
+    #[arg(short = 'D', value_name = "NAME=VALUE")]
+    define: Vec<String>,
 }
 
 /// What a command works on.
@@ -34,7 +45,10 @@ impl Input {
     /// Reads the file by its extension; warnings go to standard error. With
     /// `faces_only`, a mesh need not be connected ([`io::read_mesh_to_draw`]).
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
-        let options = ReadOptions::default().faceted(self.faceted);
+        let options = ReadOptions::default()
+            .faceted(self.faceted)
+            .any_folder(self.any_folder);
+        let options = self.font.iter().fold(options, ReadOptions::font);
         let scene = if self.path.as_os_str() == "-" {
             let mut bytes = Vec::new();
             std::io::stdin()
@@ -54,18 +68,32 @@ impl Input {
                 return Ok(Subject::Mesh(mesh));
             }
             let extension = self.path.extension().and_then(|e| e.to_str());
-            if !extension.is_some_and(|e| e.eq_ignore_ascii_case("csg")) {
-                let hint = "name a .csg scene (`openscad -o part.csg part.scad` makes one of an \
-                            OpenSCAD model) or a .glb, .gltf, .obj, .stl or .ply mesh";
+            let is = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
+            if is("scad") {
+                let text = openscad::evaluated(&self.path, &self.define)?;
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                let scene = scene::read_bytes(&text, &options.folder(folder));
+                let scene = scene.map_err(|error| {
+                    scene_failure(&format!("{name}, as openscad evaluates it"), error)
+                })?;
+                return Ok(Subject::Solid(warned(scene)));
+            }
+            if !is("csg") {
+                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
                 return Err(Failure::input(&name, "its extension is not known").hint(hint));
             }
             scene::read_file(&self.path, &options).map_err(|error| scene_failure(&name, error))?
         };
-        for warning in &scene.warnings {
-            eprintln!("warning: {warning}");
-        }
-        Ok(Subject::Solid(scene.solid))
+        Ok(Subject::Solid(warned(scene)))
     }
+}
+
+/// The solid of a scene; its warnings go to standard error.
+fn warned(scene: Scene) -> Solid {
+    for warning in &scene.warnings {
+        eprintln!("warning: {warning}");
+    }
+    scene.solid
 }
 
 fn scene_failure(name: &str, error: SceneError) -> Failure {

@@ -259,6 +259,13 @@ pub(crate) fn produce(
                 meshed = mesh(tolerance)?;
                 seconds.extend(&meshed.report.stages);
             }
+            let primitives = program.origins().len();
+            if meshed.mesh.triangles.is_empty() && primitives > 0 {
+                eprintln!(
+                    "warning: nothing is left of the model's {primitives} primitives: what is \
+                     subtracted or intersected takes all of it, or it is smaller than the cells"
+                );
+            }
             Ok(Product {
                 mesh: meshed.mesh,
                 report: Some(meshed.report),

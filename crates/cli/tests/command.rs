@@ -333,7 +333,7 @@ fn failures_have_a_cause_a_hint_and_a_code() {
     let folder = Folder::new();
     let write = |name: &str, text: &str| fs::write(folder.file(name), text).expect("a file");
     write("syntax.csg", "cube(size = [1, 1, 1], center = true)");
-    write("text.csg", "group() {\n\ttext(text = \"a\");\n}");
+    write("roof.csg", "group() {\n\troof();\n}");
     write(
         "nothing.csg",
         "difference() { sphere(r = 1); sphere(r = 2); }",
@@ -351,7 +351,7 @@ fn failures_have_a_cause_a_hint_and_a_code() {
         ("mesh missing.csg -o out.glb", 3, "missing.csg"),
         ("mesh part.step -o out.glb", 3, "hint:"),
         ("mesh syntax.csg -o out.glb", 3, "syntax.csg:1:"),
-        ("mesh text.csg -o out.glb", 3, "text.csg:2:"),
+        ("mesh roof.csg -o out.glb", 3, "roof.csg:2:"),
         ("measure mesh.stl", 3, "mesh.stl"),
         (
             "mesh in.csg -o no/such/folder/out.glb --cells 16",
@@ -514,4 +514,60 @@ fn surfaces_that_were_made_one_are_told() {
     let output = folder.run("measure twins.csg --tolerance 0.01");
     let text = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
     assert!(text.contains("(1 made one with others)"), "{text}");
+}
+
+#[test]
+fn a_model_of_which_nothing_is_left_is_warned_about() {
+    let folder = Folder::new();
+    let scene = "difference() { sphere(r = 1); cube(size = [3, 3, 3], center = true); }";
+    let output = folder.run_with_input("measure -", scene);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("nothing is left of the model's 2 primitives"),
+        "{said}"
+    );
+    let output = folder.run_with_input("measure -", "group();");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains("nothing is left"), "{said}");
+}
+
+#[test]
+fn scenes_import_from_beside_them_and_openscad_models_are_evaluated() {
+    let folder = Folder::new();
+    assert!(
+        folder
+            .run("mesh in.csg -o part.stl --tolerance 0.1")
+            .status
+            .success()
+    );
+    fs::write(folder.file("import.csg"), "import(file = \"part.stl\");").expect("a file");
+    let output = folder.run("measure import.csg --json -");
+    let measures: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let volume = measures["volume"].as_f64().expect("a volume");
+    assert!((volume - DRILLED_VOLUME).abs() < 0.1, "{volume}");
+
+    fs::write(
+        folder.file("part.scad"),
+        "side = 2; cube([side, 3, 4]); // a block",
+    )
+    .expect("a file");
+    let output = folder.run("measure part.scad -D side=5 --json -");
+    if Command::new("openscad")
+        .arg("--version")
+        .stderr(Stdio::null())
+        .status()
+        .is_err()
+    {
+        let line = "openscad is not installed: that models are evaluated is not tested\n";
+        let _ = std::io::stderr().write_all(line.as_bytes());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(3) && said.contains("apt install openscad"));
+        return;
+    }
+    let measures: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let volume = measures["volume"].as_f64().expect("a volume");
+    assert!((volume - 60.0).abs() < 1e-9, "{volume}");
+    fs::write(folder.file("bad.scad"), "cube(").expect("a file");
+    let output = folder.run("measure bad.scad");
+    assert_eq!(output.status.code(), Some(3));
 }

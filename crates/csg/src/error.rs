@@ -127,11 +127,39 @@ pub enum NodeFault {
         /// The angle.
         value: f64,
     },
+    /// An angle of more than two turns in radians.
+    #[error(
+        "the angle is {value} radians, more than two turns: if degrees are meant, use the function whose name ends in _degrees (rotate_z_degrees(90.0)), else take whole turns off"
+    )]
+    AngleInDegrees {
+        /// The angle.
+        value: f64,
+    },
     /// Too few steps to go around.
     #[error("{steps} steps: a turn takes at least three, and each less than half a turn")]
     TooFewSteps {
         /// How many there are.
         steps: usize,
+    },
+    /// A length that must not exceed another does.
+    #[error("{what} is {value}: it must be less than {limit}")]
+    TooLarge {
+        /// Which length.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be less than.
+        limit: f64,
+    },
+    /// Fewer of something than it takes.
+    #[error("{count} {what}: it takes at least {least}")]
+    TooFew {
+        /// Of what.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many it takes.
+        least: usize,
     },
     /// A number whose square or product leaves the range of f64.
     #[error("{what} is out of range: keep lengths between 1e-100 and 1e100")]

@@ -18,6 +18,8 @@ pub mod program;
 mod random;
 mod refine;
 mod report;
+mod section;
+mod shapes;
 pub mod solid;
 mod surface;
 mod surface_nets;
@@ -34,6 +36,7 @@ pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Program, Surface};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
+pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};
-pub use solid::{Axis, Made, Node, Plane, Primitive, Solid, Twist, shear_matrix};
+pub use solid::{Axis, Made, MeshFaults, Node, Plane, Primitive, Solid, Twist, shear_matrix};
 pub use undecided::{Undecided, Why};

@@ -31,7 +31,9 @@ pub enum Error {
         path: PathBuf,
     },
     /// The format can be written but not read.
-    #[error("{format} files can be written but not read; convert the file to GLB, OBJ, STL or PLY")]
+    #[error(
+        "{format} files can be written but not read; convert the file to GLB, OBJ, OFF, STL or PLY"
+    )]
     WriteOnly {
         /// The format.
         format: MeshFormat,
@@ -66,6 +68,9 @@ pub enum Error {
         /// What is wrong there, and how to mend it.
         problem: String,
     },
+    /// The mesh bounds no solid.
+    #[error("{0}")]
+    NotASolid(Box<csg::MeshFaults>),
     /// Any of the others, with the file it happened in.
     #[error("{}: {source}", path.display())]
     InFile {

@@ -10,7 +10,7 @@ use csg::{Mesh, MeshSurface};
 
 use crate::atomic::AtomicFile;
 use crate::contents::Contents;
-use crate::{Error, gltf, obj, ply, stl, threemf};
+use crate::{Error, gltf, obj, off, ply, stl, threemf};
 
 /// The mesh formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,18 +26,22 @@ pub enum MeshFormat {
     Stl,
     /// The Stanford polygon format, binary, with a colour for each triangle.
     Ply,
+    /// The Object File Format: vertices and polygons as text, without names or
+    /// colours.
+    Off,
     /// 3D Manufacturing Format, with colours. Written only.
     ThreeMf,
 }
 
 impl MeshFormat {
     /// Every format, in the order of documentation.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Glb,
         Self::Gltf,
         Self::Obj,
         Self::Stl,
         Self::Ply,
+        Self::Off,
         Self::ThreeMf,
     ];
 
@@ -50,6 +54,7 @@ impl MeshFormat {
             Self::Obj => "obj",
             Self::Stl => "stl",
             Self::Ply => "ply",
+            Self::Off => "off",
             Self::ThreeMf => "3mf",
         }
     }
@@ -91,6 +96,7 @@ impl fmt::Display for MeshFormat {
             Self::Obj => "OBJ",
             Self::Stl => "STL",
             Self::Ply => "PLY",
+            Self::Off => "OFF",
             Self::ThreeMf => "3MF",
         })
     }
@@ -148,6 +154,7 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
         MeshFormat::Stl if options.text => stl::write_stl_text(mesh, &mut file)?,
         MeshFormat::Stl => stl::write_stl(mesh, &mut file)?,
         MeshFormat::Ply => ply::write_ply(mesh, &mut file)?,
+        MeshFormat::Off => off::write_off(mesh, &mut file)?,
         MeshFormat::ThreeMf => threemf::write_3mf(mesh, &mut file)?,
     }
     file.commit()
@@ -190,6 +197,7 @@ fn read_by_format(path: &Path, apart: bool) -> Result<Mesh, Error> {
         MeshFormat::Obj => obj::read_obj(&data, |name| fs::read(beside(name)).ok()),
         MeshFormat::Stl => stl::read_stl(&data),
         MeshFormat::Ply => ply::read_ply(&data),
+        MeshFormat::Off => off::read_off(&data),
         MeshFormat::ThreeMf => Err(Error::WriteOnly { format }),
     }
 }

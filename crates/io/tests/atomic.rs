@@ -58,7 +58,10 @@ fn every_format_is_written_and_read_by_its_extension() {
     }
     assert_eq!(
         names(folder.path()),
-        ["3mf", "bin", "glb", "gltf", "mtl", "obj", "ply", "stl"].map(|e| format!("a part.{e}"))
+        [
+            "3mf", "bin", "glb", "gltf", "mtl", "obj", "off", "ply", "stl"
+        ]
+        .map(|e| format!("a part.{e}"))
     );
 }
 

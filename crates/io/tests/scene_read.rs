@@ -66,7 +66,7 @@ fn background_is_left_out_and_highlight_kept() {
     // What is left out need not be readable, at any depth.
     let out = "%hull() { text(text = \"a\\\"b\", size = undef); group() { polygon(points = [[1, 2], [3, 4]], paths = undef); } }\nsphere(r = 1);";
     assert!(program(out).contains([0.0; 3]));
-    let after = read("%group() { text(); }\ntext();", &ReadOptions::default());
+    let after = read("%group() { roof(); }\nroof();", &ReadOptions::default());
     assert!(matches!(after, Err(SceneError::Unsupported { place, .. }) if place.line == 2));
     assert!(is_empty("%sphere(r = 1);"));
 }
@@ -142,7 +142,7 @@ fn circles_and_polygons() {
         for (text, round, flat) in [
             (sphere, "sphere", "convex_polyhedron"),
             (cylinder(5), "cylinder", "prism"),
-            (cylinder(0), "frustum", "convex_polyhedron"),
+            (cylinder(0), "cone", "convex_polyhedron"),
         ] {
             assert_eq!(kind(&text, true), flat, "{text}");
             assert_eq!(kind(&text, false), if smooth { round } else { flat });
@@ -191,7 +191,11 @@ fn the_outer_color_wins() {
 fn errors_say_where_and_what() {
     for (text, line, column, says) in [
         ("fill() { sphere(r = 1); }", 1, 1, "`fill`"),
-        ("group() {\n\tsurface(convexity = 0);\n}", 2, 2, "cylinder"),
+        ("group() {\n\troof(convexity = 0);\n}", 2, 2, "cylinder"),
+        ("spehre(r = 1);", 1, 1, "(`sphere` is meant?)"),
+        ("Cube(size = [1, 1, 1]);", 1, 1, "(`cube` is meant?)"),
+        ("translate([1, 0, 0]) { }", 1, 1, "(`multmatrix` is meant?)"),
+        ("torus(r = 1);", 1, 1, "`torus` cannot be read: supported"),
         ("group() {", 1, 1, "never closed"),
         ("group(); }", 1, 10, "no `{` is open"),
         ("group()", 1, 8, "the end of the text, not `;`"),

@@ -1,10 +1,10 @@
 //! Stereotomy, the art of cutting solids exactly: solids are Boolean
-//! combinations of half-spaces ([`csg`]), turned into pictures ([`raster`])
-//! and files ([`io`]).
+//! combinations of half-spaces ([`csg`]), lettering included ([`text`]), turned
+//! into pictures ([`raster`]) and files ([`io`]).
 //!
-//! This crate is the facade: it re-exports the three libraries under one name.
+//! This crate is the facade: it re-exports the four libraries under one name.
 
-pub use {csg, io, raster};
+pub use {csg, io, raster, text};
 
 pub mod scenes;
 

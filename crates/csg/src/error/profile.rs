@@ -30,6 +30,16 @@ pub enum ProfileFault {
         /// The most it may be.
         limit: f64,
     },
+    /// A number outside its range.
+    #[error("{what} is {value}: it must be from {} to {}", .range[0], .range[1])]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least and the most it may be.
+        range: [f64; 2],
+    },
     /// Fewer corners than a contour needs.
     #[error(
         "a contour of {corners} corners encloses nothing: give at least three, or two with an arc"

@@ -6,6 +6,7 @@
 //! ([`crate::Program::lower`]).
 
 mod extrude;
+mod from_mesh;
 mod hull;
 mod partition;
 mod polyhedron;
@@ -19,6 +20,7 @@ mod tree;
 mod twist;
 
 pub use crate::error::PolyhedronFault;
+pub use from_mesh::MeshFaults;
 pub use primitive::{Plane, Primitive};
 pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};

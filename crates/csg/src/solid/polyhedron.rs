@@ -61,6 +61,27 @@ impl Solid {
     }
 }
 
+impl Mesh {
+    /// The triangles that make up polygons, each given by the indices of its
+    /// corners, seen along its normal: ears cut off, so that a polygon need not
+    /// be convex. `None` if a polygon names a vertex that does not exist.
+    #[must_use]
+    pub fn from_polygons<F: AsRef<[u32]>>(
+        positions: Vec<DVec3>,
+        polygons: impl IntoIterator<Item = F>,
+    ) -> Option<Self> {
+        let mut triangles = Vec::new();
+        for polygon in polygons {
+            let corners = polygon.as_ref();
+            let place = |&corner: &u32| positions.get(corner as usize).copied();
+            let points: Option<Vec<DVec3>> = corners.iter().map(place).collect();
+            let cut = triangles_of(&points?).into_iter();
+            triangles.extend(cut.map(|triangle| triangle.map(|k| corners[k])));
+        }
+        Some(Self::new(positions, triangles))
+    }
+}
+
 /// Faces on planes.
 struct Faces {
     vertices: Vec<DVec3>,

@@ -116,9 +116,17 @@ impl Primitive {
             Self::HalfSpace { .. } => "half_space",
             Self::Quadric(_) => "quadric",
             Self::Cuboid { .. } => "cuboid",
-            Self::Ellipsoid { radii } if radii.x == radii.y && radii.y == radii.z => "sphere",
+            Self::Ellipsoid { radii } if same(radii.x, radii.y) && same(radii.y, radii.z) => {
+                "sphere"
+            }
             Self::Ellipsoid { .. } => "ellipsoid",
-            Self::Cylinder { .. } => "cylinder",
+            Self::Cylinder { radii, z } => match (same(radii.x, radii.y), z.is_some()) {
+                (true, true) => "cylinder",
+                (true, false) => "infinite_cylinder",
+                (false, true) => "elliptic_cylinder",
+                (false, false) => "infinite_elliptic_cylinder",
+            },
+            Self::Frustum { top, .. } if *top == 0.0 => "cone",
             Self::Frustum { .. } => "frustum",
             Self::InfiniteCone { .. } => "infinite_cone",
             Self::Paraboloid { .. } => "paraboloid",
@@ -128,4 +136,9 @@ impl Primitive {
             Self::Prism { .. } => "prism",
         }
     }
+}
+
+/// Whether two sizes are one, NaN included: a sphere of NaN is a sphere.
+fn same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits()
 }

@@ -61,8 +61,23 @@ fn about(point: DVec3, map: DMat3) -> DAffine3 {
     }
 }
 
-/// Transforms. Angles are in radians, counter-clockwise seen against the
-/// axis. Lowering reports singular or non-finite maps and zero directions.
+/// The most that one rotation about an axis may turn: two turns. What turns
+/// further was most likely meant in degrees.
+const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
+
+/// The angle, unless it is too large to be meant in radians.
+fn radians(angle: f64) -> Result<f64, NodeFault> {
+    if angle.abs() > MOST_RADIANS && angle.is_finite() {
+        Err(NodeFault::AngleInDegrees { value: angle })
+    } else {
+        Ok(angle)
+    }
+}
+
+/// Transforms. Angles are in radians where the name does not say degrees,
+/// counter-clockwise seen against the axis, and at most two turns: `rotate_z(90.0)`
+/// is a mistake. Lowering reports that, singular or non-finite maps and zero
+/// directions.
 impl Solid {
     fn transform(&self, map: Result<DAffine3, NodeFault>) -> Self {
         Self::from_node(Node::Transform(map, self.clone()))
@@ -84,22 +99,46 @@ impl Solid {
         self.affine(DAffine3::from_translation(offset.into()))
     }
 
-    /// Rotates about the x axis.
+    /// Moves along x, y and z.
+    #[must_use]
+    pub fn translate_xyz(&self, x: f64, y: f64, z: f64) -> Self {
+        self.translate([x, y, z])
+    }
+
+    /// Rotates about the x axis by an angle in radians.
     #[must_use]
     pub fn rotate_x(&self, angle: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_x(angle)))
+        self.linear(radians(angle).map(DMat3::from_rotation_x))
     }
 
-    /// Rotates about the y axis.
+    /// Rotates about the x axis by an angle in degrees.
+    #[must_use]
+    pub fn rotate_x_degrees(&self, degrees: f64) -> Self {
+        self.linear(Ok(DMat3::from_rotation_x(degrees.to_radians())))
+    }
+
+    /// Rotates about the y axis by an angle in radians.
     #[must_use]
     pub fn rotate_y(&self, angle: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_y(angle)))
+        self.linear(radians(angle).map(DMat3::from_rotation_y))
     }
 
-    /// Rotates about the z axis.
+    /// Rotates about the y axis by an angle in degrees.
+    #[must_use]
+    pub fn rotate_y_degrees(&self, degrees: f64) -> Self {
+        self.linear(Ok(DMat3::from_rotation_y(degrees.to_radians())))
+    }
+
+    /// Rotates about the z axis by an angle in radians.
     #[must_use]
     pub fn rotate_z(&self, angle: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_z(angle)))
+        self.linear(radians(angle).map(DMat3::from_rotation_z))
+    }
+
+    /// Rotates about the z axis by an angle in degrees.
+    #[must_use]
+    pub fn rotate_z_degrees(&self, degrees: f64) -> Self {
+        self.linear(Ok(DMat3::from_rotation_z(degrees.to_radians())))
     }
 
     /// Rotates by Euler angles: about z by `roll`, then about x by `pitch`, then
@@ -110,12 +149,18 @@ impl Solid {
         self.linear(Ok(turn * DMat3::from_rotation_z(roll)))
     }
 
-    /// Rotates about an axis through the origin.
+    /// Rotates about an axis through the origin by an angle in radians.
     #[must_use]
     pub fn rotate_about_axis(&self, axis: impl Into<DVec3>, angle: f64) -> Self {
-        self.linear(
-            unit(axis.into(), "the rotation axis").map(|axis| DMat3::from_axis_angle(axis, angle)),
-        )
+        let axis = unit(axis.into(), "the rotation axis");
+        self.linear(axis.and_then(|axis| Ok(DMat3::from_axis_angle(axis, radians(angle)?))))
+    }
+
+    /// Rotates about an axis through the origin by an angle in degrees.
+    #[must_use]
+    pub fn rotate_about_axis_degrees(&self, axis: impl Into<DVec3>, degrees: f64) -> Self {
+        let axis = unit(axis.into(), "the rotation axis");
+        self.linear(axis.map(|axis| DMat3::from_axis_angle(axis, degrees.to_radians())))
     }
 
     /// Rotates about an axis through `point`.
@@ -254,6 +299,15 @@ mod tests {
         let s = Solid::sphere(1.0);
         let q = FRAC_PI_2;
         assert_maps(&s.translate([1.0, 2.0, 3.0]), [1.0; 3], [2.0, 3.0, 4.0]);
+        assert_maps(&s.translate_xyz(1.0, 2.0, 3.0), [1.0; 3], [2.0, 3.0, 4.0]);
+        assert_maps(&s.rotate_x_degrees(90.0), [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        assert_maps(&s.rotate_y_degrees(90.0), [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+        assert_maps(&s.rotate_z_degrees(90.0), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        assert_maps(
+            &s.rotate_about_axis_degrees([0.0, 0.0, 5.0], 450.0),
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+        );
         assert_maps(&s.rotate_x(q), [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         assert_maps(&s.rotate_y(q), [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
         assert_maps(&s.rotate_z(q), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
@@ -321,6 +375,11 @@ mod tests {
         let s = Solid::sphere(1.0);
         for bad in [
             s.rotate_about_axis([0.0; 3], 1.0),
+            // Degrees where radians are asked for.
+            s.rotate_x(90.0),
+            s.rotate_y(-30.0),
+            s.rotate_z(45.0),
+            s.rotate_about_axis([0.0, 0.0, 1.0], 180.0),
             s.rotate_about_axis([f64::NAN, 0.0, 0.0], 1.0),
             s.rotate_about_line([0.0; 3], [0.0; 3], 1.0),
             s.rotate_from_to([0.0; 3], [1.0; 3]),

@@ -134,6 +134,16 @@ impl Solid {
         Self(Arc::new(node))
     }
 
+    /// What a function made of other solids, or what is wrong with its arguments.
+    pub(crate) fn shaped(function: &'static str, solid: Result<Self, NodeFault>) -> Self {
+        Self::from_node(Node::Made(Made {
+            function,
+            solid,
+            within: None,
+            spanning: Vec::new(),
+        }))
+    }
+
     /// The solid without any point.
     #[must_use]
     pub fn empty() -> Self {

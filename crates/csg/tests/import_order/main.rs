@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 22] = [
+const ROOMS: [(&str, &str); 24] = [
     ("limits", "how much may be spent"),
     ("machine", "how much memory there is"),
     ("pages", "memory that grows without a copy"),
@@ -29,6 +29,7 @@ const ROOMS: [(&str, &str); 22] = [
         "triangles, and what can be said of them without a solid",
     ),
     ("solid", "the tree that a user builds"),
+    ("shapes", "ready-made solids"),
     ("program", "the tree lowered: surfaces and a formula"),
     ("report", "what was done for a mesh"),
     ("task", "what the ways of meshing are handed"),
@@ -43,6 +44,7 @@ const ROOMS: [(&str, &str); 22] = [
     ("finish", "normals and feature edges"),
     ("verify", "a mesh held against its program"),
     ("mesher", "the entry: options in, mesh and report out"),
+    ("section", "what a plane meets of a solid"),
 ];
 
 /// The face of the crate, which hands on names of all rooms.

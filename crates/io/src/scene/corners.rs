@@ -210,6 +210,15 @@ pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile
     Ok(Profile::polygons_of(seen, FillRule::NonZero))
 }
 
+/// The section with the plane z = 0.
+pub(super) fn section(solid: &Solid, allowance: &mut Allowance) -> Result<Profile, String> {
+    let mut halves = Vec::with_capacity(2);
+    for half in solid.halves() {
+        halves.push(mesh(&half, allowance)?.faces_in_plane());
+    }
+    Ok(Profile::union(halves))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -51,7 +51,8 @@ pub enum SceneError {
     },
     /// A node that is not known.
     #[error(
-        "{place}: `{node}` cannot be read: supported are group, union, difference, intersection, hull, minkowski, multmatrix, resize, color, render, cube, sphere, cylinder, polyhedron, circle, square, polygon, offset, projection, linear_extrude and rotate_extrude (a `%` before the node leaves it out)"
+        "{place}: `{node}` cannot be read{}: supported are {} (a `%` before the node leaves it out)",
+        meant(.node), super::parse::NODES.join(", ")
     )]
     Unsupported {
         /// Where.
@@ -109,6 +110,33 @@ impl SceneError {
             | Self::NotUtf8 { place } => Some(place),
             Self::Io { .. } => None,
         }
+    }
+}
+
+/// What a name was most likely meant to be: one of OpenSCAD's modules that an
+/// evaluated tree has under another name, or a node that is spelt alike.
+fn meant(name: &str) -> String {
+    let evaluated = match name {
+        "translate" | "rotate" | "scale" | "mirror" => Some("multmatrix"),
+        "sphere3d" | "ball" => Some("sphere"),
+        "box" | "cuboid" => Some("cube"),
+        "cone" => Some("cylinder"),
+        "rectangle" => Some("square"),
+        "extrude" => Some("linear_extrude"),
+        "revolve" => Some("rotate_extrude"),
+        _ => None,
+    };
+    let lowercase = name.to_lowercase();
+    let alike = || {
+        let distances = super::parse::NODES
+            .iter()
+            .map(|known| (strsim::damerau_levenshtein(known, &lowercase), *known));
+        let (distance, known) = distances.min()?;
+        (3 * distance <= known.len()).then_some(known)
+    };
+    match evaluated.or_else(alike) {
+        Some(known) => format!(" (`{known}` is meant?)"),
+        None => String::new(),
     }
 }
 

@@ -84,7 +84,7 @@ impl Builder<'_> {
             return Ok(self.nothing(node, "a coordinate is not finite"));
         }
         let paths = match paths {
-            None | Some(Value::Other) => vec![(0..points.len()).collect()],
+            None | Some(Value::Undefined) => vec![(0..points.len()).collect()],
             Some(value) => {
                 let index = |item: &Value| {
                     let index = number(item)?;
@@ -114,7 +114,11 @@ impl Builder<'_> {
     }
 
     /// The profile, or nothing if it has no points.
-    fn flat(&mut self, node: &NodeText<'_>, profile: Profile) -> Result<Piece, SceneError> {
+    pub(super) fn flat(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: Profile,
+    ) -> Result<Piece, SceneError> {
         let bounds = profile
             .bounds(1.0)
             .map_err(|e| self.fault(node, &e.to_string()))?;

@@ -9,8 +9,8 @@ pub(super) enum Token<'a> {
     Name(&'a str),
     /// A number, also `inf`, `-inf`, `nan` and `-nan`.
     Number(f64),
-    /// A text between quotes; its value is never needed.
-    String,
+    /// A text between quotes, these left out and escapes as they stand.
+    String(&'a str),
     /// One of `( ) [ ] { } , ; = % #`.
     Mark(char),
     /// The end of the text.
@@ -22,7 +22,7 @@ impl std::fmt::Display for Token<'_> {
         match self {
             Self::Name(name) => write!(f, "`{name}`"),
             Self::Number(number) => write!(f, "the number {number}"),
-            Self::String => f.write_str("a string"),
+            Self::String(_) => f.write_str("a string"),
             Self::Mark(mark) => write!(f, "`{mark}`"),
             Self::End => f.write_str("the end of the text"),
         }
@@ -109,7 +109,10 @@ impl<'a> Lexer<'a> {
             '(' | ')' | '[' | ']' | '{' | '}' | ',' | ';' | '=' | '%' | '#' => {
                 (Token::Mark(first), 1)
             }
-            '"' => (Token::String, self.string_length(rest)?),
+            '"' => {
+                let length = self.string_length(rest)?;
+                (Token::String(&rest[1..length - 1]), length)
+            }
             '$' | '_' | 'a'..='z' | 'A'..='Z' => {
                 let word = &rest[..1 + span(&rest[1..], |c| c == '_' || c.is_ascii_alphanumeric())];
                 let token = match word {
@@ -187,6 +190,26 @@ impl<'a> Lexer<'a> {
     }
 }
 
+/// What a string means: OpenSCAD writes quotes, backslashes, tabs and ends of
+/// lines with a backslash before them.
+pub(super) fn unescaped(text: &str) -> String {
+    let mut meant = String::with_capacity(text.len());
+    let mut characters = text.chars();
+    while let Some(character) = characters.next() {
+        match character {
+            '\\' => match characters.next() {
+                Some('n') => meant.push('\n'),
+                Some('t') => meant.push('\t'),
+                Some('r') => meant.push('\r'),
+                Some(other) => meant.push(other),
+                None => {}
+            },
+            other => meant.push(other),
+        }
+    }
+    meant
+}
+
 /// The length in bytes of the characters at the start that satisfy `is_in`.
 fn span(text: &str, mut is_in: impl FnMut(char) -> bool) -> usize {
     text.find(|c| !is_in(c)).unwrap_or(text.len())
@@ -235,13 +258,18 @@ mod tests {
     }
 
     #[test]
+    fn escapes_mean_what_they_stand_for() {
+        assert_eq!(unescaped(r#"a\"b\\c\nd\te"#), "a\"b\\c\nd\te");
+    }
+
+    #[test]
     fn strings_comments_and_places() {
         assert_eq!(
             tokens("a = \"x \\\" ]\n\" // b\n/* c\n */ ,"),
             [
                 Token::Name("a"),
                 Token::Mark('='),
-                Token::String,
+                Token::String("x \\\" ]\n"),
                 Token::Mark(',')
             ]
         );

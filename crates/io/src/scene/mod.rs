@@ -3,10 +3,10 @@
 //! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
 //! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
-//! `polygon`, `linear_extrude`, `rotate_extrude`, `offset`, `projection` (not
-//! its `cut`), `hull`, `minkowski` (of solids) and `resize`. Any other node is
-//! an error that names it and its place, unless `%` (background) leaves it out
-//! of the solid anyway.
+//! `polygon`, `text`, `import` (of meshes), `surface` (of numbers),
+//! `linear_extrude`, `rotate_extrude`, `offset`, `projection`, `hull`,
+//! `minkowski` (of solids) and `resize`. Any other node is an error that names it
+//! and its place, unless `%` (background) leaves it out of the solid anyway.
 //!
 //! ```
 //! use io::scene::{ReadOptions, read, write};
@@ -32,7 +32,10 @@
 //! - Profiles stay as they are drawn: what is extruded or turned has planes,
 //!   cylinders and cones. A circle turned about an axis beside it is cut into 32
 //!   chords first, a twist into flat steps of at most 1.4 degrees.
-//! - Hulls, Minkowski sums, projections and `resize` need corners: what is in
+//! - `text` is drawn in the font it names, or in Liberation Sans with a warning
+//!   if that one is not installed; its curves become chords within a thousandth
+//!   of the size (faceted: as many as OpenSCAD takes).
+//! - Hulls, Minkowski sums, projections, sections and `resize` need corners: what is in
 //!   them is meshed while reading, circles there as polygons of at least 30
 //!   corners. A hull of nothing but equal spheres is exact. How many cells and
 //!   corners all of them together may cost is bounded; more is an error.
@@ -41,23 +44,32 @@
 //! - The faces of a `polyhedron` must close; if they are inside out they are
 //!   turned, with a warning, and if they close only on OpenSCAD's grid of
 //!   2^-20, vertices move onto it.
+//! - Files that `import` and `surface` name lie beside the scene or below, unless
+//!   others are allowed. An imported mesh must bound a solid; if it is inside out it
+//!   is turned, with a warning.
 //! - Colours are sRGB, and the outermost wins. `color([-1, -1, -1, a])` is
 //!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
 //!   primitive shows that primitive's colour, as in OpenSCAD's preview.
 
+mod arguments;
 mod build;
 mod corners;
 mod error;
 mod facets;
 mod flat;
+mod imports;
+mod lettering;
 mod lex;
+mod operations;
 mod parse;
 mod pieces;
+mod polyhedra;
+mod primitives;
 mod shapes;
 mod values;
 mod write;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use csg::Solid;
 
@@ -65,19 +77,50 @@ pub use error::{Place, SceneError, Warning};
 pub use write::{WriteError, write};
 
 /// How to read a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadOptions {
     /// Read every circle, sphere and cone as the polygon or polyhedron that
     /// OpenSCAD makes of it under `$fn`, `$fa` and `$fs`.
     pub faceted: bool,
+    /// Files of fonts that `text` may name beside those installed.
+    pub fonts: Vec<PathBuf>,
+    /// Where the files lie that `import` and `surface` name: that of the scene,
+    /// where nothing else is said. Without one (a scene that is not read from a
+    /// file) such nodes are errors.
+    pub folder: Option<PathBuf>,
+    /// Whether they may name files in any folder, and not only in that one and
+    /// below.
+    pub any_folder: bool,
 }
 
 impl ReadOptions {
     /// The same options with circles as OpenSCAD's polygons, or not.
     #[must_use]
-    pub const fn faceted(self, faceted: bool) -> Self {
-        Self { faceted }
+    pub fn faceted(mut self, faceted: bool) -> Self {
+        self.faceted = faceted;
+        self
+    }
+
+    /// The same options with one more file of fonts.
+    #[must_use]
+    pub fn font(mut self, file: impl Into<PathBuf>) -> Self {
+        self.fonts.push(file.into());
+        self
+    }
+
+    /// The same options with the folder of imported files.
+    #[must_use]
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folder = Some(folder.into());
+        self
+    }
+
+    /// The same options with files of any folder allowed, or not.
+    #[must_use]
+    pub fn any_folder(mut self, any_folder: bool) -> Self {
+        self.any_folder = any_folder;
+        self
     }
 }
 
@@ -98,7 +141,7 @@ pub struct Scene {
 /// [`SceneError`] says in which line and column the text is not a scene, or
 /// which of its nodes or arguments cannot be read.
 pub fn read(text: &str, options: &ReadOptions) -> Result<Scene, SceneError> {
-    build::build(&parse::parse(text)?, *options)
+    build::build(&parse::parse(text)?, options)
 }
 
 /// Reads a scene file in UTF-8; errors name the file.
@@ -112,7 +155,11 @@ pub fn read_file(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Scene,
         path: path.to_owned(),
         source,
     })?;
-    let mut scene = read_bytes(&bytes, options).map_err(|error| error.in_file(path))?;
+    let mut options = options.clone();
+    if options.folder.is_none() {
+        options.folder = path.parent().map(Path::to_owned);
+    }
+    let mut scene = read_bytes(&bytes, &options).map_err(|error| error.in_file(path))?;
     for warning in &mut scene.warnings {
         warning.place.file = Some(path.to_owned());
     }

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::error::{Place, SceneError};
-use super::lex::{Lexer, Token};
+use super::lex::{Lexer, Token, unescaped};
 
 /// The kinds of node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,9 @@ pub(super) enum Kind {
     Circle,
     Square,
     Polygon,
+    Text,
+    Import,
+    Surface,
     LinearExtrude,
     RotateExtrude,
     Offset,
@@ -35,6 +38,34 @@ pub(super) enum Kind {
     /// A node that cannot be read, in a subtree that `%` leaves out.
     Other,
 }
+
+/// The nodes that can be read, as messages list them.
+pub(super) const NODES: [&str; 24] = [
+    "group",
+    "union",
+    "difference",
+    "intersection",
+    "hull",
+    "minkowski",
+    "multmatrix",
+    "resize",
+    "color",
+    "render",
+    "cube",
+    "sphere",
+    "cylinder",
+    "polyhedron",
+    "circle",
+    "square",
+    "polygon",
+    "text",
+    "import",
+    "surface",
+    "offset",
+    "projection",
+    "linear_extrude",
+    "rotate_extrude",
+];
 
 impl Kind {
     fn of(name: &str) -> Self {
@@ -53,6 +84,9 @@ impl Kind {
             "circle" => Self::Circle,
             "square" => Self::Square,
             "polygon" => Self::Polygon,
+            "text" => Self::Text,
+            "import" => Self::Import,
+            "surface" => Self::Surface,
             "linear_extrude" => Self::LinearExtrude,
             "rotate_extrude" => Self::RotateExtrude,
             "offset" => Self::Offset,
@@ -74,6 +108,9 @@ impl Kind {
                 | Self::Circle
                 | Self::Square
                 | Self::Polygon
+                | Self::Text
+                | Self::Import
+                | Self::Surface
         )
     }
 }
@@ -106,8 +143,9 @@ pub(super) enum Value {
     Number(f64),
     Bool(bool),
     List(Vec<Value>),
-    /// A string or `undef`.
-    Other,
+    Text(String),
+    /// `undef`.
+    Undefined,
 }
 
 /// A scene text taken apart.
@@ -236,7 +274,8 @@ fn value(lexer: &mut Lexer<'_>, levels: usize) -> Result<Value, SceneError> {
         Token::Number(number) => Value::Number(number),
         Token::Name("true") => Value::Bool(true),
         Token::Name("false") => Value::Bool(false),
-        Token::Name("undef") | Token::String => Value::Other,
+        Token::Name("undef") => Value::Undefined,
+        Token::String(text) => Value::Text(unescaped(text)),
         Token::Mark('[') if levels > 0 => {
             lexer.take()?;
             return list(lexer, levels - 1).map(Value::List);

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use csg::{Plane, Primitive, turn};
+use csg::{Plane, Primitive, Program, Solid, turn};
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::facets;
+use super::polyhedra;
 use super::write::{across, list, number};
 
 /// A leaf, and the map around it.
@@ -49,17 +50,16 @@ pub(super) fn shape(primitive: &Primitive) -> Result<Shape, String> {
         }
         &Primitive::Frustum { bottom, top, ref z } => cylinder(ROUND, bottom, top, z, None),
         Primitive::Prism { polygon, z } => prism(polygon, z),
-        Primitive::ConvexPolyhedron(planes) => faceted(planes).ok_or_else(|| {
-            "a convex polyhedron has no node of its own: unite or intersect cuboids and prisms"
-                .to_owned()
-        }),
-        Primitive::Cylinder { z: None, .. } => {
-            Err("an infinite cylinder has no node: use the finite form".to_owned())
-        }
-        other => Err(format!(
-            "{} has no node: intersect finite primitives instead",
-            other.kind()
-        )),
+        Primitive::ConvexPolyhedron(planes) => match faceted(planes) {
+            Some(shape) => Ok(shape),
+            None => polyhedra::polyhedron(&Solid::convex_polyhedron(planes.iter().copied())).map(
+                |mesh| Shape {
+                    map: None,
+                    node: mesh.map_or_else(|| "group();".to_owned(), |mesh| polyhedra::node(&mesh)),
+                },
+            ),
+        },
+        other => Err(format!("{} has no end, and no node", other.kind())),
     }
 }
 
@@ -130,13 +130,20 @@ fn cylinder(
     })
 }
 
-/// A prism over an affine image of a regular polygon.
+/// A prism: over an affine image of a regular polygon as a cylinder, else extruded.
 fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Shape, String> {
     let n = polygon.len();
+    positive(z.end - z.start)?;
+    let extruded = || {
+        // What is wrong with it, if anything is.
+        Program::lower(&Solid::prism(polygon.iter().copied(), z.clone()))
+            .map_err(|e| e.to_string())?;
+        let (node, lift) = polyhedra::extrusion(polygon, z);
+        let map = (lift != 0.0).then(|| DAffine3::from_translation(lift * DVec3::Z));
+        Ok(Shape { map, node })
+    };
     if !(3..=MOST_CORNERS).contains(&n) {
-        return Err(format!(
-            "a prism of {n} corners has no node: only 3 to {MOST_CORNERS} mean a polygon, more a circle"
-        ));
+        return extruded();
     }
     let radius = polygon[0].x;
     let deviation = |x: DVec2, y: DVec2, center: DVec2| {
@@ -162,9 +169,7 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Shape, String> {
     let size = polygon.iter().map(|c| c.length()).fold(0.0, f64::max);
     let misses = deviation(x, y, center);
     if misses.is_nan() || misses > SAME * size {
-        return Err(format!(
-            "the prism has no node: its polygon of {n} corners is no affine image of a regular one"
-        ));
+        return extruded();
     }
     cylinder(n, 1.0, 1.0, z, Some(across(x, y, center)))
 }

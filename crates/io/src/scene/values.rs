@@ -24,3 +24,10 @@ pub(super) fn array<T, const N: usize>(
 ) -> Option<[T; N]> {
     list(value, item)?.try_into().ok()
 }
+
+pub(super) fn text(value: &Value) -> Option<&str> {
+    match value {
+        Value::Text(text) => Some(text),
+        _ => None,
+    }
+}

@@ -4,13 +4,14 @@
 //! a scene the outermost: a colour is therefore written around the largest
 //! subtrees that hold no other.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 use csg::color::srgb_to_linear;
-use csg::{Color, Node, NodePath, PathStep, Solid};
+use csg::{Color, Node, NodePath, PathStep, Primitive, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
+use super::polyhedra::{self, Within, cut_off, is_infinite, is_one_polyhedron, polyhedron};
 use super::shapes::{Shape, shape};
 
 /// Why a solid could not be written as a scene.
@@ -41,29 +42,36 @@ const MOST_NODES: usize = 20_000_000;
 /// tree would grow with the square of its depth.
 const DEEPEST_INDENT: usize = 24;
 
-/// The scene text of a solid that is made of these nodes: every Boolean
-/// operation, affine map, name (as a comment) and colour over boxes, spheres,
-/// ellipsoids, finite cylinders, frusta, cones, and the prisms, frusta and
-/// faceted spheres over polygons of at most 12 corners that are affine images
-/// of regular ones. Numbers are the shortest that read back the same.
+/// The scene text of a solid: every Boolean operation, affine map, name (as a
+/// comment) and colour. Boxes, spheres, ellipsoids, cylinders, frusta and cones are
+/// nodes; other prisms are extruded polygons; what is made of half-spaces alone (an
+/// extrusion, a hull, a polyhedron) is one polyhedron. Primitives without end are cut
+/// off beyond the whole solid, which is then intersected with a box; curved ones that
+/// OpenSCAD does not have (quadrics, paraboloids, hyperboloids) become polyhedra
+/// within a thousandth of their size. Numbers are the shortest that read back the
+/// same.
 ///
 /// Subtrees that are shared are written at every place; the size of the text
 /// is linear in the number of nodes so counted.
 ///
 /// # Errors
-/// [`WriteError::NotExpressible`] names the first node that no scene can
-/// hold, such as an infinite cylinder; [`WriteError::TooLarge`].
+/// [`WriteError::NotExpressible`] names the first node that is wrong, or has no end
+/// where the whole solid has none; [`WriteError::TooLarge`].
 pub fn write(solid: &Solid) -> Result<String, WriteError> {
     let mut writer = Writer {
         text: String::new(),
         depth: 0,
         path: NodePath::default(),
         with_color: with_color(solid),
+        within: None,
+        root: solid,
+        cut: HashMap::new(),
     };
     let mut steps = vec![Step::Enter {
         solid,
         color: None,
         operand: 0,
+        map: DAffine3::IDENTITY,
     }];
     let mut nodes = 0;
     while let Some(step) = steps.pop() {
@@ -79,16 +87,38 @@ pub fn write(solid: &Solid) -> Result<String, WriteError> {
                 solid,
                 color,
                 operand,
+                map,
             } => {
                 nodes += 1;
                 if nodes > MOST_NODES {
                     return Err(WriteError::TooLarge { limit: MOST_NODES });
                 }
-                writer.enter(solid, color, operand, &mut steps)?;
+                writer.enter(solid, color, (operand, map), &mut steps)?;
             }
         }
     }
-    Ok(writer.text)
+    Ok(match writer.within {
+        None => writer.text,
+        Some(within) => within_box(&writer.text, within),
+    })
+}
+
+/// The scene within a box, beyond which what was infinite is not to be trusted.
+fn within_box(text: &str, within: Within) -> String {
+    let mut whole = "intersection() {\n".to_owned();
+    let [min, size] = [within.min, within.max - within.min];
+    let head = multmatrix(&DAffine3::from_translation(min));
+    let size = list(&size.to_array());
+    let _ = writeln!(
+        whole,
+        "\t{head} {{\n\t\tcube(size = {size}, center = false);\n\t}}"
+    );
+    whole.push_str("\tgroup() {\n");
+    for line in text.lines() {
+        let _ = writeln!(whole, "\t\t{line}");
+    }
+    whole.push_str("\t}\n}\n");
+    whole
 }
 
 enum Step<'a> {
@@ -97,6 +127,8 @@ enum Step<'a> {
         solid: &'a Solid,
         color: Option<Color>,
         operand: usize,
+        /// The maps above it.
+        map: DAffine3,
     },
     /// Closes a brace.
     Close,
@@ -104,20 +136,25 @@ enum Step<'a> {
     Leave,
 }
 
-struct Writer {
+struct Writer<'a> {
     text: String,
     depth: usize,
     path: NodePath,
     /// Identities of the nodes with a colour in their subtree.
     with_color: HashSet<usize>,
+    root: &'a Solid,
+    /// The box around all, once something infinite has been cut off.
+    within: Option<Within>,
+    /// What was written for solids that were made into one polyhedron.
+    cut: HashMap<usize, Option<String>>,
 }
 
-impl Writer {
-    fn enter<'a>(
+impl<'a> Writer<'a> {
+    fn enter(
         &mut self,
         solid: &'a Solid,
         color: Option<Color>,
-        operand: usize,
+        (operand, map): (usize, DAffine3),
         steps: &mut Vec<Step<'a>>,
     ) -> Result<(), WriteError> {
         let node = solid.node();
@@ -138,6 +175,9 @@ impl Writer {
             steps.push(Step::Close);
         }
         let head = match node {
+            Node::Primitive(primitive) if is_infinite(primitive) => {
+                return self.infinite(primitive, map);
+            }
             Node::Primitive(primitive) => {
                 let shape = shape(primitive).map_err(|problem| self.fault(problem))?;
                 self.shape(&shape);
@@ -149,6 +189,7 @@ impl Writer {
                     solid: inner,
                     color: Some(*own),
                     operand: 0,
+                    map,
                 });
                 return Ok(());
             }
@@ -163,7 +204,15 @@ impl Writer {
             }) => {
                 return Err(self.fault(fault.to_string()));
             }
-            Node::Made(_) => "group()".to_owned(),
+            Node::Made(made) => {
+                if is_one_polyhedron(made)
+                    && let Some(node) = self.one_polyhedron(solid)
+                {
+                    self.line(&node);
+                    return Ok(());
+                }
+                "group()".to_owned()
+            }
             Node::Named(name, _) => {
                 let comment: String = name
                     .chars()
@@ -181,14 +230,58 @@ impl Writer {
         }
         self.open(&head);
         steps.push(Step::Close);
+        let map = match node {
+            Node::Transform(Ok(own), _) => map * *own,
+            _ => map,
+        };
         for (operand, solid) in operands.iter().enumerate().rev() {
             steps.push(Step::Enter {
                 solid,
                 color,
                 operand,
+                map,
             });
         }
         Ok(())
+    }
+
+    /// A primitive without end, cut off beyond the whole solid.
+    fn infinite(&mut self, primitive: &Primitive, map: DAffine3) -> Result<(), WriteError> {
+        let within = match self.within {
+            Some(within) => within,
+            None => match Within::of(self.root).map_err(|problem| self.fault(problem))? {
+                Some(within) => within,
+                // Nothing is left of it anyway.
+                None => Within {
+                    min: -DVec3::ONE,
+                    max: DVec3::ONE,
+                },
+            },
+        };
+        self.within = Some(within);
+        let cut =
+            cut_off(primitive, within.padded(), map).map_err(|problem| self.fault(problem))?;
+        match cut.node() {
+            Node::Primitive(primitive) => {
+                let shape = shape(primitive).map_err(|problem| self.fault(problem))?;
+                self.shape(&shape);
+            }
+            _ => {
+                let node = self.one_polyhedron(&cut);
+                let node = node.ok_or_else(|| self.fault("it cannot be meshed".to_owned()))?;
+                self.line(&node);
+            }
+        }
+        Ok(())
+    }
+
+    /// The node of a bounded solid as one polyhedron, if it can be meshed.
+    fn one_polyhedron(&mut self, solid: &Solid) -> Option<String> {
+        let written = self.cut.entry(solid.id()).or_insert_with(|| {
+            let mesh = polyhedron(solid).ok()?;
+            Some(mesh.map_or_else(|| "group();".to_owned(), |mesh| polyhedra::node(&mesh)))
+        });
+        written.clone()
     }
 
     fn shape(&mut self, shape: &Shape) {

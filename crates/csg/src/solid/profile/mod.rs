@@ -135,7 +135,7 @@ impl Profile {
         }
     }
 
-    fn faulty(fault: ProfileFault) -> Self {
+    pub(crate) fn faulty(fault: ProfileFault) -> Self {
         Self {
             steps: vec![Step::Fault(fault)],
         }

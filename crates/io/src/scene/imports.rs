@@ -1,0 +1,189 @@
+//! `import` and `surface`: solids from files beside the scene.
+
+use std::path::PathBuf;
+
+use csg::Solid;
+use glam::DVec3;
+
+use super::build::Builder;
+use super::error::SceneError;
+use super::parse::{NodeText, Value};
+use super::pieces::Piece;
+use super::values;
+use crate::{Error, read_mesh};
+
+/// The most bytes of a height map: far more than a solid can be made of.
+const MOST_BYTES: u64 = 1 << 20;
+
+impl Builder<'_> {
+    pub(super) fn import(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
+        let keys = [
+            "file",
+            "layer",
+            "origin",
+            "scale",
+            "convexity",
+            "$fn",
+            "$fa",
+            "$fs",
+            "timestamp",
+            "center",
+            "dpi",
+            "id",
+        ];
+        let [file, ..] = self.arguments(node, &keys)?;
+        let path = self.file(node, file)?;
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        if ["svg", "dxf"].contains(&extension.to_lowercase().as_str()) {
+            let problem = "flat files (.svg, .dxf) cannot be read yet: import a mesh (.stl, .off, .obj, .ply), or write the shape as polygons";
+            return Err(self.fault(node, problem));
+        }
+        let mut mesh = read_mesh(&path).map_err(|e| self.fault(node, &e.to_string()))?;
+        let (count, name) = (mesh.triangles.len() as f64, path.display());
+        self.facets(node, count, count)?;
+        let solid = match Solid::from_mesh(&mesh) {
+            Err(faults) if faults.inside_out => {
+                let problem = format!("the faces of {name} are inside out: they are turned");
+                self.warn(node, problem);
+                for triangle in &mut mesh.triangles {
+                    triangle.reverse();
+                }
+                Solid::from_mesh(&mesh)
+            }
+            other => other,
+        };
+        let solid = solid
+            .map_err(|faults| self.fault(node, &format!("{name}: {}", Error::NotASolid(faults))))?;
+        self.made(node, solid)
+    }
+
+    pub(super) fn surface(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
+        let keys = ["file", "center", "invert", "convexity", "timestamp"];
+        let [file, center, ..] = self.arguments(node, &keys)?;
+        let center = self.flag(node, "center", center)?;
+        let path = self.file(node, file)?;
+        let fault = |problem: &str| self.fault(node, &format!("{}: {problem}", path.display()));
+        if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        {
+            return Err(fault("pictures cannot be read yet: give rows of numbers"));
+        }
+        let about = std::fs::metadata(&path).map_err(|e| fault(&e.to_string()))?;
+        if about.len() > MOST_BYTES {
+            return Err(fault("it is too large to be made into a solid"));
+        }
+        let text = std::fs::read_to_string(&path).map_err(|e| fault(&e.to_string()))?;
+        let rows = heights(&text).map_err(|problem| fault(&problem))?;
+        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+        if rows.len() < 2 || columns < 2 {
+            return Ok(self.nothing(node, "it has fewer than two rows or columns"));
+        }
+        let facets = (4 * (rows.len() - 1) * (columns - 1)) as f64;
+        self.facets(node, facets, facets)?;
+        let (points, faces) = relief(&rows, columns);
+        let offset = if center {
+            -0.5 * DVec3::new((columns - 1) as f64, (rows.len() - 1) as f64, 0.0)
+        } else {
+            DVec3::ZERO
+        };
+        let points = points.into_iter().map(|point| point + offset);
+        self.made(node, Solid::polyhedron(points, faces))
+    }
+
+    /// The file that a node names, beside or below the scene unless others are
+    /// allowed.
+    fn file(&self, node: &NodeText<'_>, file: Option<&Value>) -> Result<PathBuf, SceneError> {
+        let Some(file) = file.and_then(values::text).filter(|file| !file.is_empty()) else {
+            return Err(self.fault(node, "it needs the name of a `file`"));
+        };
+        let Some(folder) = &self.options.folder else {
+            let problem = format!(
+                "`{file}` is looked for beside the scene, but this scene is not read from a file"
+            );
+            return Err(self.fault(node, &problem));
+        };
+        let refused = |e: std::io::Error| self.fault(node, &format!("{file}: {e}"));
+        // (A scene in the current folder has an empty one.)
+        let folder = PathBuf::from(".").join(folder);
+        let folder = folder.canonicalize().map_err(refused)?;
+        let path = folder.join(file).canonicalize().map_err(refused)?;
+        if path.starts_with(&folder) || self.options.any_folder {
+            return Ok(path);
+        }
+        let problem = format!(
+            "`{file}` is not in the scene's folder or below: copy it there, or allow files of any folder"
+        );
+        Err(self.fault(node, &problem))
+    }
+}
+
+/// Rows of numbers, without empty lines and those that begin with `#`.
+fn heights(text: &str) -> Result<Vec<Vec<f64>>, String> {
+    let mut rows = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let words = line.split_whitespace().map(|word| {
+            let height = word.parse::<f64>().ok().filter(|h| h.is_finite());
+            height.ok_or_else(|| format!("line {number}: {word:?} is not a number"))
+        });
+        rows.push(words.collect::<Result<Vec<f64>, String>>()?);
+    }
+    Ok(rows)
+}
+
+/// The solid below heights over a grid, as OpenSCAD makes it: the first row at
+/// y = 0; four triangles over every square that meet at its mean height; down to 1
+/// below the least height, or to 0 if that is lower. Heights that a row does not
+/// have are 0.
+fn relief(rows: &[Vec<f64>], columns: usize) -> (Vec<DVec3>, Vec<Vec<u32>>) {
+    let height = |i: usize, j: usize| rows[i].get(j).copied().unwrap_or(0.0);
+    let least = rows.iter().flatten().copied().fold(1.0, f64::min);
+    let bottom = least - 1.0;
+    let mut points = Vec::new();
+    for i in 0..rows.len() {
+        for j in 0..columns {
+            points.push(DVec3::new(j as f64, i as f64, height(i, j)));
+        }
+    }
+    let top = |i: usize, j: usize| (i * columns + j) as u32;
+    let mut faces = Vec::new();
+    for i in 1..rows.len() {
+        for j in 1..columns {
+            let corners = [top(i - 1, j - 1), top(i - 1, j), top(i, j), top(i, j - 1)];
+            let sum: f64 = corners.iter().map(|&c| points[c as usize].z).sum();
+            let middle = DVec3::new(j as f64 - 0.5, i as f64 - 0.5, 0.25 * sum);
+            let center = points.len() as u32;
+            points.push(middle);
+            for k in 0..4 {
+                faces.push(vec![corners[k], corners[(k + 1) % 4], center]);
+            }
+        }
+    }
+    // Around the grid, counter-clockwise.
+    let (last_row, last_column) = (rows.len() - 1, columns - 1);
+    let rim: Vec<u32> = (0..last_column)
+        .map(|j| top(0, j))
+        .chain((0..last_row).map(|i| top(i, last_column)))
+        .chain((1..=last_column).rev().map(|j| top(last_row, j)))
+        .chain((1..=last_row).rev().map(|i| top(i, 0)))
+        .collect();
+    let below = points.len() as u32;
+    let floor = rim.iter().map(|&corner| {
+        let point = points[corner as usize];
+        DVec3::new(point.x, point.y, bottom)
+    });
+    let floor: Vec<DVec3> = floor.collect();
+    points.extend(floor);
+    let count = rim.len() as u32;
+    for k in 0..count {
+        let next = (k + 1) % count;
+        let (a, b) = (rim[k as usize], rim[next as usize]);
+        faces.push(vec![below + k, below + next, b, a]);
+    }
+    faces.push((below..below + count).rev().collect());
+    (points, faces)
+}

@@ -1,0 +1,256 @@
+//! Nodes with children: what their arguments say, and what becomes of hulls,
+//! sums and new sizes.
+
+use csg::Color;
+use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat4, DVec3, DVec4};
+
+use super::build::{Builder, Open};
+use super::corners;
+use super::error::SceneError;
+use super::flat::{Extrusion, Growth, Revolution};
+use super::parse::{Kind, NodeText, Value};
+use super::pieces::{self, MIXED, Piece, Pieces};
+use super::values::{array, number};
+
+/// What a node does with its children, mostly with their union.
+pub(super) enum Operation {
+    Union,
+    Difference,
+    Intersection,
+    /// A map of space and of the plane; none where it has no inverse.
+    Map(Option<DAffine3>, Option<DAffine2>),
+    Color(Color),
+    Extrude(Extrusion),
+    Revolve(Revolution),
+    Offset(Growth),
+    Projection,
+    /// The plane z = 0 of it.
+    Section,
+    Hull,
+    Minkowski,
+    /// To a size where it is not 0; as much as that along the axes that are so
+    /// marked.
+    Resize(DVec3, BVec3),
+}
+
+impl Builder<'_> {
+    /// What a node with children does.
+    pub(super) fn operation(
+        &mut self,
+        node: &NodeText<'_>,
+        colored: bool,
+    ) -> Result<Operation, SceneError> {
+        match node.kind {
+            Kind::Difference | Kind::Intersection | Kind::Group | Kind::Union => {
+                self.arguments(node, &[])?;
+                Ok(match node.kind {
+                    Kind::Difference => Operation::Difference,
+                    Kind::Intersection => Operation::Intersection,
+                    _ => Operation::Union,
+                })
+            }
+            Kind::Multmatrix => self.map(node),
+            Kind::LinearExtrude => Ok(Operation::Extrude(self.extrusion(node)?)),
+            Kind::RotateExtrude => Ok(Operation::Revolve(self.revolution(node)?)),
+            Kind::Offset => Ok(Operation::Offset(self.growth(node)?)),
+            Kind::Projection => {
+                let [cut, _] = self.arguments(node, &["cut", "convexity"])?;
+                if self.flag(node, "cut", cut)? {
+                    self.faceted_until = self.faceted_until.max(node.end);
+                    return Ok(Operation::Section);
+                }
+                Ok(Operation::Projection)
+            }
+            Kind::Hull | Kind::Minkowski => {
+                self.arguments(node, &["convexity"])?;
+                if node.kind == Kind::Minkowski || !self.holds_balls_alone(node) {
+                    self.faceted_until = self.faceted_until.max(node.end);
+                }
+                Ok(if node.kind == Kind::Hull {
+                    Operation::Hull
+                } else {
+                    Operation::Minkowski
+                })
+            }
+            Kind::Resize => self.resize(node),
+            Kind::Color => Ok(match self.color(node)? {
+                Some(color) if !colored => Operation::Color(color),
+                _ => Operation::Union,
+            }),
+            _ => {
+                self.arguments(node, &["convexity"])?;
+                Ok(Operation::Union)
+            }
+        }
+    }
+
+    fn map(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
+        let [matrix] = self.arguments(node, &[""])?;
+        let rows = matrix.and_then(|value| {
+            let rows: [[f64; 4]; 4] = array(value, |row| array(row, number))?;
+            Some(DMat4::from_cols_array_2d(&rows).transpose())
+        });
+        let Some(matrix) = rows else {
+            return Err(self.fault(node, "it needs a matrix: four rows of four numbers"));
+        };
+        let matrix = matrix * (1.0 / matrix.w_axis.w);
+        if !matrix.is_finite() {
+            return Ok(Operation::Map(None, None));
+        }
+        if matrix.row(3) != DVec4::W {
+            let problem =
+                "a projective matrix: the last row must be 0, 0, 0 and a number that is not 0";
+            return Err(self.fault(node, problem));
+        }
+        let map = DAffine3::from_mat4(matrix);
+        let linear = map.matrix3;
+        let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
+        let flat = DAffine2 {
+            matrix2: DMat2::from_cols(linear.x_axis.truncate(), linear.y_axis.truncate()),
+            translation: map.translation.truncate(),
+        };
+        let across = flat.matrix2.x_axis.length() * flat.matrix2.y_axis.length();
+        // Below this not one correct digit is left of the inverse.
+        let is_regular = |relative: f64| relative.abs() > 64.0 * f64::EPSILON;
+        let solid = is_regular(linear.determinant() / lengths).then_some(map);
+        let flat = is_regular(flat.matrix2.determinant() / across).then_some(flat);
+        Ok(Operation::Map(solid, flat))
+    }
+
+    /// Whether all below a node are spheres: their hull is smooth.
+    fn holds_balls_alone(&self, node: &NodeText<'_>) -> bool {
+        let below = &self.tree.nodes[self.index..node.end];
+        below
+            .iter()
+            .filter(|node| !node.background)
+            .all(|node| match node.kind {
+                Kind::Sphere => {
+                    let arguments = &self.tree.arguments[node.arguments.clone()];
+                    let fragments = arguments.iter().find(|a| a.key == Some("$fn"));
+                    let fragments = fragments.and_then(|a| number(&a.value)).unwrap_or(0.0);
+                    !(fragments > 0.0 && fragments <= 12.0)
+                }
+                Kind::Group | Kind::Union | Kind::Multmatrix | Kind::Color | Kind::Render => true,
+                _ => false,
+            })
+    }
+
+    fn resize(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
+        let [size, auto, _] = self.arguments(node, &["newsize", "auto", "convexity"])?;
+        let size = size.and_then(|value| array(value, number));
+        let auto = match auto {
+            None => Some([0.0; 3]),
+            Some(value) => array(value, |item| match item {
+                Value::Bool(flag) => Some(f64::from(u8::from(*flag))),
+                item => number(item),
+            }),
+        };
+        let (Some(size), Some(auto)) = (size, auto) else {
+            let problem = "it needs `newsize = [x, y, z]` and `auto = [x, y, z]`";
+            return Err(self.fault(node, problem));
+        };
+        let auto = auto.map(|flag| flag != 0.0);
+        Ok(Operation::Resize(
+            DVec3::from_array(size),
+            BVec3::from_array(auto),
+        ))
+    }
+
+    fn color(&mut self, node: &NodeText<'_>) -> Result<Option<Color>, SceneError> {
+        let [color] = self.arguments(node, &[""])?;
+        let rgba = color.and_then(|value| {
+            array(value, number).or_else(|| {
+                let [r, g, b] = array(value, number)?;
+                Some([r, g, b, 1.0])
+            })
+        });
+        let Some(rgba) = rgba.filter(|rgba: &[f64; 4]| rgba.iter().all(|c| c.is_finite())) else {
+            let problem = "it needs a colour: [red, green, blue, alpha], each from 0 to 1";
+            return Err(self.fault(node, problem));
+        };
+        if rgba.iter().any(|&component| component < 0.0) {
+            return Ok(None);
+        }
+        let [r, g, b, alpha] = rgba.map(|component| component.min(1.0) as f32);
+        Ok(Some(Color::from_srgb([r, g, b]).with_alpha(alpha)))
+    }
+
+    pub(super) fn convex(
+        &mut self,
+        node: &NodeText<'_>,
+        open: Open<'_>,
+    ) -> Result<Piece, SceneError> {
+        let (pieces, mixed) = pieces::alike(open.operands);
+        if mixed {
+            self.warn(node, MIXED.to_owned());
+        }
+        let is_hull = matches!(open.operation, Operation::Hull);
+        match pieces {
+            Pieces::Nothing => Ok(Piece::Nothing),
+            Pieces::Flats(flats) if is_hull => Ok(Piece::Flat(csg::Profile::union(flats).hull())),
+            Pieces::Flats(_) => {
+                Err(self.fault(node, "Minkowski sums of flat shapes cannot be read"))
+            }
+            Pieces::Solids(solids) => {
+                let solid = if is_hull {
+                    corners::hull(&solids, &mut self.allowance)
+                } else {
+                    corners::minkowski(solids, &mut self.allowance)
+                };
+                let solid = solid.map_err(|e| self.fault(node, &e))?;
+                self.made(node, solid)
+            }
+        }
+    }
+
+    pub(super) fn resized(
+        &mut self,
+        node: &NodeText<'_>,
+        piece: Piece,
+        size: DVec3,
+        auto: BVec3,
+    ) -> Result<Piece, SceneError> {
+        let bounds = match &piece {
+            Piece::Nothing => return Ok(piece),
+            Piece::Solid(solid) => {
+                corners::bounds(solid, &mut self.allowance).map_err(|e| self.fault(node, &e))?
+            }
+            Piece::Flat(flat) => flat
+                .bounds(1e-6)
+                .map_err(|e| self.fault(node, &e.to_string()))?
+                .map(|(min, max)| (min.extend(0.0), max.extend(1.0))),
+        };
+        let Some((min, max)) = bounds else {
+            return Ok(Piece::Nothing);
+        };
+        let axes = if matches!(piece, Piece::Flat(_)) {
+            2
+        } else {
+            3
+        };
+        let own = max - min;
+        let mut scale = DVec3::ONE;
+        let mut largest = 0;
+        for axis in 0..axes {
+            if size[axis] != 0.0 {
+                scale[axis] = size[axis] / own[axis];
+                if size[axis] > size[largest] {
+                    largest = axis;
+                }
+            }
+        }
+        if size[largest] != 0.0 {
+            let same = size[largest] / own[largest];
+            for axis in 0..axes {
+                if auto.test(axis) && size[axis] == 0.0 {
+                    scale[axis] = same;
+                }
+            }
+        }
+        if !scale.is_finite() || scale.min_element() == 0.0 {
+            return Ok(self.nothing(node, "the new size is not finite"));
+        }
+        let flat = DAffine2::from_scale(scale.truncate());
+        Ok(piece.mapped(&DAffine3::from_scale(scale), &flat))
+    }
+}

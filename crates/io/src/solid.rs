@@ -1,0 +1,19 @@
+//! Solids from mesh files.
+
+use std::path::Path;
+
+use csg::Solid;
+
+use crate::{Error, read_mesh};
+
+/// Reads the solid that a mesh file bounds (STL, OBJ, PLY, OFF, GLB or glTF, by
+/// its extension), to be combined with others: see [`Solid::from_mesh`].
+///
+/// # Errors
+/// As [`read_mesh`]; [`Error::NotASolid`] names open, doubled, crossing and
+/// wrongly facing triangles with their places.
+pub fn read_solid(path: impl AsRef<Path>) -> Result<Solid, Error> {
+    let path = path.as_ref();
+    let mesh = read_mesh(path)?;
+    Solid::from_mesh(&mesh).map_err(|faults| Error::NotASolid(faults).in_file(path))
+}

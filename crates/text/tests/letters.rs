@@ -1,0 +1,131 @@
+//! Letters against those that OpenSCAD 2021.01 draws with the same fonts
+//! (Debian's `fonts-liberation`, which these tests need), as it writes them to
+//! SVG with six digits.
+
+use csg::glam::DVec2;
+use text::{Curves, Font, HorizontalAlign, Text, TextError, VerticalAlign};
+
+/// Area, and the least and greatest coordinates.
+type Measure = [f64; 5];
+
+fn measure(text: &Text, font: &str) -> Measure {
+    let font = Font::find(font).unwrap_or_else(|e| panic!("{e}"));
+    let profile = text.profile(&font).unwrap_or_else(|e| panic!("{e}"));
+    let (min, max) = profile.bounds(1.0).expect("bounds").expect("letters");
+    let area = profile.area(1.0).expect("an area");
+    [area, min.x, min.y, max.x, max.y]
+}
+
+#[test]
+fn letters_are_those_of_openscad() {
+    use HorizontalAlign::{Center, Left, Right};
+    use VerticalAlign::{Baseline, Bottom, Top};
+    let text = |written: &str, chords: usize, horizontal, vertical| {
+        Text::new(written)
+            .metrics(1000.0 / 1024.0)
+            .curves(Curves::Chords(chords))
+            .horizontal(horizontal)
+            .vertical(vertical)
+    };
+    let middle = VerticalAlign::Center;
+    let cases: [(&str, Text, Measure); 9] = [
+        (
+            "Liberation Sans",
+            text("B", 9, Center, middle),
+            [35.9278, -3.38403, -4.66562, 4.00745, 4.88916],
+        ),
+        (
+            "Liberation Sans:style=bold",
+            text("Y", 4, Center, middle).size(22.0),
+            [139.946, -9.42928, -10.2644, 9.93532, 10.7562],
+        ),
+        (
+            "",
+            text("BAg", 4, Right, Top).spacing(1.2),
+            [94.5138, -29.6246, -12.2132, -2.22321, 0.223541],
+        ),
+        // A ligature.
+        (
+            "",
+            text("office", 4, Left, Bottom),
+            [103.586, 0.583191, 0.00189209, 31.7369, 10.2009],
+        ),
+        // Kerned.
+        (
+            "",
+            text("AVATAR To", 3, Center, Baseline).size(7.0),
+            [98.1128, -23.812, -0.0949097, 23.5492, 6.68835],
+        ),
+        (
+            "",
+            text("abc", 4, Left, Baseline).direction("rtl"),
+            [69.0946, 0.589996, -0.13559, 22.0488, 10.0634],
+        ),
+        (
+            "Liberation Serif:style=Italic",
+            text("quick, brown", 3, Left, Top).size(3.5),
+            [20.0904, 0.161377, -4.32918, 24.4673, 0.0782928],
+        ),
+        (
+            "Liberation Mono:style=Bold Italic",
+            text("0O8&@", 13, Right, Bottom),
+            [199.581, -39.9237, -0.0440979, 0.37114, 11.9384],
+        ),
+        (
+            "",
+            text("Grüße", 4, Left, Baseline).language("de"),
+            [120.736, 0.698486, -0.13559, 38.0018, 10.0634],
+        ),
+    ];
+    for (font, text, wanted) in cases {
+        let found = measure(&text, font);
+        let digits = |value: f64| 1e-5 * value.abs() + 2e-5;
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            let off = (found - wanted).abs();
+            assert!(off < digits(wanted), "{text:?}: {found}, not {wanted}");
+        }
+    }
+}
+
+#[test]
+fn finer_chords_come_nearer_by_the_square() {
+    let area = |share| measure(&Text::new("Sco8").curves(Curves::Within(share)), "")[0];
+    let best = area(1e-7);
+    let off = [1e-2, 1e-3, 1e-4].map(|share| (area(share) - best).abs() / best);
+    // A tenth of the tolerance: about a tenth of what is cut off.
+    assert!(
+        off[0] < 0.03 && off[1] < 0.2 * off[0] && off[2] < 0.2 * off[1],
+        "{off:?}"
+    );
+    // No chord strays further than the tolerance says.
+    let [_, min_x, min_y, max_x, max_y] = measure(&Text::new("O").curves(Curves::Within(1e-7)), "");
+    let [_, a, b, c, d] = measure(&Text::new("O").curves(Curves::Within(1e-3)), "");
+    let strays = DVec2::new(a - min_x, b - min_y).max(DVec2::new(max_x - c, max_y - d));
+    assert!(strays.max_element() <= 1e-2, "{strays}");
+}
+
+#[test]
+fn size_and_metrics_scale_what_they_say() {
+    let [area, min_x, _, max_x, _] = measure(&Text::new("Text"), "");
+    let [double, low, _, high, _] = measure(&Text::new("Text").size(20.0), "");
+    assert!((double / area - 4.0).abs() < 1e-12);
+    assert!(((high - low) / (max_x - min_x) - 2.0).abs() < 1e-12);
+    // Letters keep their size, only their distance grows.
+    let [same, low, _, high, _] = measure(&Text::new("Text").metrics(1.5), "");
+    assert!((same / area - 1.0).abs() < 1e-12 && high - low > 1.2 * (max_x - min_x));
+}
+
+#[test]
+fn mistakes_are_named() {
+    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
+    let says = |text: Text| text.profile(&font).expect_err("a mistake").to_string();
+    assert!(says(Text::new("a").size(-1.0)).contains("the size is -1"));
+    assert!(says(Text::new("a").size(f64::NAN)).contains("the size is NaN"));
+    assert!(says(Text::new("a").spacing(0.0)).contains("the spacing"));
+    assert!(says(Text::new("a").direction("up")).contains("ltr, rtl, ttb or btt"));
+    let tolerance = Text::new("a").curves(Curves::Within(0.0)).profile(&font);
+    assert!(matches!(tolerance, Err(TextError::NotPositive { .. })));
+    // Nothing is written: no error, and no points.
+    let nothing = Text::new(" ").profile(&font).expect("a space");
+    assert_eq!(nothing.bounds(1.0), Ok(None));
+}
