@@ -17,6 +17,7 @@ use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, next, triangle_of};
 use super::region::{Bend, metric};
 use super::shape::faces_out;
+use crate::numeric::tolerance::TOUCHING_AT_ENDS;
 
 /// Of the angle between a triangle and its surface at a corner: 37°.
 const LEAST_COSINE: f64 = 0.8;
@@ -261,7 +262,8 @@ fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
         let tangent = g1.cross(g2);
         let square = tangent.length_squared();
         // Where the surfaces touch it has none, and the edge must do.
-        if square <= 1e-8 * g1.length_squared() * g2.length_squared() {
+        if square <= TOUCHING_AT_ENDS * TOUCHING_AT_ENDS * g1.length_squared() * g2.length_squared()
+        {
             return chord.dot(edge) > 0.0;
         }
         let cosine = tangent.dot(chord) * tangent.dot(edge).signum();

@@ -18,6 +18,7 @@ use super::goal::Goal;
 use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::{CANCELLED, NEAR, NEAR_OF_REFINED, TOUCHING};
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -29,10 +30,6 @@ pub(super) struct Conic {
     /// |x′ × x″|.
     bend: f64,
 }
-
-/// Surfaces nearer to each other than this many times the precision touch: as near
-/// as in [`crate::evaluation`].
-const NEAR: f64 = 1e3;
 
 /// Vertices farther from a conic than this many times the precision are not on
 /// it.
@@ -46,12 +43,10 @@ const ON_CONIC: f64 = 1e2;
 /// is that plane's normal. Where both planes are one, in which the quadrics touch,
 /// there is no gradient, but only one direction in which the combination bends.
 fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
-    /// Coefficients below this share of the largest are rounding.
-    const NEGLIGIBLE: f64 = 1e-11;
     let along = q - p;
     let [bend_a, bend_b] = [a, b].map(|s| s.curvature_along(along));
     // A chord of neither, but for rounding.
-    if bend_b.abs() <= 1e-6 * along.length_squared() {
+    if bend_b.abs() <= TOUCHING * along.length_squared() {
         return None;
     }
     let factor = bend_a / bend_b;
@@ -70,7 +65,7 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     };
     let (u, v) = normal.any_orthonormal_pair();
     let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
-    let vanishes = bends.iter().all(|bend| bend.abs() <= NEGLIGIBLE * scale);
+    let vanishes = bends.iter().all(|bend| bend.abs() <= CANCELLED * scale);
     vanishes.then_some(Surface::plane(anchor, normal))
 }
 
@@ -95,7 +90,7 @@ impl Conic {
                 .max_by(|p, q| off(p).total_cmp(&off(q)))?;
             (common_plane(surfaces, vertices[0], far)?, a)
         };
-        let curves = conics(&plane, quadric, NEAR * precision).into_iter();
+        let curves = conics(&plane, quadric, NEAR_OF_REFINED * precision).into_iter();
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
         conics.find_map(|conic| {
             let blur = |at: DVec3| {
@@ -133,12 +128,11 @@ impl Conic {
     }
 
     fn is_circle(&self) -> bool {
-        const ALIKE: f64 = 1e-9;
         let Curve::Ellipse { a, b, .. } = self.curve else {
             return false;
         };
         let (aa, bb) = (a.length_squared(), b.length_squared());
-        (aa - bb).abs().max(a.dot(b).abs()) <= ALIKE * aa
+        (aa - bb).abs().max(a.dot(b).abs()) <= NEAR * aa
     }
 
     /// The parameter of a point on it, of an ellipse up to whole turns.

@@ -10,6 +10,7 @@ use pulp::Simd;
 
 use super::Surface;
 use crate::numeric::lanes::{self, Reals};
+use crate::numeric::tolerance::SAME_VALUE;
 
 /// How the search for a common point ended.
 #[derive(Clone, Copy, Debug)]
@@ -229,7 +230,7 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
     let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
     let mut step = DVec3::ZERO;
     for (value, axis) in values.into_iter().zip(axes) {
-        if value > 1e-10 * largest {
+        if value > SAME_VALUE * largest {
             step += right.dot(axis) / value * axis;
         }
     }
