@@ -309,7 +309,7 @@ fn trace<T>(
     tracer: impl Fn() -> T + Sync,
     trace: impl Fn(&mut T, &Block, &mut Traced) -> Result<(), Stop> + Sync,
 ) -> Result<Traced, Stop> {
-    /// Blocks that are worth handing to another thread.
+    /// Blocks that are worth handing to another thread. Tunes speed only.
     const AT_ONCE: usize = 64;
     let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {

@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::numeric::tolerance::TOUCHING;
 use crate::program::Surface;
 
-/// Points handled together.
+/// Points handled together. Tunes speed only.
 pub(super) const LANES: usize = 8;
 
 type Lanes = [f64; LANES];
