@@ -9,7 +9,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::numeric::eigen_symmetric;
-use crate::numeric::tolerance::{CANCELLED, NO_VALUE_AT_CONTACT};
+use crate::numeric::tolerance::{CANCELLED, SAME_VALUE};
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -35,8 +35,8 @@ pub(super) fn touch(
         std::array::from_fn(|i| second.quadratic[i] - factor * first.quadratic[i]);
     let (values, _) = eigen_symmetric(matrix);
     let scale = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let positive = values.iter().any(|&v| v > NO_VALUE_AT_CONTACT * scale);
-    let negative = values.iter().any(|&v| v < -NO_VALUE_AT_CONTACT * scale);
+    let positive = values.iter().any(|&v| v > SAME_VALUE * scale);
+    let negative = values.iter().any(|&v| v < -SAME_VALUE * scale);
     if !(positive && negative) {
         return Some(Touch::Nested);
     }
@@ -53,7 +53,7 @@ pub(super) fn touch(
     );
     let (uu, uv, vv) = (u.dot(m * u), u.dot(m * v), v.dot(m * v));
     let determinant = uu * vv - uv * uv;
-    (determinant < -NO_VALUE_AT_CONTACT * scale * scale).then_some(Touch::Node(point))
+    (determinant < -SAME_VALUE * scale * scale).then_some(Touch::Node(point))
 }
 
 /// A common point with parallel gradients, and their ratio: Gauss and

@@ -18,7 +18,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::roots::{Candidate, Roots};
 use super::trig::{BEGIN, Trig};
-use crate::numeric::tolerance::{CANCELLED, CANCELLED_SQUARE, SAME_UNIT_DIRECTION};
+use crate::numeric::tolerance::{CANCELLED, SAME_DIRECTION, SAME_ROOT};
 use crate::program::Surface;
 
 /// The matrix of a quadric in coordinates about `origin` of some unit.
@@ -349,7 +349,7 @@ impl Rulings {
         }
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         places.dedup_by(|a, b| {
-            let is_same = a.0 - b.0 < 1e-13 * (end - start);
+            let is_same = a.0 - b.0 < SAME_ROOT * (end - start);
             b.1 |= is_same && a.1;
             is_same
         });
@@ -362,14 +362,14 @@ impl Rulings {
         let [p, q] = self.lines.values(infinity);
         let (at_infinity, _) = self.on_plane(infinity);
         let mut roots = Roots::default();
-        at_infinity.roots(CANCELLED_SQUARE * at_infinity.magnitude(), &mut roots);
+        at_infinity.roots(CANCELLED * at_infinity.magnitude(), &mut roots);
         let mut poles: Vec<f64> = Vec::new();
         for &angle in roots.simple.iter().chain(&roots.touching) {
             let point = [q.value(angle), -p.value(angle)];
             poles.extend(self.place(angle, point));
         }
         poles.sort_by(f64::total_cmp);
-        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_UNIT_DIRECTION);
+        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_DIRECTION);
         let Some(&first) = poles.first() else {
             return vec![self];
         };

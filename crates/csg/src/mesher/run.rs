@@ -21,7 +21,7 @@ use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::{MAPPED, NEAR};
+use crate::numeric::tolerance::{HELD, MAPPED, NEAR};
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
@@ -133,7 +133,7 @@ impl<'a> Run<'a> {
         let tolerance = self.goal.as_ref().map_or(0.0, |goal| goal.tolerance);
         let deviation = report.deviation.filter(|d| d.is_finite()).unwrap_or(0.0);
         let unseen = 2.0 * report.moved.map_or(0.0, |moved| moved.distance) + NEAR * size;
-        let tolerance = tolerance.max(deviation).max(unseen).max(1e-6 * size);
+        let tolerance = tolerance.max(deviation).max(unseen).max(HELD * size);
         let held = verify::Tolerances { tolerance, unseen };
         let found = verify::differences(self.program, mesh, &bounds, held);
         for place in found.places {

@@ -2,9 +2,10 @@
 //! rounding makes one of degree, each once, with its one answer.
 //!
 //! Shares are of the scene's longest side where nothing else is said. *Derived* answers
-//! follow from the unit of rounding or from other answers here; *decrees* could be others,
-//! within what is said of them. What tunes speed or the number of triangles alone is beside
-//! the code that it tunes.
+//! follow from the unit of rounding ε or from other answers here. *Above rounding* are those
+//! of which rounding tells how small they may be, and a margin that is named was chosen.
+//! *Decrees* could be others, within what is said of them. What tunes speed or the number of
+//! triangles alone is beside the code that it tunes.
 
 // Rounding itself.
 
@@ -39,8 +40,8 @@ pub(crate) const MAPPED: f64 = 64.0 * f64::EPSILON;
 
 /// Is a point on a surface that a solver put there?
 ///
-/// Derived: values are right to [`VALUE`], of terms that sum up to some ten sizes of the scene
-/// times the slope: 4e-14; five times that, as slopes may be less than the steepest one.
+/// Above rounding: values are right to [`VALUE`], of terms that sum up to some ten sizes of the
+/// scene times the slope: 4e-14; five times that, as slopes may be less than the steepest one.
 pub(crate) const ON_SURFACE: f64 = 2e-13;
 
 /// Is a point of a mesh that is refined on its surface, of the farthest coordinate?
@@ -51,8 +52,8 @@ pub(crate) const ON_REFINED: f64 = 5.0 * ON_SURFACE;
 
 /// Is a line in a plane?
 ///
-/// Derived from [`WELD`]: vertices beside it, each off by as much from two planes, are one still
-/// where planes meet at a sine of a fifth.
+/// Decree: a tenth of [`WELD`], so that vertices on it are one still where a third plane meets it
+/// at a sine of a tenth.
 pub(crate) const ON_PLANE: f64 = 0.1 * WELD;
 
 /// Are two points one vertex?
@@ -74,6 +75,12 @@ pub(crate) const NEAR: f64 = 1e-9;
 /// Derived: [`NEAR`] over the precision of a mesh around the origin, whose farthest coordinate is
 /// half of its side, but for the factor of two.
 pub(crate) const NEAR_OF_REFINED: f64 = NEAR / ON_REFINED;
+
+/// Is a vertex on a conic of two surfaces, in precisions of a mesh that is refined?
+///
+/// Derived: where surfaces cross at a sine of [`CROSSING`], points within the precision of both are
+/// as many precisions from their curve.
+pub(crate) const ON_CONIC: f64 = 1.0 / CROSSING;
 
 /// Do curves have the same curvature: over the length of the scene they part by no more than
 /// what is near.
@@ -107,17 +114,23 @@ pub(crate) const TOUCHING: f64 = 1e-6;
 /// Derived: ends may be contacts of the fourth order, known to a quarter of the digits, ε^(1/4).
 pub(crate) const TOUCHING_AT_ENDS: f64 = 1e-4;
 
+/// Do surfaces cross at an angle at which a point of their curve is found by Newton's plain steps,
+/// and bends of the curve by the quotients that they are?
+///
+/// Decree: two digits of sixteen are lost by it. Elsewhere slower ways are taken.
+pub(crate) const CROSSING: f64 = 1e-2;
+
+/// Is there no step across two gradients, by the sine of their angle?
+///
+/// Decree: beyond a hundredth of [`TOUCHING`] a step is a hundred million times as long as the
+/// surfaces are far, and would leave the neighbourhood.
+pub(crate) const DEPENDENT_IN_STEP: f64 = 1e-8;
+
 /// Are directions around a point or a curve the same, in radians?
 ///
 /// Derived: next to where surfaces touch, points are known to half of the digits, and directions
 /// turn by as much: √[`VALUE`] is 6e-8.
 pub(crate) const SAME_DIRECTION: f64 = 1e-7;
-
-/// The same of directions that are computed from unit vectors alone.
-///
-/// Decree: far above their rounding of some ε, far below [`SAME_DIRECTION`]. The order of edges
-/// in a face, where curves that touch are told apart by more than this, depends on it.
-pub(crate) const SAME_UNIT_DIRECTION: f64 = 1e-9;
 
 /// Are unit normals dependent but for rounding, by their cross or triple product, over a cell of
 /// which it is bounded by intervals?
@@ -130,22 +143,17 @@ pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
 
 /// Is a value of a quadratic form nothing, of the largest?
 ///
-/// Derived: Jacobi's method leaves some ten ε, 2e-15, and coefficients that an author wrote in
-/// decimals and turned a few more; five hundred times that.
+/// Above rounding: Jacobi's method leaves some ten ε, 2e-15, and coefficients that an author
+/// wrote in decimals and turned a few more; five hundred times that. The kind of a quadric given
+/// by ten coefficients depends on it.
 pub(crate) const NO_VALUE: f64 = 1e-12;
 
 /// Is a sum of terms nothing, of their sizes: a coefficient of a combination of surfaces, or of
-/// a polynomial along a curve?
+/// a polynomial along a curve, or its discriminant?
 ///
-/// Derived: products of up to four factors whose coefficients are known to 1e-13 or so, of up to
-/// nine terms: 4e-12.
+/// Above rounding: products of up to four factors whose coefficients are known to 1e-13 or so, of
+/// up to nine terms, are right to 4e-12; over twice that.
 pub(crate) const CANCELLED: f64 = 1e-11;
-
-/// Is the discriminant of a polynomial along rulings nothing, of its terms, and the polynomial
-/// where they go to infinity?
-///
-/// Derived as [`CANCELLED`], of products of two factors and three terms: 6e-13.
-pub(crate) const CANCELLED_SQUARE: f64 = 1e-12;
 
 /// Are values of a computed form the same, or nothing, of the largest?
 ///
@@ -153,23 +161,21 @@ pub(crate) const CANCELLED_SQUARE: f64 = 1e-12;
 /// that is too large, or a surface that is not rounded.
 pub(crate) const SAME_VALUE: f64 = 1e-10;
 
-/// The same of a form at a contact that was looked for by steps.
-///
-/// Derived: the contact's gradients agree to 1e-11, and so does the factor between the forms;
-/// a hundred times that.
-pub(crate) const NO_VALUE_AT_CONTACT: f64 = 1e-9;
-
 /// Is a polynomial in sine and cosine 0, of its magnitude?
 ///
-/// Derived: its terms, of degree eight at most, are right to some ε each: forty-five ε.
+/// Above rounding: its terms, of degree eight at most, are right to some ε each; forty-five ε.
 pub(crate) const POLYNOMIAL: f64 = 1e-14;
 
 /// Is a root of such a polynomial a multiple one?
 ///
-/// Derived: of multiplicity up to four, at a root of a derivative known to all digits, the value is
-/// right to [`POLYNOMIAL`]; a hundred thousand times that, as roots that surfaces make nearly
-/// multiple are used as multiple ones and refined.
+/// Decree: at a root of a derivative known to all digits, the value is right to [`POLYNOMIAL`]; a
+/// hundred thousand times that, as nearly multiple roots are tried as such and refined.
 pub(crate) const MULTIPLE_ROOT: f64 = 1e-9;
+
+/// Are two roots one, of the range in which they were looked for?
+///
+/// Decree: above some ε to which bisection ends, far below what [`WELD`] makes one.
+pub(crate) const SAME_ROOT: f64 = 1e-13;
 
 /// Is a point or a plane of projective coordinates at infinity, in units of the two surfaces?
 ///
@@ -180,57 +186,45 @@ pub(crate) const AT_INFINITY: f64 = 1e-9;
 
 /// Is a given corner on the plane of a face, of the polyhedron's size?
 ///
-/// Derived: of a face as high as a fifteenth of its length, Newell's normal and an offset are right
-/// to thirty ε.
+/// Above rounding: of a face as high as it is long, Newell's normal and an offset are right to
+/// thirty ε; fifteen times that, for those that are less high.
 pub(crate) const ON_FACE: f64 = 1e-13;
 
 /// Are planes of faces the same within the size of the polyhedron?
 ///
-/// Derived from [`ON_FACE`]: of faces a tenth as large as the polyhedron.
+/// Decree: ten times [`ON_FACE`], which holds of faces a tenth as large as the polyhedron. Points
+/// that cuts made are taken to be on a plane by it, too.
 pub(crate) const SAME_FACE: f64 = 10.0 * ON_FACE;
-
-/// Is a corner that cuts made on a plane?
-///
-/// Derived from [`SAME_FACE`]: of planes that meet at a sine of a tenth. What is nearer is not cut.
-pub(crate) const ON_CUT: f64 = 10.0 * SAME_FACE;
 
 /// Are given points off the planes of their hull, so that it is none; are they corners of its
 /// face?
 ///
-/// Derived from [`SAME_FACE`]: a hundred times that is no longer what rounding did to a solid.
+/// Decree: a hundred times [`SAME_FACE`] is no longer what rounding did to a solid.
 pub(crate) const OFF_HULL: f64 = 100.0 * SAME_FACE;
 
 /// Has a polygon no area, of the square of its longest side?
 ///
-/// Derived: a cross product of two differences is right to 6 ε of it; about seven times that.
+/// Above rounding: a cross product of two differences is right to 6 ε of it; seven times that.
 pub(crate) const NO_AREA: f64 = 1e-14;
 
 /// Has a polyhedron no volume, of its size's cube?
 ///
-/// Derived: it is a sum of triple products, each right to about 6 ε of it, most of which cancel.
+/// Above rounding: it is a sum of triple products, each right to about 6 ε of it, and most of what
+/// they are off by cancels.
 pub(crate) const NO_VOLUME: f64 = 1e-15;
 
 /// Is a triangle of a mesh that is refined flat, by its height, of its longest side?
 ///
-/// Derived: corners are within [`ON_REFINED`] of their places, so that a normal is right to a
-/// hundredth.
+/// Derived: corners are within [`ON_REFINED`] of their places, so that the normal of a triangle as
+/// long as the mesh is right to a hundredth; shorter ones are not told from flat ones so well.
 pub(crate) const FLAT: f64 = 100.0 * ON_REFINED;
 
 /// Is a length in a profile nothing, of its size, or a turn, in radians?
 ///
-/// Derived: arcs are told by bulges, whose centre, angles and ends lie some hundred roundings from
-/// what was given, 2e-14 of the size; fifty times that.
+/// Above rounding: arcs are told by bulges, whose centre, angles and ends lie some hundred
+/// roundings from what was given, 2e-14 of the size; fifty times that. Whether paths are closed,
+/// and whether circles stay circles under a map, depends on it.
 pub(crate) const IN_PROFILE: f64 = 1e-12;
-
-/// Does a path end where it began, of its largest coordinate?
-///
-/// Derived: each of its points is rounded once or twice: forty-five ε for chains of some.
-pub(crate) const PATH_CLOSED: f64 = 1e-14;
-
-/// Is the map of a profile a similarity, so that circles stay circles?
-///
-/// Derived: of a product of a turn and a scale each entry is right to four ε.
-pub(crate) const SIMILAR: f64 = 1e-15;
 
 /// Is the sum of a polygon's turns a single whole one, in radians?
 ///
@@ -243,3 +237,9 @@ pub(crate) const WHOLE_TURN: f64 = 1e-6;
 /// Decree: nothing to be seen. Extrusions, revolutions, offsets and hulls of circles that become
 /// polygons depend on it.
 pub(crate) const PROFILE_CHORD: f64 = 1e-4;
+
+/// Is a mesh where its program is, at least, if no tolerance was asked for?
+///
+/// Decree: a thousandth of what a picture shows of the solid. What is less than this is not
+/// reported as wrong.
+pub(crate) const HELD: f64 = 1e-6;

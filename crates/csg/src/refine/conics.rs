@@ -18,7 +18,9 @@ use super::goal::Goal;
 use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
 use crate::numeric::eigen_symmetric;
-use crate::numeric::tolerance::{CANCELLED, NEAR, NEAR_OF_REFINED, TOUCHING};
+use crate::numeric::tolerance::{
+    CANCELLED, NEAR, NEAR_OF_REFINED, ON_CONIC, TOUCHING, TOUCHING_AT_ENDS,
+};
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -30,10 +32,6 @@ pub(super) struct Conic {
     /// |x′ × x″|.
     bend: f64,
 }
-
-/// Vertices farther from a conic than this many times the precision are not on
-/// it.
-const ON_CONIC: f64 = 1e2;
 
 /// The plane in which two quadrics a and b meet between two points common to
 /// them, if they do.
@@ -55,7 +53,7 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     let anchor = p + along / 3.0;
     let normal = a.gradient(anchor) - factor * b.gradient(anchor);
     let size = a.gradient(anchor).length() + factor.abs() * b.gradient(anchor).length();
-    let normal = if normal.length() > 1e-4 * size {
+    let normal = if normal.length() > TOUCHING_AT_ENDS * size {
         normal.normalize_or_zero()
     } else {
         let (values, axes) = eigen_symmetric(std::array::from_fn(|k| {

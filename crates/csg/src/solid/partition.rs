@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::primitive::Plane;
 use super::tree::Solid;
-use crate::numeric::tolerance::ON_CUT;
+use crate::numeric::tolerance::SAME_FACE;
 
 /// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
@@ -41,7 +41,7 @@ pub(super) struct Tree {
 impl Tree {
     /// The tree of the faces of a closed polyhedron.
     pub(super) fn of(facets: Vec<Facet>, size: f64) -> Self {
-        let slack = ON_CUT * size;
+        let slack = SAME_FACE * size;
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
         let mut pending: Vec<(Vec<Facet>, Option<Place>)> = vec![(facets, None)];

@@ -13,8 +13,7 @@ use super::primitive::Plane;
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::Solid;
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::IN_PROFILE;
-use crate::numeric::tolerance::PROFILE_CHORD;
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;

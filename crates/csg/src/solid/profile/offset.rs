@@ -16,8 +16,7 @@ use super::flatten;
 use super::polygon::{cleaned, crossing, points_of};
 use super::{Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
-use crate::numeric::tolerance::PROFILE_CHORD;
-use crate::numeric::tolerance::{IN_PROFILE, SIMILAR};
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// How the sides of an offset are joined around a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,8 +99,8 @@ impl Profile {
             return None;
         };
         let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-        let similar = x.abs_diff_eq(-y.perp(), SIMILAR * x.length())
-            || x.abs_diff_eq(y.perp(), SIMILAR * x.length());
+        let similar = x.abs_diff_eq(-y.perp(), IN_PROFILE * x.length())
+            || x.abs_diff_eq(y.perp(), IN_PROFILE * x.length());
         let mirrored = map.matrix2.determinant() < 0.0;
         let contours: Vec<Contour> = match shape {
             Shape::Disc => vec![
