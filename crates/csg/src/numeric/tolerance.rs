@@ -157,8 +157,9 @@ pub(crate) const CANCELLED: f64 = 1e-11;
 
 /// Are values of a computed form the same, or nothing, of the largest?
 ///
-/// Decree: they are right to about 1e-14, and what is wrongly told apart costs no more than a bound
-/// that is too large, or a surface that is not rounded.
+/// Decree: they are right to about 1e-14, at a contact that was looked for by steps to 1e-11. On it
+/// depend bounds between surfaces of one kind, how cells tell a contact from a crossing, and in
+/// which directions a step of least squares goes.
 pub(crate) const SAME_VALUE: f64 = 1e-10;
 
 /// Is a polynomial in sine and cosine 0, of its magnitude?
