@@ -94,6 +94,14 @@ pub(crate) const SAME_BEND: f64 = NEAR;
 /// of the digits: ε^(1/4) is 1e-4, and this much of [`WELD`] is 3e-5.
 pub(crate) const TOUCHING_REACH: f64 = 1e6;
 
+/// May rounding alone have made two roots along a curve, in roundings that the surface stays
+/// within between them, if another curve of the same three surfaces tells so?
+///
+/// Decree: as many as where two of the three meet at a sine of a thousandth, which makes so much
+/// of one rounding. What is between this and one rounding is a contact only if it is one on
+/// another curve.
+pub(crate) const DOUBTFUL: f64 = 1e3;
+
 // Directions.
 
 /// Are two planes parallel, by the sine of their angle?
