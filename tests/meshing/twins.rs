@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stereotomy::csg::{Meshed, Mesher, Program, Solid};
+use stereotomy::csg::{Meshed, Mesher, Program, Report, Solid};
 
 const TOLERANCE: f64 = 0.01;
 
@@ -154,6 +154,22 @@ fn wedges_of_a_thread_join() {
     );
     let off = mesh.volume() - whole;
     assert!(off.abs() < 1e-12 * whole, "{off}");
+}
+
+/// One body without holes, its surfaces where they are but for rounding.
+fn check_exact(report: &Report) {
+    assert_eq!(report.method, "polyhedral");
+    assert!(report.check.is_manifold(), "{}", report.check);
+    assert_eq!(
+        (report.check.components, report.check.genus()),
+        (1, Some(0))
+    );
+    assert!(
+        report.fallbacks.is_empty() && report.undecided.is_empty(),
+        "{report:?}"
+    );
+    let moved = report.moved.map_or(0.0, |moved| moved.distance);
+    assert!(moved < 1e-12, "{moved}");
 }
 
 fn volume_of(solid: &Solid) -> f64 {

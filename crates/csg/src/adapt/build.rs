@@ -8,6 +8,7 @@ use super::settle::{Settler, Verdict};
 use super::tree::{Node, Place, Tree};
 use crate::control::Control;
 use crate::error::Error;
+use crate::numeric::tolerance::COORDINATE;
 use crate::program::{Cell, Pruner};
 
 /// About what is held at a time for each leaf and what becomes of it, its
@@ -89,7 +90,7 @@ impl<'a, 's> Grower<'a, 's> {
             let child = place.child(octant);
             let half = 0.5 * self.scene.unit * f64::from(child.size());
             let center = self.scene.point(child.corner) + half;
-            let slack = 8.0 * f64::EPSILON * (center.abs() + half);
+            let slack = COORDINATE * (center.abs() + half);
             cell.prune_into(
                 self.scene.surfaces,
                 center,

@@ -35,6 +35,7 @@ use self::settle::{CORNER_SLACK, Expected, constraints_of, passage, vertex};
 use self::tree::{MOST_LEVELS, ROOT_BITS};
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::{COORDINATE, ON_SURFACE};
 use crate::program::Surface;
 use crate::report::Report;
 use crate::surface::solve;
@@ -50,9 +51,6 @@ const SHIFT: DVec3 = DVec3::new(
     0.041_421_356_237_310,
     0.030_277_563_773_199,
 );
-
-/// A point nearer to a surface than this share of the scene lies on it.
-const ON_SURFACE: f64 = 2e-13;
 
 /// Cells in which no vertex was found are split at most this often.
 const ROUNDS: usize = 12;
@@ -134,7 +132,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         origins: task.program.origins(),
         first: SHIFT * longest - 0.5 * side,
         unit: side / f64::from(1u32 << ROOT_BITS),
-        tolerance: ON_SURFACE * longest + 8.0 * f64::EPSILON * task.origin.length(),
+        tolerance: ON_SURFACE * longest + COORDINATE * task.origin.length(),
     };
     let levels = (side / task.cell)
         .log2()

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::complex::{FaceCrossing, Pairing};
 use super::probe::{Change, Probe, Scene};
+use crate::numeric::tolerance::NEAR;
 use crate::program::{Cell, Surface};
 use crate::surface::solve;
 
@@ -92,7 +93,7 @@ impl<'a, F: Fn(u32) -> &'a Cell> Geometric<'a, F> {
             _ => solve::common_point(&[surface(two[0]), surface(two[1]), &face], middle, length),
         };
         let distance = (solution.point - middle).length() / length;
-        let founded = solution.residual <= self.scene.tolerance.max(1e-9 * length)
+        let founded = solution.residual <= self.scene.tolerance.max(NEAR * length)
             && self
                 .probe
                 .changes_across(self.scene, cell, constraints, solution.point);

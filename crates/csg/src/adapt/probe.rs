@@ -3,6 +3,7 @@
 
 use glam::{DVec3, UVec3};
 
+use crate::numeric::tolerance::{DEPENDENT_IN_CELL, MAPPED};
 use crate::program::{Cell, Changes, Origin, Surface, roots_between};
 
 /// What the whole mesh has in common.
@@ -215,12 +216,9 @@ impl Flatness {
     pub fn crosses(&self, other: &Self) -> bool {
         let limit = self.spread + other.spread;
         let sine = self.normal.cross(other.normal).length();
-        sine > limit + LEAST_SINE
+        sine > limit + DEPENDENT_IN_CELL
     }
 }
-
-/// Surfaces that meet at less than this angle count as touching.
-const LEAST_SINE: f64 = 1e-9;
 
 /// Whether some combination Σ weight f of the surfaces has no root in the box
 /// of the given half side: then they have no common point there.
@@ -239,7 +237,7 @@ pub(super) fn have_no_common_point(surfaces: &[(f64, &Flatness)], half: f64) -> 
     }
     let reach = half * (slope.x.abs() + slope.y.abs() + slope.z.abs())
         + half * half * quadratic.iter().map(|c| c.abs()).sum::<f64>();
-    value.abs() > reach + 64.0 * f64::EPSILON * magnitude
+    value.abs() > reach + MAPPED * magnitude
 }
 
 impl Scene<'_> {

@@ -11,6 +11,7 @@ use super::pairing::Geometric;
 use super::probe::{Change, Flatness, Probe, Scene, have_no_common_point};
 use super::touch::{Touch, touch};
 use super::tree::Place;
+use crate::numeric::tolerance::{DEPENDENT_IN_CELL, NEAR, TOUCHING};
 use crate::program::{Cell, Surface};
 use crate::surface::solve;
 
@@ -39,7 +40,7 @@ const MOST_SURFACES: usize = 8;
 const CURVE_SLACK: f64 = 0.5;
 
 /// The same for corners, which are nobody else's: rounding alone.
-pub(super) const CORNER_SLACK: f64 = 1e-9;
+pub(super) const CORNER_SLACK: f64 = NEAR;
 
 /// The surfaces of a loop, ascending.
 pub(super) type Constraints = SmallVec<[u32; 4]>;
@@ -265,7 +266,7 @@ impl Settler {
                         c.normal.cross(a.normal),
                     );
                     let determinant = ab.dot(c.normal).abs();
-                    if determinant > a.spread + b.spread + c.spread + 1e-9 {
+                    if determinant > a.spread + b.spread + c.spread + DEPENDENT_IN_CELL {
                         continue;
                     }
                     // Nearly a pencil of planes: the combination that cancels
@@ -493,14 +494,11 @@ impl Settler {
 fn are_independent(surfaces: &[&Surface], point: DVec3) -> bool {
     let normal = |s: &Surface| s.gradient(point).normalize_or_zero();
     match surfaces {
-        [a, b] => normal(a).cross(normal(b)).length_squared() > INDEPENDENT * INDEPENDENT,
-        [a, b, c] => normal(a).cross(normal(b)).dot(normal(c)).abs() > INDEPENDENT,
+        [a, b] => normal(a).cross(normal(b)).length_squared() > TOUCHING * TOUCHING,
+        [a, b, c] => normal(a).cross(normal(b)).dot(normal(c)).abs() > TOUCHING,
         _ => true,
     }
 }
-
-/// Gradients that span less are dependent but for rounding.
-const INDEPENDENT: f64 = 1e-6;
 
 /// Where a vertex is expected.
 #[derive(Clone, Copy, Debug)]

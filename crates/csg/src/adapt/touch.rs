@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::{CANCELLED, SAME_VALUE};
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -20,9 +21,6 @@ pub(super) enum Touch {
     /// Their two branches of intersection cross at this point.
     Node(DVec3),
 }
-
-/// Eigenvalues below this share of the largest are none.
-const NEGLIGIBLE: f64 = 1e-9;
 
 /// How the two surfaces touch near `start`, if they do and it can be told.
 pub(super) fn touch(
@@ -37,8 +35,8 @@ pub(super) fn touch(
         std::array::from_fn(|i| second.quadratic[i] - factor * first.quadratic[i]);
     let (values, _) = eigen_symmetric(matrix);
     let scale = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let positive = values.iter().any(|&v| v > NEGLIGIBLE * scale);
-    let negative = values.iter().any(|&v| v < -NEGLIGIBLE * scale);
+    let positive = values.iter().any(|&v| v > SAME_VALUE * scale);
+    let negative = values.iter().any(|&v| v < -SAME_VALUE * scale);
     if !(positive && negative) {
         return Some(Touch::Nested);
     }
@@ -55,7 +53,7 @@ pub(super) fn touch(
     );
     let (uu, uv, vv) = (u.dot(m * u), u.dot(m * v), v.dot(m * v));
     let determinant = uu * vv - uv * uv;
-    (determinant < -NEGLIGIBLE * scale * scale).then_some(Touch::Node(point))
+    (determinant < -SAME_VALUE * scale * scale).then_some(Touch::Node(point))
 }
 
 /// A common point with parallel gradients, and their ratio: Gauss and
@@ -92,7 +90,7 @@ fn tangency(
         if (point - start).length() > 4.0 * reach {
             return None;
         }
-        if f1.abs() <= tolerance && f2.abs() <= tolerance && turn.length() <= 1e-11 * reach {
+        if f1.abs() <= tolerance && f2.abs() <= tolerance && turn.length() <= CANCELLED * reach {
             return Some((point, factor * s1 / s2));
         }
         let mut rows = [

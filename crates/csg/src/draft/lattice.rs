@@ -1,5 +1,6 @@
 //! The global lattice of sample points that all bricks share.
 
+use crate::numeric::tolerance::COORDINATE;
 use glam::{DVec3, IVec3};
 
 /// Fractions of a cell by which the lattice is shifted off the middle of the
@@ -45,7 +46,7 @@ impl Lattice {
     /// `high`, wide enough to hold each of them despite rounding.
     pub(crate) fn box_around(&self, low: IVec3, high: IVec3) -> (DVec3, DVec3) {
         let (low, high) = (self.point(low), self.point(high));
-        let margin = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+        let margin = COORDINATE * low.abs().max(high.abs());
         (0.5 * (low + high), 0.5 * (high - low) + margin)
     }
 }

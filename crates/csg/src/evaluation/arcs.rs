@@ -23,6 +23,7 @@ use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
 use super::triple::{clusters, contacts};
+use crate::numeric::tolerance::SAME_DIRECTION;
 use crate::program::Surface;
 use crate::undecided::{Stop, Why};
 
@@ -75,10 +76,6 @@ fn at_apex(scene: &Scene<'_>, block: &Block, cone: &Surface) -> Option<Contact> 
         surfaces: surfaces.copied().collect(),
     })
 }
-
-/// Directions around a curve that differ by less cannot be told apart, in
-/// radians.
-const SAME_DIRECTION: f64 = 1e-7;
 
 impl ArcTracer {
     /// Appends all pieces of edges in a block, chords that turn by no more than

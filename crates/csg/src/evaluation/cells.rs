@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::control::{Control, Stage};
 use crate::error::Error;
+use crate::numeric::tolerance::COORDINATE;
 use crate::program::{Cell, Pruner, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
@@ -34,7 +35,7 @@ impl Block {
 }
 
 /// So few planes are not worth another cut: the time that a block takes grows
-/// with the third power of their number, but most is spent on cutting then.
+/// with the third power of their number, but most is spent on cutting then. Tunes speed only.
 const FEW_PLANES: usize = 20;
 
 /// A block is cut no further after so many cuts in halves along every axis that
@@ -92,7 +93,7 @@ impl Cutter<'_> {
     fn prune(&mut self, cell: &Cell, low: DVec3, high: DVec3, out: &mut Cell) {
         let center = 0.5 * (low + high);
         // Rounded outward: a plane that touches a face matters on both sides.
-        let slack = 8.0 * f64::EPSILON * (low.abs() + high.abs());
+        let slack = COORDINATE * (low.abs() + high.abs());
         let half = 0.5 * (high - low) + slack;
         cell.prune_into(self.surfaces, center, half, &mut self.pruner, out);
         self.counts.visited += 1;

@@ -4,9 +4,9 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::curve::{Branch, Branches, Curve, Form, polar};
-use super::intersection::{NEGLIGIBLE, Unknown};
-use super::scene::NEAR;
+use super::intersection::Unknown;
 use super::trig::BEGIN;
+use crate::numeric::tolerance::{CANCELLED, NEAR};
 use crate::program::Surface;
 
 /// The curves in which a plane cuts a quadric, where they are known.
@@ -116,7 +116,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     let [mut first, mut second] = [u, v].map(|d| 0.5 * quadric.curvature_along(d));
     let (x, y) = (cos * x + sin * y, cos * y - sin * x);
     for value in [&mut first, &mut second] {
-        if value.abs() <= NEGLIGIBLE {
+        if value.abs() <= CANCELLED {
             *value = 0.0;
         }
     }
@@ -140,7 +140,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     let scene = near / NEAR;
     // How steep the quadric is on the axis: at a cone's apex not at all.
     let steepest = [0.0, scene].map(|off| quadric.gradient(center + off * v).length());
-    let is_ruled = second == 0.0 && y.abs() <= NEGLIGIBLE * steepest[0].max(steepest[1]);
+    let is_ruled = second == 0.0 && y.abs() <= CANCELLED * steepest[0].max(steepest[1]);
     if !is_ruled && let Some(parts) = near_lines(quadric, foot, axes, scene) {
         return Ok(parts.into_iter().map(Branch::new).collect());
     }

@@ -6,13 +6,8 @@ use smallvec::SmallVec;
 
 use super::boundary::{Boundary, NONE};
 use super::scene::Scene;
+use crate::numeric::tolerance::{SAME_BEND, SAME_DIRECTION, TOUCHING};
 use crate::undecided::{Stop, Why};
-
-/// Directions in a face that differ by less are the same, in radians.
-const SAME_DIRECTION: f64 = 1e-9;
-
-/// Curvatures that differ by less than this share of themselves are the same.
-const SAME_BEND: f64 = 1e-9;
 
 /// How a curve leaves a vertex in the plane in which its face is seen.
 #[derive(Clone, Copy, Debug)]
@@ -132,8 +127,6 @@ impl Boundary {
     /// it ends in, as its face is seen. By the curve, not by its chord: of curves
     /// that touch there the chords may be the other way round.
     fn departure(&self, scene: &Scene<'_>, half_edge: u32, is_back: bool) -> Departure {
-        /// Surfaces at a smaller sine of their angle have no tangent in common.
-        const TOUCHING: f64 = 1e-6;
         let side = &self.faces[self.at(half_edge).face as usize];
         let ends = [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
         let ends @ [here, there] = if is_back { [ends[1], ends[0]] } else { ends };

@@ -8,6 +8,7 @@ use smallvec::SmallVec;
 use super::boundary::Boundary;
 use super::scene::Scene;
 use super::triangulate::orient;
+use crate::numeric::tolerance::TOUCHING;
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -269,13 +270,11 @@ impl Boundary {
 /// ends of a chord of it. So it does all along a branch; where the surfaces touch, or
 /// nearly, nothing is known.
 fn runs_along(surfaces: [&Surface; 2], at: DVec3, [a, b]: [DVec3; 2]) -> bool {
-    /// Of the sine of the surfaces' angle and the cosine to the chord.
-    const CLEARLY: f64 = 1e-6;
     let direction = (b - a).normalize_or_zero();
     let way = |at: DVec3| {
         let [g, h] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
         let along = g.cross(h).dot(direction);
-        f64::from(i8::from(along > CLEARLY) - i8::from(along < -CLEARLY))
+        f64::from(i8::from(along > TOUCHING) - i8::from(along < -TOUCHING))
     };
     let (before, here, after) = (way(a), way(at), way(b));
     before != after || before * here >= 0.0

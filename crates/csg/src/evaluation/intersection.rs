@@ -4,6 +4,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::curve::Curve;
+use crate::numeric::tolerance::PARALLEL_PLANES;
 use crate::program::Surface;
 
 /// Why the curves of two surfaces are not known.
@@ -17,16 +18,11 @@ pub(super) enum Unknown {
 
 pub(super) type Contacts = SmallVec<[DVec3; 2]>;
 
-/// Coefficients below this share of the largest are rounding.
-pub(super) const NEGLIGIBLE: f64 = 1e-11;
-
 /// The line common to two planes.
 pub(super) fn line(p: &Surface, q: &Surface) -> Option<Curve> {
-    /// Planes that meet at a smaller sine of their angle are parallel.
-    const PARALLEL: f64 = 1e-11;
     let direction = p.linear.cross(q.linear);
     let square = direction.length_squared();
-    if square < PARALLEL * PARALLEL {
+    if square < PARALLEL_PLANES * PARALLEL_PLANES {
         return None;
     }
     let offsets = [p, q].map(|s| s.linear.dot(s.anchor));

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::cells::Block;
 use super::scene::{Plane, Scene};
+use crate::numeric::tolerance::PARALLEL_PLANES;
 
 /// A line with the interval of it that lies in a block.
 pub(super) struct Line {
@@ -23,7 +24,7 @@ impl Line {
         });
         let direction = p.normal.cross(q.normal);
         let square = direction.length_squared();
-        if square < PARALLEL * PARALLEL {
+        if square < PARALLEL_PLANES * PARALLEL_PLANES {
             return None;
         }
         let point =
@@ -74,6 +75,3 @@ impl Line {
         ends[0].max(ends[1]) <= scene.on_plane
     }
 }
-
-/// Planes that meet at a smaller sine of their angle are parallel.
-const PARALLEL: f64 = 1e-11;

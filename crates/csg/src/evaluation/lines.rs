@@ -22,7 +22,7 @@ pub(super) struct Tracer {
 }
 
 /// In blocks of no more planes every pair of them is traced: it takes less time
-/// than finding out which pairs meet on the boundary.
+/// than finding out which pairs meet on the boundary. Tunes speed only.
 const ALL_PAIRS: usize = 16;
 
 /// Lines are traced beyond where they may carry edges by so many times the

@@ -87,10 +87,11 @@ use self::boundary::Boundary;
 use self::cells::{Block, cut};
 use self::frame::Frame;
 use self::lines::Tracer;
-use self::scene::{NEAR, ON_PLANE, Plane, Scene, WELD};
+use self::scene::{Plane, Scene};
 use self::traced::Traced;
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::{NEAR, ON_PLANE, VALUE, WELD};
 use crate::program::{Origin, Program, Surface};
 use crate::report::Report;
 use crate::task::Task;
@@ -147,7 +148,7 @@ pub(crate) fn is_polyhedral(program: &Program) -> bool {
 /// By how much rounding may move points of a scene around `center` whose longest side is
 /// `size`: some operations on its coordinates.
 pub(crate) fn rounding(center: DVec3, size: f64) -> f64 {
-    16.0 * f64::EPSILON * (center.length() + size)
+    VALUE * (center.length() + size)
 }
 
 /// The boundary of a solid, in the local frame: of planes alone the exact one,
@@ -308,7 +309,7 @@ fn trace<T>(
     tracer: impl Fn() -> T + Sync,
     trace: impl Fn(&mut T, &Block, &mut Traced) -> Result<(), Stop> + Sync,
 ) -> Result<Traced, Stop> {
-    /// Blocks that are worth handing to another thread.
+    /// Blocks that are worth handing to another thread. Tunes speed only.
     const AT_ONCE: usize = 64;
     let stage = scene.control.stage(blocks.len() as u64, 0.2, 0.8);
     let trace_some = |blocks: &[Block]| {

@@ -2,8 +2,9 @@
 
 use super::conic::conic;
 use super::curve::{Branch, Branches};
-use super::intersection::{NEGLIGIBLE, Unknown, line};
+use super::intersection::{Unknown, line};
 use super::pencil;
+use crate::numeric::tolerance::{CANCELLED, NEAR};
 use crate::program::Surface;
 
 /// The curves common to two surfaces: two planes meet in a line, a plane and a
@@ -42,7 +43,7 @@ fn radical_plane(a: &Surface, b: &Surface) -> Option<Option<Surface>> {
     if rest
         .map(|(a, b)| (a - factor * b).abs())
         .fold(0.0, f64::max)
-        > NEGLIGIBLE
+        > CANCELLED
     {
         return None;
     }
@@ -52,7 +53,7 @@ fn radical_plane(a: &Surface, b: &Surface) -> Option<Option<Surface>> {
     let value = a.value(at) - factor * b.value(at);
     let length = gradient.length();
     let terms = a.gradient(at).length() + factor.abs() * b.gradient(at).length();
-    if length <= 1e-9 * terms.max(f64::MIN_POSITIVE) {
+    if length <= NEAR * terms.max(f64::MIN_POSITIVE) {
         return Some(None);
     }
     Some(Some(Surface::plane(
@@ -67,8 +68,8 @@ pub(super) mod tests {
 
     use super::super::conic::conics;
     use super::super::curve::Curve;
-    use super::super::scene::NEAR;
     use super::*;
+    use crate::numeric::tolerance::NEAR;
     use crate::random::Random;
     use crate::surface::solve;
 

@@ -25,11 +25,11 @@ use super::intersection::Unknown;
 use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::{BEGIN, Trig};
+use crate::numeric::tolerance::{
+    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING,
+};
 use crate::numeric::{eigen_symmetric, jacobi};
 use crate::program::Surface;
-
-/// Eigenvalues below this share of the largest are none.
-const NO_VALUE: f64 = 1e-12;
 
 /// Two quadrics, and the combinations of them.
 struct Pencil<'a> {
@@ -160,7 +160,7 @@ impl<'a> Pencil<'a> {
         };
         let trig = Trig::through(determinant);
         let mut roots = Roots::default();
-        trig.roots(1e-14 * trig.magnitude(), &mut roots);
+        trig.roots(POLYNOMIAL * trig.magnitude(), &mut roots);
         let half = |doubled: f64| 0.5 * doubled;
         Singular {
             multiple: multiple_roots(&trig).into_iter().map(half).collect(),
@@ -198,7 +198,7 @@ impl<'a> Pencil<'a> {
             .to_cols_array()
             .iter()
             .fold(0.0f64, |m, v| m.max(v.abs()));
-        let is_finite = vertex.w.abs() > 1e-9;
+        let is_finite = vertex.w.abs() > AT_INFINITY;
         // Half the gradient, and how far the vertex is from the other surface.
         let slope = polar.truncate().length();
         let is_on = if is_finite {
@@ -214,14 +214,14 @@ impl<'a> Pencil<'a> {
             return self.on_lines(lines, other, near);
         }
         let form = lines.form(other);
-        if form.b.magnitude() <= 1e-11 * size {
+        if form.b.magnitude() <= CANCELLED * size {
             return Ok(self.through_vertex(lines, &form.a, near));
         }
         // Where the curve passes through the vertex.
         let mut roots = Roots::default();
-        form.b.roots(1e-11 * form.b.magnitude(), &mut roots);
+        form.b.roots(CANCELLED * form.b.magnitude(), &mut roots);
         let a_there = |angle: &f64| form.a.value(*angle).abs();
-        let has_line = |angle: &f64| a_there(angle) <= 1e-9 * size;
+        let has_line = |angle: &f64| a_there(angle) <= NEAR * size;
         if roots.simple.iter().chain(&roots.touching).any(has_line) {
             // A line of both surfaces.
             return Err(Unknown::NoForm);
@@ -251,7 +251,7 @@ impl<'a> Pencil<'a> {
             let (sin, cos) = angle.sin_cos();
             let [one, c, s] = lines.p;
             let point = one + cos * c + sin * s;
-            if vertex.w.abs() > 1e-9 {
+            if vertex.w.abs() > AT_INFINITY {
                 let away = point - point.w / vertex.w * vertex;
                 branches.push(Branch {
                     curve: Curve::Line {
@@ -288,11 +288,11 @@ impl<'a> Pencil<'a> {
         let discriminant = b.times(b).plus(-1.0, &a.times(c));
         let scale = b.magnitude() * b.magnitude() + a.magnitude() * c.magnitude();
         let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
-        if discriminant.magnitude() <= 1e-12 * scale {
+        if discriminant.magnitude() <= CANCELLED * scale {
             parts.push(Part::Touching);
         } else {
             let mut roots = Roots::default();
-            discriminant.roots(1e-12 * scale, &mut roots);
+            discriminant.roots(CANCELLED * scale, &mut roots);
             if let Some(&touching) = roots.touching.first() {
                 let curve = self.rulings(lines, &form, Part::Around { is_plus: true });
                 let point = curve.at((touching - BEGIN).rem_euclid(TAU));
@@ -327,14 +327,11 @@ impl<'a> Pencil<'a> {
 
     /// The curves of quadrics that touch at a point.
     fn through_contact(&self, start: DVec3, near: f64) -> Result<Branches, Unknown> {
-        /// Eigenvalues below this share of the largest are none: a contact is not
-        /// found to the last digit.
-        const SMALL: f64 = 1e-6;
         let [a, b] = self.surfaces;
         let at = contact(a, b, start);
         let [p, q] = [a, b].map(|s| s.gradient(at));
         let factor = p.dot(q) / q.length_squared();
-        if !factor.is_finite() || (p - factor * q).length() > 1e-6 * p.length() {
+        if !factor.is_finite() || (p - factor * q).length() > TOUCHING * p.length() {
             return Err(Unknown::NoForm);
         }
         // The one of the pencil whose gradient is 0 there.
@@ -348,7 +345,7 @@ impl<'a> Pencil<'a> {
         let values = order.map(|k| values[k]);
         let axes = order.map(|k| axes.col(k));
         let largest = values[2].max(-values[0]);
-        let is_small = |value: f64| value.abs() <= SMALL * largest;
+        let is_small = |value: f64| value.abs() <= TOUCHING * largest;
         let sign = |value: f64| if is_small(value) { 0.0 } else { value.signum() };
         // 0 along a line: it meets the surfaces in points if it is not on them.
         let along = |axis: DVec3| {
@@ -397,16 +394,14 @@ impl<'a> Pencil<'a> {
 /// two: there its third, second or first derivative has a simple one, which alone
 /// is known to the last digits.
 fn multiple_roots(trig: &Trig) -> SmallVec<[f64; 4]> {
-    /// Of the greatest value: what is less may be 0.
-    const SMALL: f64 = 1e-9;
     let first = trig.derivative();
     let second = first.derivative();
     let third = second.derivative();
     let mut found = SmallVec::new();
     for derivative in [third, second, first] {
         let mut roots = Roots::default();
-        derivative.roots(1e-14 * derivative.magnitude(), &mut roots);
-        let is_root = |t: &f64| trig.value(*t).abs() <= SMALL * trig.magnitude();
+        derivative.roots(POLYNOMIAL * derivative.magnitude(), &mut roots);
+        let is_root = |t: &f64| trig.value(*t).abs() <= MULTIPLE_ROOT * trig.magnitude();
         found.extend(roots.simple.into_iter().filter(is_root));
     }
     found

@@ -18,11 +18,8 @@ use smallvec::{SmallVec, smallvec};
 
 use super::roots::{Candidate, Roots};
 use super::trig::{BEGIN, Trig};
+use crate::numeric::tolerance::{CANCELLED, SAME_DIRECTION, SAME_ROOT};
 use crate::program::Surface;
-
-/// Terms cancel where their sum is below this share of their size: products of up to four
-/// polynomials whose coefficients are known to 1e-13 or so.
-const SMALL: f64 = 1e-11;
 
 /// The matrix of a quadric in coordinates about `origin` of some unit.
 pub(super) fn matrix(surface: &Surface, origin: DVec3, unit: f64) -> DMat4 {
@@ -331,15 +328,15 @@ impl Rulings {
         } else {
             self.on_quadric(&matrix(surface, self.origin, self.unit))
         };
-        if equation.magnitude() <= SMALL * size {
+        if equation.magnitude() <= CANCELLED * size {
             let size;
             (equation, size) = self.beside_branch(surface).ok_or(Along::Within)?;
-            if equation.magnitude() <= SMALL * size {
+            if equation.magnitude() <= CANCELLED * size {
                 return Err(Along::Within);
             }
         }
         let mut roots = Roots::default();
-        equation.roots(SMALL * equation.magnitude(), &mut roots);
+        equation.roots(CANCELLED * equation.magnitude(), &mut roots);
         if roots.is_lost {
             return Err(Along::Beside);
         }
@@ -352,7 +349,7 @@ impl Rulings {
         }
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         places.dedup_by(|a, b| {
-            let is_same = a.0 - b.0 < 1e-13 * (end - start);
+            let is_same = a.0 - b.0 < SAME_ROOT * (end - start);
             b.1 |= is_same && a.1;
             is_same
         });
@@ -365,14 +362,14 @@ impl Rulings {
         let [p, q] = self.lines.values(infinity);
         let (at_infinity, _) = self.on_plane(infinity);
         let mut roots = Roots::default();
-        at_infinity.roots(1e-12 * at_infinity.magnitude(), &mut roots);
+        at_infinity.roots(CANCELLED * at_infinity.magnitude(), &mut roots);
         let mut poles: Vec<f64> = Vec::new();
         for &angle in roots.simple.iter().chain(&roots.touching) {
             let point = [q.value(angle), -p.value(angle)];
             poles.extend(self.place(angle, point));
         }
         poles.sort_by(f64::total_cmp);
-        poles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_DIRECTION);
         let Some(&first) = poles.first() else {
             return vec![self];
         };

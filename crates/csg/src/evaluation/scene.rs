@@ -5,18 +5,9 @@ use glam::{DVec2, DVec3};
 use super::frame::Frame;
 use super::piece::Side;
 use crate::control::Control;
+use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
 use crate::program::Surface;
 use crate::undecided::Stop;
-
-/// Points nearer to each other than this share of the scene are one vertex.
-pub(super) const WELD: f64 = 3e-11;
-
-/// A line nearer to a plane than this share of the scene lies in it.
-pub(super) const ON_PLANE: f64 = 3e-12;
-
-/// Curved surfaces nearer to each other than this share of the scene, but not
-/// crossing, touch.
-pub(super) const NEAR: f64 = 1e-9;
 
 /// n·x - offset, at most 0 inside.
 #[derive(Clone, Copy, Debug)]
@@ -65,14 +56,14 @@ impl Scene<'_> {
     /// Curvatures that differ by less are the same: those of curves that over the
     /// length of the scene part by less than what is near.
     pub fn same_bend(&self) -> f64 {
-        NEAR * NEAR / self.near
+        SAME_BEND * NEAR / self.near
     }
 
     /// Next to where surfaces touch, points nearer to each other may not be told apart:
     /// where a curve touches a surface to the fourth order, the place is known to a
     /// quarter of the digits.
     pub fn touching_reach(&self) -> f64 {
-        1e6 * self.weld
+        TOUCHING_REACH * self.weld
     }
 
     /// By how much rounding may move points of a surface before its values are to be

@@ -12,13 +12,9 @@ use super::curve::{Curve, Meets};
 use super::pairs::curves;
 use super::roots::{Roots, bracketed};
 use super::scene::Scene;
+use crate::numeric::tolerance::DOUBTFUL;
 use crate::program::Surface;
 use crate::surface::solve;
-
-/// Roots between which a function stays within so many roundings may be made by rounding
-/// alone, as another one of the three curves may tell: it is about as far off where
-/// they cross the surface at an angle of less than a thousandth.
-const DOUBTFUL: f64 = 1e3;
 
 /// A root, or several that cannot be told apart.
 #[derive(Clone, Debug, Default, PartialEq)]

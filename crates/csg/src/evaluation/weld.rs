@@ -167,7 +167,7 @@ impl Welder {
     }
 
     fn look_up(&mut self, point: DVec3) -> u32 {
-        /// The sides of cubes, in distances.
+        /// The sides of cubes, in distances. Tunes speed only.
         const WIDTH: f64 = 16.0;
         /// Points nearer to a side of a cube than this share of it may have others
         /// within the distance beyond: twice as near as they must be.

@@ -37,7 +37,7 @@ fn is_left(a: DVec2, b: DVec2) -> bool {
     (a.x, a.y) < (b.x, b.y)
 }
 
-/// Sides in a leaf.
+/// Sides in a leaf. Tunes speed only.
 const LEAF: usize = 4;
 
 /// Successive sides of the polygon in a box.

@@ -21,6 +21,7 @@ use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::{HELD, MAPPED, NEAR};
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
@@ -131,8 +132,8 @@ impl<'a> Run<'a> {
         let size = bounds.size().max_element();
         let tolerance = self.goal.as_ref().map_or(0.0, |goal| goal.tolerance);
         let deviation = report.deviation.filter(|d| d.is_finite()).unwrap_or(0.0);
-        let unseen = 2.0 * report.moved.map_or(0.0, |moved| moved.distance) + 1e-9 * size;
-        let tolerance = tolerance.max(deviation).max(unseen).max(1e-6 * size);
+        let unseen = 2.0 * report.moved.map_or(0.0, |moved| moved.distance) + NEAR * size;
+        let tolerance = tolerance.max(deviation).max(unseen).max(HELD * size);
         let held = verify::Tolerances { tolerance, unseen };
         let found = verify::differences(self.program, mesh, &bounds, held);
         for place in found.places {
@@ -198,13 +199,11 @@ impl<'a> Run<'a> {
 
     /// An error for a tolerance that no coordinates can keep.
     fn check_tolerance(&self, bounds: &Bounds) -> Result<(), Error> {
-        /// Points of surfaces are this exact, in roundings of the largest coordinate.
-        const ROUNDINGS: f64 = 64.0;
         let Some(goal) = &self.goal else {
             return Ok(());
         };
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let least = ROUNDINGS * f64::EPSILON * farthest;
+        let least = MAPPED * farthest;
         if goal.tolerance < least && !evaluation::is_polyhedral(self.program) {
             return Err(Error::InvalidOption(format!(
                 "a tolerance of {:e}: coordinates of up to {farthest} are rounded by more; \

@@ -2,5 +2,6 @@
 
 mod eigen;
 pub(crate) mod lanes;
+pub(crate) mod tolerance;
 
 pub(crate) use self::eigen::{eigen_symmetric, jacobi};

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::cell::Cell;
+use crate::numeric::tolerance::{SAME_DIRECTION, TOUCHING};
 use crate::surface::Surface;
 
 /// Bit i of the k-th: bit k of i.
@@ -125,12 +126,12 @@ impl Changes {
                 .iter()
                 .flatten()
                 .map(|other| normal.cross(*other))
-                .filter(|line| line.length() > 1e-6)
+                .filter(|line| line.length() > TOUCHING)
                 .map(|line| line.dot(v).atan2(line.dot(u)).rem_euclid(PI))
                 .flat_map(|angle| [angle, angle + PI])
                 .collect();
             angles.sort_by(f64::total_cmp);
-            angles.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            angles.dedup_by(|a, b| (*a - *b).abs() < SAME_DIRECTION);
             let next = angles.iter().skip(1).copied();
             let next = next.chain(angles.first().map(|first| first + TAU));
             let mut sectors: Vec<DVec3> = angles

@@ -18,6 +18,7 @@ use super::Program;
 use super::cell::{Cell, Pruner};
 use super::formula::{Formula, Operand, Operation};
 use crate::error::Error;
+use crate::numeric::tolerance::COORDINATE;
 use crate::surface::{Bounds, Side, Surface, half_space_bounds};
 
 /// A side is shaved until not even a slab of this share of the box is proven
@@ -129,7 +130,7 @@ impl Surface {
         }
         // Its half-space ends on one side, at the plane.
         let [low, high] = [bounds.min, bounds.max].map(DVec3::is_finite_mask);
-        let slack = 8.0 * f64::EPSILON * self.anchor.abs();
+        let slack = COORDINATE * self.anchor.abs();
         Bounds {
             min: DVec3::select(high, self.anchor - slack, bounds.min),
             max: DVec3::select(low, self.anchor + slack, bounds.max),
@@ -439,7 +440,7 @@ impl<'a> Shaver<'a> {
             self.spent += parent.surfaces.len();
             let cell = &mut below[0];
             // The box of rounded corners, enlarged by what rounding took.
-            let slack = 4.0 * f64::EPSILON * (bounds.min.abs() + bounds.max.abs());
+            let slack = COORDINATE * (bounds.min.abs() + bounds.max.abs());
             let half = 0.5 * bounds.size() + slack;
             parent.prune_into(self.surfaces, bounds.center(), half, &mut self.pruner, cell);
             match cell.constant() {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 
 use crate::error::NodeFault;
+use crate::numeric::tolerance::{COORDINATE, IN_PROFILE, WHOLE_TURN};
 use crate::solid::{Plane, Primitive};
 use crate::surface::{Kind, Surface, from_coefficients};
 
@@ -294,14 +295,14 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
     let mut first = None;
     for (from, to) in edges() {
         let along = to - from;
-        if along.length() <= 8.0 * f64::EPSILON * size {
+        if along.length() <= COORDINATE * size {
             return fault("two corners in succession coincide");
         }
         let outward = -along.perp() * turn;
         let outward = outward / outward.length();
         if let Some(before) = previous {
             total_turn += before.angle_to(along) * turn;
-            if before.angle_to(along) * turn < -1e-12 {
+            if before.angle_to(along) * turn < -IN_PROFILE {
                 return fault("it has a reflex corner");
             }
         }
@@ -313,11 +314,11 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
     if let (Some(last), Some(first)) = (previous, first) {
         let closing = last.angle_to(first) * turn;
         total_turn += closing;
-        if closing < -1e-12 {
+        if closing < -IN_PROFILE {
             return fault("it has a reflex corner");
         }
     }
-    if (total_turn - std::f64::consts::TAU).abs() > 1e-6 {
+    if (total_turn - std::f64::consts::TAU).abs() > WHOLE_TURN {
         return fault("it crosses itself");
     }
     surfaces.extend(z_slab(z)?);

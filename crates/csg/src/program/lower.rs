@@ -23,6 +23,7 @@ use super::unify::WorldMap;
 use super::{Bounds, Origin, Program};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
+use crate::numeric::tolerance::MAPPED;
 use crate::solid::{Made, Node, Primitive, Solid};
 
 impl Program {
@@ -208,7 +209,7 @@ impl<'a> Lowering<'a> {
         let alone = WorldMap::IDENTITY.then_inner(&inner);
         // Not so much as one correct digit is left below this.
         let conditioning = alone.relative_determinant().abs();
-        if conditioning.is_nan() || conditioning <= 64.0 * f64::EPSILON {
+        if conditioning.is_nan() || conditioning <= MAPPED {
             return Err(self.error(NodeFault::SingularMap {
                 determinant: inner.matrix3.determinant(),
             }));

@@ -4,6 +4,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::Bounds;
+use crate::numeric::tolerance::MAPPED;
 use crate::solid::Primitive;
 
 impl Bounds {
@@ -52,7 +53,7 @@ impl Bounds {
     /// Grown by what rounding may have taken.
     fn rounded_outward(self, map: &DAffine3) -> Self {
         let magnitude = self.min.abs().max(self.max.abs()) + map.translation.abs();
-        let slack = 64.0 * f64::EPSILON * DVec3::splat(magnitude.max_element());
+        let slack = MAPPED * DVec3::splat(magnitude.max_element());
         Self {
             min: self.min - slack,
             max: self.max + slack,

@@ -17,18 +17,19 @@ use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, NONE, first_of, halves_of, next, triangle_of};
 use super::region::{Bend, metric};
 use super::shape::faces_out;
+use crate::numeric::tolerance::TOUCHING_AT_ENDS;
 
-/// Of the angle between a triangle and its surface at a corner: 37°.
+/// Of the angle between a triangle and its surface at a corner: 37°. Tunes counts only.
 const LEAST_COSINE: f64 = 0.8;
 
-/// Of the angle between a chord and its curve at an end, squared: 30°.
+/// Of the angle between a chord and its curve at an end, squared: 30°. Tunes counts only.
 const LEAST_CHORD_COSINE_SQUARED: f64 = 0.75;
 
-/// More neighbours than this are too many: ears are sought in quadratic time.
+/// More neighbours than this are too many: ears are sought in quadratic time. Tunes counts only.
 const MOST_NEIGHBOURS: usize = 48;
 
 /// Holes of more corners are only filled ear by ear: all triangulations of one
-/// are compared in cubic time.
+/// are compared in cubic time. Tunes counts only.
 const MOST_CORNERS: usize = 16;
 
 /// See [`Hole::try_all`].
@@ -59,6 +60,7 @@ struct Removal {
 /// Takes out vertices until none can be spared, but for those on surfaces with a
 /// tolerance of their own: faces are close to each other there.
 pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
+    /// Tunes counts only.
     const MOST_PASSES: usize = 12;
     let mut removal = Removal::default();
     let mut waiting = vec![true; mesh.positions.len()];
@@ -261,7 +263,8 @@ fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
         let tangent = g1.cross(g2);
         let square = tangent.length_squared();
         // Where the surfaces touch it has none, and the edge must do.
-        if square <= 1e-8 * g1.length_squared() * g2.length_squared() {
+        if square <= TOUCHING_AT_ENDS * TOUCHING_AT_ENDS * g1.length_squared() * g2.length_squared()
+        {
             return chord.dot(edge) > 0.0;
         }
         let cosine = tangent.dot(chord) * tangent.dot(edge).signum();

@@ -18,6 +18,9 @@ use super::goal::Goal;
 use super::round::{LEAST_ASPECT, Round};
 use crate::evaluation::{Curve, conics};
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::{
+    CANCELLED, NEAR, NEAR_OF_REFINED, ON_CONIC, TOUCHING, TOUCHING_AT_ENDS,
+};
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -30,14 +33,6 @@ pub(super) struct Conic {
     bend: f64,
 }
 
-/// Surfaces nearer to each other than this many times the precision touch: as near
-/// as in [`crate::evaluation`].
-const NEAR: f64 = 1e3;
-
-/// Vertices farther from a conic than this many times the precision are not on
-/// it.
-const ON_CONIC: f64 = 1e2;
-
 /// The plane in which two quadrics a and b meet between two points common to
 /// them, if they do.
 ///
@@ -46,12 +41,10 @@ const ON_CONIC: f64 = 1e2;
 /// is that plane's normal. Where both planes are one, in which the quadrics touch,
 /// there is no gradient, but only one direction in which the combination bends.
 fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
-    /// Coefficients below this share of the largest are rounding.
-    const NEGLIGIBLE: f64 = 1e-11;
     let along = q - p;
     let [bend_a, bend_b] = [a, b].map(|s| s.curvature_along(along));
     // A chord of neither, but for rounding.
-    if bend_b.abs() <= 1e-6 * along.length_squared() {
+    if bend_b.abs() <= TOUCHING * along.length_squared() {
         return None;
     }
     let factor = bend_a / bend_b;
@@ -60,7 +53,7 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     let anchor = p + along / 3.0;
     let normal = a.gradient(anchor) - factor * b.gradient(anchor);
     let size = a.gradient(anchor).length() + factor.abs() * b.gradient(anchor).length();
-    let normal = if normal.length() > 1e-4 * size {
+    let normal = if normal.length() > TOUCHING_AT_ENDS * size {
         normal.normalize_or_zero()
     } else {
         let (values, axes) = eigen_symmetric(std::array::from_fn(|k| {
@@ -70,7 +63,7 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
     };
     let (u, v) = normal.any_orthonormal_pair();
     let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
-    let vanishes = bends.iter().all(|bend| bend.abs() <= NEGLIGIBLE * scale);
+    let vanishes = bends.iter().all(|bend| bend.abs() <= CANCELLED * scale);
     vanishes.then_some(Surface::plane(anchor, normal))
 }
 
@@ -95,7 +88,7 @@ impl Conic {
                 .max_by(|p, q| off(p).total_cmp(&off(q)))?;
             (common_plane(surfaces, vertices[0], far)?, a)
         };
-        let curves = conics(&plane, quadric, NEAR * precision).into_iter();
+        let curves = conics(&plane, quadric, NEAR_OF_REFINED * precision).into_iter();
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));
         conics.find_map(|conic| {
             let blur = |at: DVec3| {
@@ -133,12 +126,11 @@ impl Conic {
     }
 
     fn is_circle(&self) -> bool {
-        const ALIKE: f64 = 1e-9;
         let Curve::Ellipse { a, b, .. } = self.curve else {
             return false;
         };
         let (aa, bb) = (a.length_squared(), b.length_squared());
-        (aa - bb).abs().max(a.dot(b).abs()) <= ALIKE * aa
+        (aa - bb).abs().max(a.dot(b).abs()) <= NEAR * aa
     }
 
     /// The parameter of a point on it, of an ellipse up to whole turns.

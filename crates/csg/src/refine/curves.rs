@@ -10,6 +10,7 @@ use glam::DVec3;
 use super::course::Course;
 use super::goal::Goal;
 use super::round::Round;
+use crate::numeric::tolerance::CROSSING;
 use crate::program::Surface;
 use crate::surface::solve;
 
@@ -33,7 +34,7 @@ fn bends(surfaces: [&Surface; 2], at: DVec3) -> Option<(f64, f64)> {
     let across = g1.cross(g2);
     let determinant = across.length_squared();
     let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
-    if determinant <= 1e-4 * g11 * g22 {
+    if determinant <= CROSSING * CROSSING * g11 * g22 {
         return None;
     }
     let tangent = across / determinant.sqrt();
@@ -250,7 +251,7 @@ fn nearby(surfaces: [&Surface; 2], start: DVec3, reach: f64, precision: f64) -> 
         let [f1, f2] = surfaces.map(|s| s.value(point));
         let (g11, g22, g12) = (g1.length_squared(), g2.length_squared(), g1.dot(g2));
         let determinant = g11 * g22 - g12 * g12;
-        if determinant <= 1e-4 * g11 * g22 {
+        if determinant <= CROSSING * CROSSING * g11 * g22 {
             return None;
         }
         let (a, b) = (f1 * g22 - f2 * g12, f2 * g11 - f1 * g12);

@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::half_edges::{HalfEdges, next, previous};
 use super::region::{Bend, Region, Way, metric};
 use super::shape::faces_out_in_the_middle;
+use crate::numeric::tolerance::NEAR;
 use crate::program::Surface;
 
 /// Edges to be looked at for flipping, each once, the last ones first.
@@ -77,9 +78,6 @@ fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     flips
 }
 
-/// A tie but for rounding is no reason to flip.
-const CLEARLY: f64 = 1e-9;
-
 /// Whether the angles across from the edge from a to b, between the triangles a, b, c
 /// and b, a, d, add up to more than π.
 #[inline(always)]
@@ -91,7 +89,7 @@ fn is_better_flipped(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4
         let convex = region.outward * surface.curvature_along(b - a);
         let above = normal.dot(d - a) * convex.signum();
         let scale = normal.length_squared() * (d - a).length_squared();
-        return above > 0.0 && above * above > CLEARLY * CLEARLY * scale;
+        return above > 0.0 && above * above > NEAR * NEAR * scale;
     }
     // The metric of all edges at once.
     if region.bend == Bend::Single {
@@ -113,7 +111,7 @@ fn exceeds_half_turn([a, d, b, c]: [DVec3; 4], square: impl Fn(DVec3) -> f64) ->
     // The cosines' squares with their signs, over a common denominator: their sum is
     // compared without a branch, as nobody could tell beforehand which way it goes.
     let (c2, d2) = (at_c * at_c.abs() * sides_d, at_d * at_d.abs() * sides_c);
-    c2 + d2 < -CLEARLY * c2.max(d2)
+    c2 + d2 < -NEAR * c2.max(d2)
 }
 
 /// Whether the triangles that a flip would make face the way their surface does.

@@ -11,11 +11,11 @@ use super::tessellate::{Tessellator, rows_of};
 use crate::control::Control;
 use crate::error::Error;
 
-/// An edge is tessellated into no more chords than about this.
+/// An edge is tessellated into no more chords than about this. Tunes counts only.
 const MOST_CHORDS: f64 = 12.0;
 
 /// A surface turns by no more than about this along an edge that is
-/// tessellated.
+/// tessellated. Tunes counts only.
 const MOST_TURN: f64 = 0.5;
 
 /// Into how many parts an edge that comes to so many chords, along which its
@@ -30,11 +30,11 @@ fn parts_of(chords: f64, turn: f64) -> f64 {
 }
 
 /// Faces whose edges are tessellated into fewer chords may as well be cut up one
-/// by one.
+/// by one. Tunes counts only.
 const FEWEST_CHORDS: f64 = 3.0;
 
 /// The same for single edges of faces that are tessellated: clearly fewer, as all of
-/// a face may come to about the same, and must not be cut up after all.
+/// a face may come to about the same, and must not be cut up after all. Tunes counts only.
 const FEWEST_CHORDS_OF_EDGE: f64 = 2.0;
 
 impl Grower<'_, '_> {
@@ -215,6 +215,7 @@ impl Grower<'_, '_> {
     /// Whether a triangle is to be tessellated and needs more rows than one, but
     /// not nearly two.
     fn is_hardly_far(&self, triangle: u32) -> bool {
+        /// Tunes counts only.
         const NOT_NEARLY_TWO: f64 = 1.6;
         let sides = halves_of(triangle);
         is_at_once(self.mesh, first_of(triangle))

@@ -96,7 +96,7 @@ impl Bend {
 /// by its length, so that no direction counts for nothing.
 #[inline(always)]
 pub(super) fn metric(surface: &Surface, bend: Bend, edge: DVec3) -> f64 {
-    /// Rulings count as a thousandth of their length.
+    /// Rulings count as a thousandth of their length. Tunes counts only.
     const ALONG_RULINGS: f64 = 1e-6;
     match bend {
         Bend::Flat | Bend::Saddle => edge.length_squared(),

@@ -4,11 +4,8 @@ use glam::DVec3;
 
 use super::region::{Bend, Region, Way};
 use super::round::Round;
+use crate::numeric::tolerance::FLAT;
 use crate::program::Surface;
-
-/// A triangle whose height is less than this share of its longest side has no
-/// area to speak of.
-const FLAT: f64 = 1e-10;
 
 /// Corners as they are looked at: of an elongated ellipsoid where it is a ball.
 #[inline(always)]

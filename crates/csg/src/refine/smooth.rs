@@ -9,6 +9,7 @@ use super::shape::faces_out_in_the_middle;
 /// Moves the vertices inside the faces that are to be tessellated amid their
 /// neighbours, and flips edges accordingly.
 pub(super) fn smooth(mesh: &mut HalfEdges<'_>, waiting: &mut Waiting) {
+    /// Tunes counts only.
     const SWEEPS: usize = 3;
     let is_wanted = |vertex: &u32| {
         mesh.kinds[*vertex as usize] == Kind::Face

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::evaluation::Borders;
+use crate::numeric::tolerance::ON_REFINED;
 
 /// A mesh whose triangles know their surfaces.
 #[derive(Clone, Debug, Default)]
@@ -21,13 +22,10 @@ pub(crate) struct Surfaced {
 /// About what is held for each triangle at a time.
 pub(super) const BYTES_PER_TRIANGLE: usize = 200;
 
-/// A point nearer to a surface than this share of the mesh's size lies on it.
-const ON_SURFACE: f64 = 1e-12;
-
 /// How near points must come to their surfaces.
 pub(super) fn precision(positions: &[DVec3]) -> f64 {
     let size = positions
         .iter()
         .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
-    ON_SURFACE * size
+    ON_REFINED * size
 }

@@ -205,7 +205,7 @@ impl<'m, 's> Tessellator<'m, 's> {
 
     /// Fills all triangles that are not as they should be.
     fn fill(&mut self) {
-        /// Triangles worth a task of their own.
+        /// Triangles worth a task of their own. Tunes speed only.
         const FEWEST: usize = 8;
         let mut subdivisions = std::mem::take(&mut self.fine.subdivisions);
         let stale = subdivisions.par_iter_mut().with_min_len(FEWEST);
@@ -282,7 +282,7 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let surface = mesh.surface(half);
     let corners = mesh.corners(triangle);
     let estimate = judge::estimate(surface, mesh.region(half), corners);
-    /// The surface over a triangle is larger than the triangle.
+    /// The surface over a triangle is larger than the triangle. Tunes counts only.
     const CURVED: f64 = 1.05;
     let for_distance = (estimate / goal.aim_on(mesh.surface_index(half))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {

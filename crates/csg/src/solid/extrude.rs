@@ -10,9 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
 use crate::error::NodeFault;
-
-/// Chords stray so much of a profile's size where circles cannot be kept.
-pub(super) const OF_SIZE: f64 = 1e-4;
+use crate::numeric::tolerance::PROFILE_CHORD;
 
 /// Solids from profiles, in the xy plane.
 impl Solid {
@@ -118,7 +116,7 @@ fn extruded(
         }
     }
     let even = scale.x == scale.y;
-    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let set = plane_set(profile, Sagitta::of_length(tolerance), &|_| even)?;
     let Some((min, max)) = profile.bounds(tolerance)? else {
         return Ok((Solid::empty(), [DVec3::ZERO; 2]));

@@ -13,11 +13,7 @@ use rustc_hash::FxHashMap;
 use super::primitive::Plane;
 use super::tree::Solid;
 use crate::error::{NodeFault, ProfileFault};
-
-/// Points nearer to a plane, relative to the size of all, lie on it.
-const ON_PLANE: f64 = 1e-13;
-/// Planes of a face and of all its corners may differ by so much.
-const FLAT: f64 = 1e-12;
+use crate::numeric::tolerance::{OFF_HULL, ON_FACE, SAME_FACE};
 
 impl Solid {
     /// The least convex polyhedron around points. Time is about n log n for n
@@ -48,14 +44,14 @@ pub(super) fn hull_planes(points: &[DVec3]) -> Result<Vec<Plane>, NodeFault> {
     }
     let (min, max) = extent(points);
     let size = (max - min).max_element();
-    let mut hull = Hull::start(points, ON_PLANE * size).ok_or(NodeFault::Flat)?;
+    let mut hull = Hull::start(points, ON_FACE * size).ok_or(NodeFault::Flat)?;
     hull.grow();
-    let planes = hull.planes(FLAT * size);
+    let planes = hull.planes(SAME_FACE * size);
     let worst = planes
         .iter()
         .flat_map(|plane| points.iter().map(|&p| plane.normal.dot(p) - plane.offset))
         .fold(0.0, f64::max);
-    if worst > 100.0 * FLAT * size || planes.len() < 4 {
+    if worst > OFF_HULL * size || planes.len() < 4 {
         return Err(NodeFault::Flat);
     }
     Ok(planes)

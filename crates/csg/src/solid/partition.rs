@@ -4,10 +4,9 @@ use glam::DVec3;
 
 use super::primitive::Plane;
 use super::tree::Solid;
+use crate::numeric::tolerance::SAME_FACE;
 
-/// Points nearer to a plane, relative to the polyhedron's size, lie on it.
-const ON_PLANE: f64 = 1e-11;
-/// So many planes are tried for each cut.
+/// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
 
 /// A face, or what cuts have left of it.
@@ -42,7 +41,7 @@ pub(super) struct Tree {
 impl Tree {
     /// The tree of the faces of a closed polyhedron.
     pub(super) fn of(facets: Vec<Facet>, size: f64) -> Self {
-        let slack = ON_PLANE * size;
+        let slack = SAME_FACE * size;
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
         let mut pending: Vec<(Vec<Facet>, Option<Place>)> = vec![(facets, None)];

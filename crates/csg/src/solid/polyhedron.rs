@@ -15,12 +15,10 @@ use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::{NodeFault, PolyhedronFault};
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::{NO_AREA, NO_VOLUME, ON_FACE};
 
 /// The most faces: each is an infinite plane to whatever is cut by it.
 const MOST_FACES: usize = 20_000;
-/// Corners off the plane of their face by more than this, relative to the
-/// polyhedron's size, make triangles of it.
-const FLAT: f64 = 1e-13;
 
 impl Solid {
     /// The solid that faces bound: closed, each listing the indices of its
@@ -147,7 +145,7 @@ impl Faces {
         let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
         let flat = plane_of(&points).is_none_or(|plane| {
             let off = |p: &DVec3| (plane.normal.dot(*p) - plane.offset).abs();
-            points.iter().all(|p| off(p) <= FLAT * self.size)
+            points.iter().all(|p| off(p) <= ON_FACE * self.size)
         });
         if corners.len() == 3 || flat {
             self.faces.push((corners, face));
@@ -182,7 +180,7 @@ impl Faces {
         if volume < 0.0 {
             return Err(PolyhedronFault::InsideOut);
         }
-        if volume <= 1e-15 * self.size.powi(3) {
+        if volume <= NO_VOLUME * self.size.powi(3) {
             return Err(PolyhedronFault::Degenerate);
         }
         let crossings = mesh.self_intersections();
@@ -223,7 +221,7 @@ impl Faces {
     /// The planes, if all vertices are behind or on each.
     fn convex(&self) -> Option<Vec<Plane>> {
         let mut planes: Vec<Plane> = Vec::new();
-        let slack = FLAT * self.size;
+        let slack = ON_FACE * self.size;
         for (corners, _) in &self.faces {
             let Some(plane) = plane_of(&self.points(corners)) else {
                 continue;
@@ -266,7 +264,7 @@ pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
         normal += (a - middle).cross(b - middle);
         longest = longest.max(a.distance_squared(b));
     }
-    if normal.length() <= 1e-14 * longest {
+    if normal.length() <= NO_AREA * longest {
         return None;
     }
     let normal = normal.normalize();

@@ -8,11 +8,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine2, DVec2, DVec3};
 
-use super::extrude::{OF_SIZE, double_cone};
+use super::extrude::double_cone;
 use super::primitive::Plane;
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::Solid;
 use crate::error::{NodeFault, ProfileFault};
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;
@@ -52,7 +53,7 @@ impl Solid {
 type Boxed = (Solid, [DVec3; 2]);
 
 fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
-    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let (set, corners) = half_plane_set(profile, tolerance, &is_on_axis)?;
     let solid = set.solid(|leaf| match *leaf {
         Leaf::HalfPlane { from, to } => match Side::of(from, to) {
@@ -91,7 +92,7 @@ fn half_plane_set(
     let Some((min, max)) = profile.bounds(tolerance)? else {
         return Ok((PlaneSet::EMPTY, [DVec3::ZERO; 2]));
     };
-    if min.x < -1e-12 * max.abs().max(min.abs()).max_element() {
+    if min.x < -IN_PROFILE * max.abs().max(min.abs()).max_element() {
         return Err(ProfileFault::BeyondAxis { x: min.x }.into());
     }
     let sagitta = Sagitta {
@@ -109,7 +110,7 @@ fn is_on_axis(map: &DAffine2) -> bool {
     let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
     let size = x.length().max(y.length());
     let upright = x.x * x.y + y.x * y.y;
-    map.translation.x.abs() <= 1e-12 * size && upright.abs() <= 1e-12 * size * size
+    map.translation.x.abs() <= IN_PROFILE * size && upright.abs() <= IN_PROFILE * size * size
 }
 
 /// What is to the left of a line in the half-plane of distances and heights.
@@ -193,7 +194,7 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
     if steps < if full { 3 } else { 1 } || !full && radians.abs() / steps as f64 >= PI {
         return Err(NodeFault::TooFewSteps { steps });
     }
-    let tolerance = profile.tolerance_of(OF_SIZE)?;
+    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let (set, corners) = half_plane_set(profile, tolerance, &|_| false)?;
     // The directions of the middles of steps, and how far they fall short.
     let middles: Vec<DVec2> = (0..steps)

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::hull::hull_planes;
 use super::profile::Profile;
 use super::tree::Solid;
+use crate::numeric::tolerance::OFF_HULL;
 
 impl Solid {
     /// The least convex solid around balls of the same radius: all points
@@ -26,7 +27,7 @@ impl Solid {
             [a, b] => Some(Self::union([rod(a, b, radius), ball(a), ball(b)])),
             _ => {
                 let planes = hull_planes(&distinct).ok()?;
-                let slack = 1e-10 * planes.iter().map(|p| p.offset.abs()).fold(radius, f64::max);
+                let slack = OFF_HULL * planes.iter().map(|p| p.offset.abs()).fold(radius, f64::max);
                 let mut parts = vec![Self::convex_polyhedron(planes.iter().copied())];
                 let mut edges: Vec<[usize; 2]> = Vec::new();
                 for plane in &planes {

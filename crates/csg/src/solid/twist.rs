@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use super::extrude::{OF_SIZE, extent};
+use super::extrude::extent;
 use super::partition::{Facet, Tree};
 use super::polyhedron::plane_of;
 use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::NodeFault;
+use crate::numeric::tolerance::PROFILE_CHORD;
 
 /// How an extrusion turns and narrows on its way up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +65,7 @@ fn twisted(
             return Err(NodeFault::NotPositive { what, value });
         }
     }
-    let contours = profile.contours(profile.tolerance_of(OF_SIZE)?)?;
+    let contours = profile.contours(profile.tolerance_of(PROFILE_CHORD)?)?;
     let at = |step: usize| Level {
         turn: DVec2::from_angle(radians * step as f64 / steps as f64),
         scale: DVec2::ONE - (DVec2::ONE - scale) * step as f64 / steps as f64,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Surface;
+use crate::numeric::tolerance::COORDINATE;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +57,7 @@ pub(crate) fn half_space_bounds(surface: &Surface) -> Bounds {
     };
     let anchor = surface.anchor;
     // Coordinates are computed with a few roundings.
-    let slack = |value: f64| 8.0 * f64::EPSILON * value.abs();
+    let slack = |value: f64| COORDINATE * value.abs();
     if surface.is_plane() {
         for axis in 0..3 {
             if surface.linear.abs()[axis] == 1.0 {

@@ -17,6 +17,7 @@ pub(crate) use self::bounds::half_space_bounds;
 pub(crate) use self::kind::Kind;
 pub(crate) use self::quadric::from_coefficients;
 pub(crate) use self::standard_form::StandardForm;
+use crate::numeric::tolerance::VALUE;
 
 /// Where a surface's half-space f <= 0 lies relative to a set of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +49,6 @@ pub struct Surface {
     /// What it is: a plane, or which quadric.
     pub(crate) kind: Kind,
 }
-
-/// Bounds the rounding error of [`Surface::value`] and of the interval around
-/// it, relative to the sum of the terms' magnitudes: fewer than 16 roundings
-/// lie on the way from any coefficient to the result.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl Surface {
     /// The plane through `anchor`, whose half-space the normal points out of: of unit
@@ -157,7 +153,7 @@ impl Surface {
         let reach = d.abs() + half;
         if self.is_plane() {
             let spread = self.linear.abs().dot(half);
-            let margin = ROUNDING * self.linear.abs().dot(reach);
+            let margin = VALUE * self.linear.abs().dot(reach);
             return (f0 - spread - margin, f0 + spread + margin);
         }
         let gradient = self.gradient(center);
@@ -172,7 +168,7 @@ impl Surface {
             + (zz.abs() * reach.z + zx * reach.x) * reach.z
             + self.linear.abs().dot(reach)
             + self.constant.abs();
-        let margin = cross + 4.0 * ROUNDING * magnitude;
+        let margin = cross + 4.0 * VALUE * magnitude;
         (f0 + (x0 + y0 + z0) - margin, f0 + (x1 + y1 + z1) + margin)
     }
 

@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use super::Surface;
+use crate::numeric::tolerance::USUAL_VALUE;
 
 /// A sum of two doubles, the second beyond the last digit of the first (Dekker, *A
 /// Floating-Point Technique for Extending the Available Precision*, 1971).
@@ -54,7 +55,7 @@ impl Surface {
     pub(crate) fn rounding_of_value(&self, point: DVec3) -> f64 {
         let square = (point - self.anchor).length_squared();
         let slope = self.linear.length();
-        4.0 * f64::EPSILON * (square + slope * square.sqrt() + self.constant.abs())
+        USUAL_VALUE * (square + slope * square.sqrt() + self.constant.abs())
     }
 
     /// f at a point to twice as many digits as [`Self::value`] computes with, rounded

@@ -7,10 +7,7 @@ use super::Surface;
 use super::kind::Kind;
 use crate::error::NodeFault;
 use crate::numeric::eigen_symmetric;
-
-/// Below this share of the largest eigenvalue (or term) a value counts as
-/// zero: a thousand times what rounding leaves of one.
-const NEGLIGIBLE: f64 = 1e-12;
+use crate::numeric::tolerance::NO_VALUE;
 
 /// The surface f = 0 of f = c0 x² + c1 y² + c2 z² + c3 xy + c4 yz + c5 zx +
 /// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex.
@@ -81,14 +78,14 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
         .zip([vectors.x_axis, vectors.y_axis, vectors.z_axis])
     {
         let along = linear.dot(axis);
-        if value.abs() > NEGLIGIBLE * largest {
+        if value.abs() > NO_VALUE * largest {
             center -= along / (2.0 * value) * axis;
             if value > 0.0 {
                 positive += 1;
             } else {
                 negative += 1;
             }
-        } else if along.abs() > NEGLIGIBLE * linear.length() {
+        } else if along.abs() > NO_VALUE * linear.length() {
             slope += along * axis;
         }
     }
@@ -99,7 +96,7 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
         center -= at_center / slope.length_squared() * slope;
     }
     let terms = constant.abs() + linear.abs().dot(center.abs());
-    let at_center = if at_center.abs() <= NEGLIGIBLE * terms {
+    let at_center = if at_center.abs() <= NO_VALUE * terms {
         0.0
     } else {
         at_center

@@ -10,6 +10,7 @@ use pulp::Simd;
 
 use super::Surface;
 use crate::numeric::lanes::{self, Reals};
+use crate::numeric::tolerance::{DEPENDENT_IN_STEP, SAME_VALUE, TOUCHING};
 
 /// How the search for a common point ended.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +176,7 @@ fn step_by(
             // across it.
             let across = n2 - n1 * n1.dot(n2);
             let square = across.length_squared();
-            if square < NEARLY_DEPENDENT {
+            if square < DEPENDENT_IN_STEP * DEPENDENT_IN_STEP {
                 return (-0.5 * (r1 * n1 + r2 * n2), residual);
             }
             let along_across = (-r2 + r1 * n1.dot(n2)) / square;
@@ -188,7 +189,7 @@ fn step_by(
             let residual = r1.abs().max(r2.abs()).max(r3.abs());
             let (c23, c31, c12) = (n2.cross(n3), n3.cross(n1), n1.cross(n2));
             let determinant = n1.dot(c23);
-            if determinant.abs() < 1e-6 {
+            if determinant.abs() < TOUCHING {
                 let pairs = [(r1, n1), (r2, n2), (r3, n3)];
                 return (least_squares_step(&pairs), residual);
             }
@@ -201,10 +202,6 @@ fn step_by(
         }
     }
 }
-
-/// Squared sine of the angle between two normals below which they count as
-/// parallel: Newton's step would leave the neighbourhood.
-const NEARLY_DEPENDENT: f64 = 1e-16;
 
 /// The shortest least-squares solution of n_i · step = -r_i through the
 /// eigenvectors of Σ n nᵀ; directions in which no constraint has a say are
@@ -229,14 +226,14 @@ fn least_squares_step(pairs: &[(f64, DVec3)]) -> DVec3 {
     let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
     let mut step = DVec3::ZERO;
     for (value, axis) in values.into_iter().zip(axes) {
-        if value > 1e-10 * largest {
+        if value > SAME_VALUE * largest {
             step += right.dot(axis) / value * axis;
         }
     }
     step
 }
 
-/// Points are handled in lanes: so many at once, or a share of it.
+/// Points are handled in lanes: so many at once, or a share of it. Tunes speed only.
 pub(crate) const LANES: usize = 8;
 
 /// Moves many points onto one surface, along its gradient: Newton's method in

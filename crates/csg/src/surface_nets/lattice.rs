@@ -7,6 +7,7 @@
 use glam::{DVec3, UVec3};
 
 use crate::error::Error;
+use crate::numeric::tolerance::COORDINATE;
 use crate::program::Bounds;
 
 /// Samples along each side of a brick; rows of 16 pack four to a word.
@@ -70,7 +71,7 @@ impl Lattice {
         };
         let (low, high) = (corner(from), corner(to));
         let center = 0.5 * (low + high);
-        let slack = 8.0 * f64::EPSILON * (low.abs() + high.abs());
+        let slack = COORDINATE * (low.abs() + high.abs());
         (center, 0.5 * (high - low) + slack)
     }
 }

@@ -9,9 +9,10 @@ use std::array;
 
 use glam::DVec3;
 
+use crate::numeric::tolerance::TOUCHING;
 use crate::program::Surface;
 
-/// Points handled together.
+/// Points handled together. Tunes speed only.
 pub(super) const LANES: usize = 8;
 
 type Lanes = [f64; LANES];
@@ -213,10 +214,8 @@ fn cross(a: Vector, b: Vector) -> Vector {
 /// where gradients are nearly dependent.
 #[inline(always)]
 fn shortest_step<const N: usize>(values: [(f64, Vector); N]) -> Vector {
-    /// The square of a determinant of unit vectors that counts as nothing.
-    const NEARLY_DEPENDENT: f64 = 1e-12;
     let determined = |square: f64, scale: f64| {
-        if square > NEARLY_DEPENDENT * scale {
+        if square > TOUCHING * TOUCHING * scale {
             1.0
         } else {
             f64::NAN

@@ -58,6 +58,7 @@ use self::stitch::{Directory, Scratch, Stitcher};
 use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
+use crate::numeric::tolerance::{COORDINATE, ON_SURFACE};
 use crate::program::{Bounds, Cell, Pruner, Reach};
 use crate::report::Report;
 use crate::task::Task;
@@ -90,7 +91,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         origins: task.program.origins(),
         lattice: Lattice::around(&local_bounds, task.cell)?,
         // Far from the origin the surfaces' own places are rounded.
-        tolerance: ON_SURFACE * task.size.max_element() + 8.0 * f64::EPSILON * task.origin.length(),
+        tolerance: ON_SURFACE * task.size.max_element() + COORDINATE * task.origin.length(),
     };
     let (blocks, mut pruned) = blocks(&scene, &task.program.root_cell());
     report.end_stage("blocks", start);
@@ -263,9 +264,6 @@ fn blocks_at_once() -> usize {
 /// Shares of the work on a block.
 const WALK: u64 = 2;
 const STITCH: u64 = 1;
-
-/// A point nearer to a surface than this share of the scene lies on it.
-const ON_SURFACE: f64 = 2e-13;
 
 /// About what is held at a time for each vertex and what becomes of it.
 const BYTES_PER_VERTEX: usize = 150;

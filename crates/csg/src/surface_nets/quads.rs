@@ -8,7 +8,7 @@ use crate::numeric::lanes::{Reals, Vectors, cross, dot, minus, plus, times};
 use crate::program::Surface;
 
 /// Quads handled together: so many that what is written coordinate by
-/// coordinate has left the store buffer when it is read in whole vectors.
+/// coordinate has left the store buffer when it is read in whole vectors. Tunes speed only.
 pub(super) const LANES: usize = 32;
 /// A diagonal whose smaller triangle, seen along the normal, is no more than
 /// this share of the other's is not taken.

@@ -18,7 +18,7 @@ pub(super) struct Crossing {
     pub step: i32,
 }
 
-/// Triangles, or vertices, per parallel task.
+/// Triangles, or vertices, per parallel task. Tunes speed only.
 const CHUNK: usize = 1 << 14;
 
 /// The crossings of rays with a mesh, ray by ray, in the order along each.

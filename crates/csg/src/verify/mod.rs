@@ -16,6 +16,7 @@ use self::proof::Proof;
 use self::rays::Lattice;
 use self::spans::Span;
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::NEAR;
 use crate::program::{Bounds, Cell, Program, Pruner};
 
 /// What is reported of each place.
@@ -60,7 +61,7 @@ pub(crate) fn differences(
         program,
         tolerance,
         unseen,
-        shortest: 2.0 * tolerance + ROUNDING * bounds.size().max_element(),
+        shortest: 2.0 * tolerance + NEAR * bounds.size().max_element(),
         root: None,
         pruner: Pruner::default(),
         pruned: Cell::default(),
@@ -98,9 +99,6 @@ fn split_off<'a, T>(list: &mut &'a [T], test: impl Fn(&T) -> bool) -> &'a [T] {
     *list = rest;
     first
 }
-
-/// Of a solid's size: shorter pieces of rays are rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Hands on the pieces of a ray that are in the solid and not once in the mesh, or in the
 /// mesh and not in the solid. None of a ray that leaves the mesh more or less often than

@@ -8,11 +8,8 @@ use super::conics::conics;
 use crate::evaluation::curve::Branches;
 use crate::evaluation::intersection::{Unknown, line};
 use crate::numeric::jacobi;
+use crate::numeric::tolerance::{AT_INFINITY, CANCELLED};
 use crate::program::Surface;
-
-/// Eigenvalues below this share of the largest are none, of a pair of planes, which
-/// is used as if it was one.
-const NO_PLANE: f64 = 1e-11;
 
 impl Pencil<'_> {
     /// The curves in a quadric of the pencil that is a pair of planes, if it is:
@@ -38,7 +35,7 @@ impl Pencil<'_> {
         } else {
             (values, vectors)
         };
-        let is_null = |value: f64| value.abs() <= NO_PLANE * values[0].abs();
+        let is_null = |value: f64| value.abs() <= CANCELLED * values[0].abs();
         if !is_null(values[2]) {
             return None;
         }
@@ -55,7 +52,7 @@ impl Pencil<'_> {
         // xx c² + 2 xy c s + yy s² = 0: (xx + yy) / 2 + r cos(2 t - phase).
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
         let (radius, phase) = (half.hypot(xy), xy.atan2(half));
-        if mean.abs().max(radius) <= NO_PLANE {
+        if mean.abs().max(radius) <= CANCELLED {
             return Some(Err(Unknown::NoForm));
         }
         if mean.abs() > radius {
@@ -77,7 +74,7 @@ impl Pencil<'_> {
             let normal = vector.truncate();
             let square = normal.length_squared();
             // Not at infinity.
-            (square > 1e-18 * vector.length_squared()).then(|| {
+            (square > AT_INFINITY * AT_INFINITY * vector.length_squared()).then(|| {
                 Surface::plane(
                     self.origin - self.unit * vector.w / square * normal,
                     normal / square.sqrt(),

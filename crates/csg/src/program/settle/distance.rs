@@ -1,13 +1,8 @@
 //! How far two surfaces of one kind are apart.
 
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::SAME_VALUE;
 use crate::program::Surface;
-
-/// Eigenvalues that differ by less than this share of the largest are the same, and
-/// such as are less are none. They are right to about 1e-14, and what is wrongly told
-/// apart here costs no more than a bound that is too large, or a surface that is not
-/// rounded: what may be merged or moved is decided by [`Surface::distance_bound`] alone.
-pub(super) const SAME_VALUE: f64 = 1e-10;
 
 impl Surface {
     /// Whether both half-spaces, of surfaces that nearly coincide, are on one side.

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::distance::SAME_VALUE;
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::SAME_VALUE;
 use crate::program::Surface;
 
 /// How many decimals numbers are rounded to.

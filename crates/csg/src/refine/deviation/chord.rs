@@ -4,15 +4,13 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::{hessian_norm, of_triangle, shrunk};
+use crate::numeric::tolerance::TOUCHING;
 use crate::program::Surface;
 use crate::refine::round::{LEAST_ASPECT, Round};
 
 /// A bound of this share of a chord or more tells hardly more than that its points are
 /// near its ends.
 const HARDLY: f64 = 0.125;
-
-/// Sine of an angle between surfaces that is none.
-const PARALLEL: f64 = 1e-6;
 
 /// A bound of the distance of any point of the chord to the curve in which two
 /// surfaces meet; of ends on both.
@@ -51,7 +49,7 @@ pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
 fn across_curve(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     let touch = |at: DVec3| {
         let [a, b] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
-        a.cross(b).length() <= PARALLEL
+        a.cross(b).length() <= TOUCHING
     };
     if touch(p) && touch(q) {
         let bounds = surfaces.map(|s| of_triangle(s, [p, q, q]));
@@ -84,7 +82,7 @@ fn of_chord_in_plane(plane: &Surface, surface: &Surface, p: DVec3, q: DVec3) -> 
     let gradients = [p, q].map(|at| {
         let gradient = surface.gradient(at);
         let along = gradient - gradient.dot(plane.linear) * plane.linear;
-        let is_parallel = along.length() <= PARALLEL * gradient.length();
+        let is_parallel = along.length() <= TOUCHING * gradient.length();
         if is_parallel { DVec3::ZERO } else { along }
     });
     let mean = (gradients[0] + gradients[1]).normalize_or_zero();

@@ -5,6 +5,7 @@ use rustc_hash::FxHashSet;
 
 use super::pairing::{NONE, halves_of, pair_up};
 use super::{HalfEdges, Kind};
+use crate::numeric::tolerance::ON_REFINED;
 use crate::program::Surface;
 use crate::refine::contacts::Contacts;
 use crate::refine::regions::regions;
@@ -83,6 +84,6 @@ impl<'a> HalfEdges<'a> {
     /// Whether a point is the apex of a half-edge's surface.
     fn has_apex(&self, half: u32, at: DVec3) -> bool {
         let apex = self.surface(half).apex();
-        apex.is_some_and(|apex| apex.distance(at) <= 1e-12 * (at.length() + apex.length()))
+        apex.is_some_and(|apex| apex.distance(at) <= ON_REFINED * (at.length() + apex.length()))
     }
 }

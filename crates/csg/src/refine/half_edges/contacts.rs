@@ -4,6 +4,7 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::{HalfEdges, Kind};
+use crate::numeric::tolerance::{NEAR_OF_REFINED, TOUCHING_AT_ENDS};
 use crate::refine::contacts::Contacts;
 use crate::refine::curves::on_curve;
 use crate::refine::surfaced::precision;
@@ -65,8 +66,6 @@ impl HalfEdges<'_> {
     /// point at which their curve would be cut: a chord of one face may join the ends of
     /// an edge that it has nothing to do with. None if all of them are such chords.
     fn along_one_curve(&self, mut edges: Vec<[u32; 2]>, precision: f64) -> Vec<[u32; 2]> {
-        /// Of the distance to which points are on their surfaces.
-        const NEAR: f64 = 1e3;
         let Some(curve) = self.contact_curve(&edges) else {
             return Vec::new();
         };
@@ -76,7 +75,7 @@ impl HalfEdges<'_> {
             let is_on = |half: u32| {
                 let surface = self.surface(half);
                 let off = surface.value(middle).abs();
-                off <= NEAR * precision * surface.gradient(middle).length()
+                off <= NEAR_OF_REFINED * precision * surface.gradient(middle).length()
             };
             edges.retain(|&ends| {
                 let half = self.between(ends);
@@ -100,8 +99,6 @@ impl HalfEdges<'_> {
     /// the first that runs between two, or, if all run along faces, two that touch each
     /// other at both ends.
     pub fn contact_curve(&self, edges: &[[u32; 2]]) -> Option<[u32; 2]> {
-        /// Sine of an angle between surfaces that is none.
-        const PARALLEL: f64 = 1e-4;
         let halves = edges.iter().filter_map(|&ends| self.between(ends));
         if let Some(border) = halves.clone().find(|&half| self.is_on_curve(half)) {
             return Some(self.curve(border));
@@ -113,7 +110,7 @@ impl HalfEdges<'_> {
             let pair = [one, other].map(|index| &self.surfaces[index as usize]);
             let is_parallel = |&at: &DVec3| {
                 let [n, m] = pair.map(|s| s.gradient(at).normalize_or_zero());
-                n.cross(m).length() <= PARALLEL
+                n.cross(m).length() <= TOUCHING_AT_ENDS
             };
             one != other && ends.iter().all(is_parallel)
         };

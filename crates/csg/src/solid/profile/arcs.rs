@@ -7,6 +7,7 @@ use glam::{DAffine2, DMat2, DVec2};
 use super::plane_set::{Leaf, PlaneSet};
 use super::{Contour, Corner};
 use crate::error::ProfileFault;
+use crate::numeric::tolerance::IN_PROFILE;
 
 /// An arc from one point to another.
 #[derive(Clone, Copy, Debug)]
@@ -157,7 +158,7 @@ pub(super) fn parted(mut contour: Contour) -> Result<Contour, ProfileFault> {
     const ROUNDS: usize = 10;
     let size = extent(contour.iter().map(|corner| corner.point));
     for _ in 0..ROUNDS {
-        let cut = meeting(&contour, 1e-12 * size);
+        let cut = meeting(&contour, IN_PROFILE * size);
         if !cut.contains(&true) {
             return Ok(contour);
         }
@@ -175,7 +176,7 @@ pub(super) fn parted(mut contour: Contour) -> Result<Contour, ProfileFault> {
         }
         contour = finer;
     }
-    let place = meeting(&contour, 1e-12 * size)
+    let place = meeting(&contour, IN_PROFILE * size)
         .iter()
         .position(|&meets| meets)
         .map_or(DVec2::ZERO, |k| contour[k].point);

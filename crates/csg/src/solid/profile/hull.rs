@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use super::Profile;
 use super::monotone::orient;
-use super::offset::OF_SIZE;
 use crate::error::ProfileFault;
+use crate::numeric::tolerance::PROFILE_CHORD;
 
 impl Profile {
     /// The least convex set around the profile: a polygon, arcs within 1e-4 of
@@ -13,7 +13,7 @@ impl Profile {
     #[must_use]
     pub fn hull(&self) -> Self {
         let hull = || -> Result<Self, ProfileFault> {
-            let tolerance = self.tolerance_of(OF_SIZE)?;
+            let tolerance = self.tolerance_of(PROFILE_CHORD)?;
             let points = self.contours(tolerance)?.concat();
             Ok(Self::hull_of(points))
         };

@@ -38,6 +38,7 @@ pub(crate) use self::arcs::Sagitta;
 pub(crate) use self::contour::plane_set;
 pub(crate) use self::plane_set::{Leaf, PlaneSet};
 pub(crate) use self::polygon::doubled_area;
+use crate::numeric::tolerance::MAPPED;
 
 /// Which points closed contours enclose, by how often these wind around them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -201,7 +202,7 @@ impl Profile {
         let linear = map.matrix2;
         let lengths = linear.x_axis.length() * linear.y_axis.length();
         let conditioning = (linear.determinant() / lengths).abs();
-        if conditioning.is_nan() || conditioning <= 64.0 * f64::EPSILON {
+        if conditioning.is_nan() || conditioning <= MAPPED {
             return Self::faulty(ProfileFault::SingularMap);
         }
         let mut mapped = self.clone();

@@ -17,6 +17,7 @@ use glam::DVec2;
 use robust::{Coord, orient2d};
 
 use super::plane_set::{Leaf, PlaneSet};
+use crate::numeric::tolerance::IN_PROFILE;
 
 /// Twice the area of the triangle, its sign exact: positive if a, b, c turn
 /// counter-clockwise.
@@ -91,7 +92,7 @@ impl Chains<'_> {
         let finish = self.direction(end - 1, end);
         let sum = start + finish;
         // The ends point opposite ways: the corners furthest off their line.
-        let opposite = sum.length_squared() < 1e-24;
+        let opposite = sum.length_squared() < IN_PROFILE * IN_PROFILE;
         let outward = if opposite { start.perp() } else { -sum };
         let base = self.at(first + 1);
         let key = |k: usize, sign: f64| {

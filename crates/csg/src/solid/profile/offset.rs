@@ -16,9 +16,7 @@ use super::flatten;
 use super::polygon::{cleaned, crossing, points_of};
 use super::{Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
-
-/// Chords stray so much of the profile's size where nothing else is asked.
-pub(super) const OF_SIZE: f64 = 1e-4;
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// How the sides of an offset are joined around a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +59,7 @@ impl Profile {
             let shape = Shape::Contours(kept.into(), FillRule::NonZero);
             return Ok(Self::shape(shape, glam::DAffine2::IDENTITY));
         }
-        let tolerance = self.tolerance_of(OF_SIZE)?;
+        let tolerance = self.tolerance_of(PROFILE_CHORD)?;
         let mut moved = Vec::new();
         for points in self.contours(tolerance)? {
             let straight = points.into_iter().map(Corner::straight);
@@ -101,8 +99,8 @@ impl Profile {
             return None;
         };
         let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-        let similar = x.abs_diff_eq(-y.perp(), 1e-15 * x.length())
-            || x.abs_diff_eq(y.perp(), 1e-15 * x.length());
+        let similar = x.abs_diff_eq(-y.perp(), IN_PROFILE * x.length())
+            || x.abs_diff_eq(y.perp(), IN_PROFILE * x.length());
         let mirrored = map.matrix2.determinant() < 0.0;
         let contours: Vec<Contour> = match shape {
             Shape::Disc => vec![
@@ -189,7 +187,7 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join, exact: bool) -> 
         let [from, to] = [arriving, leaving].map(|t| here - distance * t.perp());
         let before = contour[(k + count - 1) % count];
         let straight = before.bulge == 0.0 && contour[k].bulge == 0.0;
-        if angle.abs() < 1e-12 {
+        if angle.abs() < IN_PROFILE {
             // Nothing to join.
         } else if angle * distance > 0.0 {
             join_sides(&mut moved, here, [from, to], angle, join);

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::monotone::orient;
 use super::{Corner, Profile};
 use crate::error::ProfileFault;
+use crate::numeric::tolerance::IN_PROFILE;
 
 /// A closed contour of lines and arcs, drawn side by side; the last side back
 /// to the start is added where it is missing. It must not cross itself.
@@ -138,7 +139,7 @@ impl Path {
         let (start, end) = (self.corners[0].point, self.end());
         let size = self.corners.iter().map(|c| c.point.abs().max_element());
         // Back where it began, but for rounding.
-        if self.corners.len() > 1 && start.distance(end) <= 1e-14 * size.fold(0.0, f64::max) {
+        if self.corners.len() > 1 && start.distance(end) <= IN_PROFILE * size.fold(0.0, f64::max) {
             self.corners.pop();
         }
         let corners = self.corners.len();

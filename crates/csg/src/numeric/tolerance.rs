@@ -1,0 +1,254 @@
+//! What is the same, what is nothing, what is on what: every question of geometry that
+//! rounding makes one of degree, each once, with its one answer.
+//!
+//! Shares are of the scene's longest side where nothing else is said. *Derived* answers
+//! follow from the unit of rounding ε or from other answers here. *Above rounding* are those
+//! of which rounding tells how small they may be, and a margin that is named was chosen.
+//! *Decrees* could be others, within what is said of them. What tunes speed or the number of
+//! triangles alone is beside the code that it tunes.
+
+// Rounding itself.
+
+/// How far may a coordinate be off after a sum or two, of the coordinates summed?
+///
+/// Derived: corners of boxes are `middle ± half` of `(low + high) / 2` and `(high - low) / 2`,
+/// four roundings of at most ε / 2 of |low| + |high|; twice that, and twice again for what
+/// the other side of a comparison is off.
+pub(crate) const COORDINATE: f64 = 8.0 * f64::EPSILON;
+
+/// How far may the value of a surface's function be off, of the sum of its terms' magnitudes,
+/// and how far points of the boundary, of their distances from the origin?
+///
+/// Derived: fewer than 16 roundings, each of at most ε / 2, lie on the way from any coefficient
+/// to the value or to the interval around it.
+pub(crate) const VALUE: f64 = 16.0 * f64::EPSILON;
+
+/// How far is the value of a surface's function off, of its terms' magnitudes in vectors?
+///
+/// Derived: the same as [`VALUE`] without the margin that makes it a bound: roundings are of
+/// either sign.
+pub(crate) const USUAL_VALUE: f64 = 4.0 * f64::EPSILON;
+
+/// How far are points off that went through maps or solvers, of the largest coordinate; and of
+/// which map is nothing left, by its determinant over the product of its columns' lengths?
+///
+/// Derived: a product of matrices adds at most 6 ε, a chain of ten is still below. A determinant
+/// that small has not one correct digit. A tolerance below cannot be kept.
+pub(crate) const MAPPED: f64 = 64.0 * f64::EPSILON;
+
+// Points on surfaces.
+
+/// Is a point on a surface that a solver put there?
+///
+/// Above rounding: values are right to [`VALUE`], of terms that sum up to some ten sizes of the
+/// scene times the slope: 4e-14; five times that, as slopes may be less than the steepest one.
+pub(crate) const ON_SURFACE: f64 = 2e-13;
+
+/// Is a point of a mesh that is refined on its surface, of the farthest coordinate?
+///
+/// Decree: five times [`ON_SURFACE`], as vertices come from any of the ways of meshing, and
+/// from the longest chains of solvers. The precision of all refinement depends on it.
+pub(crate) const ON_REFINED: f64 = 5.0 * ON_SURFACE;
+
+/// Is a line in a plane?
+///
+/// Decree: a tenth of [`WELD`], so that vertices on it are one still where a third plane meets it
+/// at a sine of a tenth.
+pub(crate) const ON_PLANE: f64 = 0.1 * WELD;
+
+/// Are two points one vertex?
+///
+/// Decree: above what three planes that meet at sines of a thousandth make of [`VALUE`], and a
+/// thirtieth of [`NEAR`]. What is nearer in the model is settled before.
+pub(crate) const WELD: f64 = 3e-11;
+
+/// Do curved surfaces that do not cross touch, is an ellipse a circle, is a length nothing beside
+/// another one?
+///
+/// Decree: the square root of it, 3e-5, is how far from a contact surfaces are told apart. It is
+/// far above [`VALUE`], and no tolerance asked for is below. What is nearer in the model is
+/// settled before.
+pub(crate) const NEAR: f64 = 1e-9;
+
+/// The same of a mesh that is refined, in its own precision.
+///
+/// Derived: [`NEAR`] over the precision of a mesh around the origin, whose farthest coordinate is
+/// half of its side, but for the factor of two.
+pub(crate) const NEAR_OF_REFINED: f64 = NEAR / ON_REFINED;
+
+/// Is a vertex on a conic of two surfaces, in precisions of a mesh that is refined?
+///
+/// Derived: where surfaces cross at a sine of [`CROSSING`], points within the precision of both are
+/// as many precisions from their curve.
+pub(crate) const ON_CONIC: f64 = 1.0 / CROSSING;
+
+/// Do curves have the same curvature: over the length of the scene they part by no more than
+/// what is near.
+///
+/// Derived from [`NEAR`].
+pub(crate) const SAME_BEND: f64 = NEAR;
+
+/// Are two points one next to where surfaces touch, in distances below which others are?
+///
+/// Derived: where a curve touches a surface to the fourth order, a place is known to a quarter
+/// of the digits: ε^(1/4) is 1e-4, and this much of [`WELD`] is 3e-5.
+pub(crate) const TOUCHING_REACH: f64 = 1e6;
+
+/// May rounding alone have made two roots along a curve, in roundings that the surface stays
+/// within between them, if another curve of the same three surfaces tells so?
+///
+/// Decree: as many as where two of the three meet at a sine of a thousandth, which makes so much
+/// of one rounding. What is between this and one rounding is a contact only if it is one on
+/// another curve.
+pub(crate) const DOUBTFUL: f64 = 1e3;
+
+// Directions.
+
+/// Are two planes parallel, by the sine of their angle?
+///
+/// Derived from [`WELD`]: over the scene's diagonal, of at most √3 sides, they part by less than
+/// one vertex from another, so that no vertex tells which way their line runs.
+pub(crate) const PARALLEL_PLANES: f64 = WELD / 3.0;
+
+/// Do surfaces touch at a point common to both, by the sine of the angle between gradients; and
+/// which values of a form taken at a contact are nothing?
+///
+/// Derived: points within a share s of both surfaces are up to √(2 s) radii of curvature from
+/// where these touch, and the sine there is as much; with [`ON_REFINED`] it is 1.4e-6.
+pub(crate) const TOUCHING: f64 = 1e-6;
+
+/// The same of surfaces that are said to touch at both ends of an edge.
+///
+/// Derived: ends may be contacts of the fourth order, known to a quarter of the digits, ε^(1/4).
+pub(crate) const TOUCHING_AT_ENDS: f64 = 1e-4;
+
+/// Do surfaces cross at an angle at which a point of their curve is found by Newton's plain steps,
+/// and bends of the curve by the quotients that they are?
+///
+/// Decree: two digits of sixteen are lost by it. Elsewhere slower ways are taken.
+pub(crate) const CROSSING: f64 = 1e-2;
+
+/// Is there no step across two gradients, by the sine of their angle?
+///
+/// Decree: beyond a hundredth of [`TOUCHING`] a step is a hundred million times as long as the
+/// surfaces are far, and would leave the neighbourhood.
+pub(crate) const DEPENDENT_IN_STEP: f64 = 1e-8;
+
+/// Are directions around a point or a curve the same, in radians?
+///
+/// Derived: next to where surfaces touch, points are known to half of the digits, and directions
+/// turn by as much: √[`VALUE`] is 6e-8.
+pub(crate) const SAME_DIRECTION: f64 = 1e-7;
+
+/// Are unit normals dependent but for rounding, by their cross or triple product, over a cell of
+/// which it is bounded by intervals?
+///
+/// Decree: above the rounding of such products, some ε, so that surfaces that touch are not said
+/// to cross; cells in which it is less are split.
+pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
+
+// Coefficients.
+
+/// Is a value of a quadratic form nothing, of the largest?
+///
+/// Above rounding: Jacobi's method leaves some ten ε, 2e-15, and coefficients that an author
+/// wrote in decimals and turned a few more; five hundred times that. The kind of a quadric given
+/// by ten coefficients depends on it.
+pub(crate) const NO_VALUE: f64 = 1e-12;
+
+/// Is a sum of terms nothing, of their sizes: a coefficient of a combination of surfaces, or of
+/// a polynomial along a curve, or its discriminant?
+///
+/// Above rounding: products of up to four factors whose coefficients are known to 1e-13 or so, of
+/// up to nine terms, are right to 4e-12; over twice that.
+pub(crate) const CANCELLED: f64 = 1e-11;
+
+/// Are values of a computed form the same, or nothing, of the largest?
+///
+/// Decree: they are right to about 1e-14, at a contact that was looked for by steps to 1e-11. On it
+/// depend bounds between surfaces of one kind, how cells tell a contact from a crossing, and in
+/// which directions a step of least squares goes.
+pub(crate) const SAME_VALUE: f64 = 1e-10;
+
+/// Is a polynomial in sine and cosine 0, of its magnitude?
+///
+/// Above rounding: its terms, of degree eight at most, are right to some ε each; forty-five ε.
+pub(crate) const POLYNOMIAL: f64 = 1e-14;
+
+/// Is a root of such a polynomial a multiple one?
+///
+/// Decree: at a root of a derivative known to all digits, the value is right to [`POLYNOMIAL`]; a
+/// hundred thousand times that, as nearly multiple roots are tried as such and refined.
+pub(crate) const MULTIPLE_ROOT: f64 = 1e-9;
+
+/// Are two roots one, of the range in which they were looked for?
+///
+/// Decree: above some ε to which bisection ends, far below what [`WELD`] makes one.
+pub(crate) const SAME_ROOT: f64 = 1e-13;
+
+/// Is a point or a plane of projective coordinates at infinity, in units of the two surfaces?
+///
+/// Decree: what is farther than a thousand million sizes away has no place in a scene.
+pub(crate) const AT_INFINITY: f64 = 1e-9;
+
+// Polygons and polyhedra that are given.
+
+/// Is a given corner on the plane of a face, of the polyhedron's size?
+///
+/// Above rounding: of a face as high as it is long, Newell's normal and an offset are right to
+/// thirty ε; fifteen times that, for those that are less high.
+pub(crate) const ON_FACE: f64 = 1e-13;
+
+/// Are planes of faces the same within the size of the polyhedron?
+///
+/// Decree: ten times [`ON_FACE`], which holds of faces a tenth as large as the polyhedron. Points
+/// that cuts made are taken to be on a plane by it, too.
+pub(crate) const SAME_FACE: f64 = 10.0 * ON_FACE;
+
+/// Are given points off the planes of their hull, so that it is none; are they corners of its
+/// face?
+///
+/// Decree: a hundred times [`SAME_FACE`] is no longer what rounding did to a solid.
+pub(crate) const OFF_HULL: f64 = 100.0 * SAME_FACE;
+
+/// Has a polygon no area, of the square of its longest side?
+///
+/// Above rounding: a cross product of two differences is right to 6 ε of it; seven times that.
+pub(crate) const NO_AREA: f64 = 1e-14;
+
+/// Has a polyhedron no volume, of its size's cube?
+///
+/// Above rounding: it is a sum of triple products, each right to about 6 ε of it, and most of what
+/// they are off by cancels.
+pub(crate) const NO_VOLUME: f64 = 1e-15;
+
+/// Is a triangle of a mesh that is refined flat, by its height, of its longest side?
+///
+/// Derived: corners are within [`ON_REFINED`] of their places, so that the normal of a triangle as
+/// long as the mesh is right to a hundredth; shorter ones are not told from flat ones so well.
+pub(crate) const FLAT: f64 = 100.0 * ON_REFINED;
+
+/// Is a length in a profile nothing, of its size, or a turn, in radians?
+///
+/// Above rounding: arcs are told by bulges, whose centre, angles and ends lie some hundred
+/// roundings from what was given, 2e-14 of the size; fifty times that. Whether paths are closed,
+/// and whether circles stay circles under a map, depends on it.
+pub(crate) const IN_PROFILE: f64 = 1e-12;
+
+/// Is the sum of a polygon's turns a single whole one, in radians?
+///
+/// Decree: it is a whole number of turns but for rounding, so anything between would do.
+pub(crate) const WHOLE_TURN: f64 = 1e-6;
+
+/// How far may chords stray from a profile's arcs, of its size, where they cannot be kept and
+/// nothing else is asked?
+///
+/// Decree: nothing to be seen. Extrusions, revolutions, offsets and hulls of circles that become
+/// polygons depend on it.
+pub(crate) const PROFILE_CHORD: f64 = 1e-4;
+
+/// Is a mesh where its program is, at least, if no tolerance was asked for?
+///
+/// Decree: a thousandth of what a picture shows of the solid. What is less than this is not
+/// reported as wrong.
+pub(crate) const HELD: f64 = 1e-6;
