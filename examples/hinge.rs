@@ -48,7 +48,7 @@ fn leaf(knuckles: u32, first: u32) -> Solid {
     let screws = screws.map(|[x, z]| screw.translate_xyz(KNUCKLE + x, KNUCKLE, z));
     let others = slots(1 - first, KNUCKLE + 0.5, PLAY);
     let bore = Solid::cylinder(PIN + PLAY, -1.0..LENGTH + 1.0);
-    (plate - others | slots(first, KNUCKLE, -PLAY)) - bore - Solid::union(screws).named("screws")
+    ((plate - others) | slots(first, KNUCKLE, -PLAY)) - bore - Solid::union(screws).named("screws")
 }
 
 fn hinge(arguments: Arguments) -> Solid {

@@ -5,13 +5,10 @@ use glam::{DAffine3, DVec2, DVec3};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesher::Mesher;
+use crate::numeric::tolerance::ON_FACE;
 use crate::program::Program;
 use crate::solid::Solid;
 use crate::solid::profile::{FillRule, Profile};
-
-/// How far from a plane, as a share of a mesh's size, corners are that lie in it:
-/// some roundings of its coordinates.
-const IN_PLANE: f64 = 1e-13;
 
 impl Solid {
     /// The section with the plane z = 0 of a frame (a rigid map from its
@@ -57,7 +54,7 @@ impl Mesh {
     #[must_use]
     pub fn faces_in_plane(&self) -> Profile {
         let far = self.positions.iter().map(|p| p.abs().max_element());
-        let slack = IN_PLANE * far.fold(0.0, f64::max);
+        let slack = ON_FACE * far.fold(0.0, f64::max);
         let triangles = (0..self.triangles.len()).map(|index| self.corners(index));
         let flat = triangles.filter(|corners| corners.iter().all(|p| p.z.abs() <= slack));
         let flat = flat.map(|corners| {

@@ -7,6 +7,7 @@ use glam::{DVec2, dvec2};
 
 use super::{below, positive};
 use crate::error::NodeFault;
+use crate::numeric::tolerance::NEAR;
 use crate::solid::profile::Profile;
 use crate::solid::{Solid, Twist};
 
@@ -72,7 +73,7 @@ impl Screw {
             .chain([0.0625, 0.375, 0.625, 0.9375])
             .collect();
         shares.sort_by(f64::total_cmp);
-        shares.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        shares.dedup_by(|a, b| (*a - *b).abs() < NEAR);
         let corners = shares.into_iter().map(|share| {
             let direction = DVec2::from_angle(-TAU * share);
             radius(share) * direction
