@@ -440,7 +440,8 @@ impl<'a> Shaver<'a> {
             self.spent += parent.surfaces.len();
             let cell = &mut below[0];
             // The box of rounded corners, enlarged by what rounding took.
-            let slack = COORDINATE * (bounds.min.abs() + bounds.max.abs());
+            // (There is no other side of a comparison.)
+            let slack = 0.5 * COORDINATE * (bounds.min.abs() + bounds.max.abs());
             let half = 0.5 * bounds.size() + slack;
             parent.prune_into(self.surfaces, bounds.center(), half, &mut self.pruner, cell);
             match cell.constant() {
