@@ -42,7 +42,8 @@ fn enclosure(arguments: Arguments) -> Solid {
     let vents = Solid::cuboid([1.6, 3.0 * WALL, 0.5 * height])
         .linear_pattern(8, [4.0, 0.0, 0.0])
         .translate_xyz(-14.0, -0.5 * width - 0.5 * WALL, 0.5 * height);
-    let body = Solid::extrude(&outside, -WALL..height) - Solid::extrude(&inside, 0.0..height + 1.0)
+    let body = (Solid::extrude(&outside, -WALL..height)
+        - Solid::extrude(&inside, 0.0..height + 1.0))
         | at_corners(&boss);
     let body = body.named("body") - at_corners(&pilot).named("pilots") - vents.named("vents");
 

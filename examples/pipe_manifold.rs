@@ -27,7 +27,7 @@ fn pipe(radius: f64, height: f64) -> (Solid, Solid) {
     let holes = hole
         .translate_xyz(radius + WALL + 4.5, 0.0, 0.0)
         .polar_pattern(4);
-    let outside = Solid::cylinder(radius + WALL, 0.0..height) | flange - holes.named("bolts");
+    let outside = Solid::cylinder(radius + WALL, 0.0..height) | (flange - holes.named("bolts"));
     (outside, Solid::cylinder(radius, 0.0..height + 1.0))
 }
 
