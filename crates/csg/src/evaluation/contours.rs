@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 
 use super::boundary::{Boundary, NONE};
 use super::scene::Scene;
-use crate::numeric::tolerance::{SAME_BEND, SAME_DIRECTION, TOUCHING};
+use crate::numeric::tolerance::{SAME_ANGLE, SAME_BEND, TOUCHING};
 use crate::undecided::{Stop, Why};
 
 /// How a curve leaves a vertex in the plane in which its face is seen.
@@ -72,7 +72,7 @@ impl Boundary {
         let back = self.departure(scene, arriving, true);
         // Next to where curves touch they are one curve but for rounding, too, and
         // their order is that of their bends.
-        let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_DIRECTION);
+        let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_ANGLE);
         let clockwise = |&half_edge: &u32| {
             let leaves = self.departure(scene, half_edge, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);

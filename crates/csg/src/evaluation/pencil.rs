@@ -26,7 +26,7 @@ use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::tolerance::{
-    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING,
+    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_DISCRIMINANT, NO_VALUE, POLYNOMIAL, TOUCHING,
 };
 use crate::numeric::{eigen_symmetric, jacobi};
 use crate::program::Surface;
@@ -288,11 +288,11 @@ impl<'a> Pencil<'a> {
         let discriminant = b.times(b).plus(-1.0, &a.times(c));
         let scale = b.magnitude() * b.magnitude() + a.magnitude() * c.magnitude();
         let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
-        if discriminant.magnitude() <= CANCELLED * scale {
+        if discriminant.magnitude() <= NO_DISCRIMINANT * scale {
             parts.push(Part::Touching);
         } else {
             let mut roots = Roots::default();
-            discriminant.roots(CANCELLED * scale, &mut roots);
+            discriminant.roots(NO_DISCRIMINANT * scale, &mut roots);
             if let Some(&touching) = roots.touching.first() {
                 let curve = self.rulings(lines, &form, Part::Around { is_plus: true });
                 let point = curve.at((touching - BEGIN).rem_euclid(TAU));

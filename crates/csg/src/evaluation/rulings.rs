@@ -18,7 +18,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::roots::{Candidate, Roots};
 use super::trig::{BEGIN, Trig};
-use crate::numeric::tolerance::{CANCELLED, SAME_DIRECTION, SAME_ROOT};
+use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, SAME_ANGLE, SAME_ROOT};
 use crate::program::Surface;
 
 /// The matrix of a quadric in coordinates about `origin` of some unit.
@@ -362,14 +362,14 @@ impl Rulings {
         let [p, q] = self.lines.values(infinity);
         let (at_infinity, _) = self.on_plane(infinity);
         let mut roots = Roots::default();
-        at_infinity.roots(CANCELLED * at_infinity.magnitude(), &mut roots);
+        at_infinity.roots(NO_DISCRIMINANT * at_infinity.magnitude(), &mut roots);
         let mut poles: Vec<f64> = Vec::new();
         for &angle in roots.simple.iter().chain(&roots.touching) {
             let point = [q.value(angle), -p.value(angle)];
             poles.extend(self.place(angle, point));
         }
         poles.sort_by(f64::total_cmp);
-        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_DIRECTION);
+        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
         let Some(&first) = poles.first() else {
             return vec![self];
         };

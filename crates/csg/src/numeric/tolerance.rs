@@ -140,6 +140,12 @@ pub(crate) const DEPENDENT_IN_STEP: f64 = 1e-8;
 /// turn by as much: √[`VALUE`] is 6e-8.
 pub(crate) const SAME_DIRECTION: f64 = 1e-7;
 
+/// Do lines and curves leave a point in the same direction, or are lines around a point the
+/// same, in radians, where the point is known to all digits?
+///
+/// Derived from [`NEAR`]: over the length of the scene they part by no more than what is near.
+pub(crate) const SAME_ANGLE: f64 = NEAR;
+
 /// Are unit normals dependent but for rounding, by their cross or triple product, over a cell of
 /// which it is bounded by intervals?
 ///
@@ -157,11 +163,16 @@ pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
 pub(crate) const NO_VALUE: f64 = 1e-12;
 
 /// Is a sum of terms nothing, of their sizes: a coefficient of a combination of surfaces, or of
-/// a polynomial along a curve, or its discriminant?
+/// a polynomial along a curve?
 ///
 /// Above rounding: products of up to four factors whose coefficients are known to 1e-13 or so, of
 /// up to nine terms, are right to 4e-12; over twice that.
 pub(crate) const CANCELLED: f64 = 1e-11;
+
+/// Is the discriminant of a quadratic equation along a curve 0, or a point of it at infinity?
+///
+/// Above rounding: products of two factors, not of four, a tenth of [`CANCELLED`].
+pub(crate) const NO_DISCRIMINANT: f64 = 0.1 * CANCELLED;
 
 /// Are values of a computed form the same, or nothing, of the largest?
 ///

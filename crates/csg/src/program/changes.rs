@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::cell::Cell;
-use crate::numeric::tolerance::{SAME_DIRECTION, TOUCHING};
+use crate::numeric::tolerance::{SAME_ANGLE, TOUCHING};
 use crate::surface::Surface;
 
 /// Bit i of the k-th: bit k of i.
@@ -131,7 +131,7 @@ impl Changes {
                 .flat_map(|angle| [angle, angle + PI])
                 .collect();
             angles.sort_by(f64::total_cmp);
-            angles.dedup_by(|a, b| (*a - *b).abs() < SAME_DIRECTION);
+            angles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
             let next = angles.iter().skip(1).copied();
             let next = next.chain(angles.first().map(|first| first + TAU));
             let mut sectors: Vec<DVec3> = angles
