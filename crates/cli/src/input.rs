@@ -25,7 +25,8 @@ pub(crate) struct Input {
     /// A file with fonts that text in the scene may name, beside those installed
     #[arg(long, value_name = "FILE")]
     font: Vec<PathBuf>,
-    /// Let a scene import files from folders other than its own
+    /// Let the input name files (imports, data, materials) in folders other than
+    /// its own
     #[arg(long)]
     any_folder: bool,
     /// Set a variable of an OpenSCAD model
@@ -43,7 +44,7 @@ pub(crate) enum Subject {
 
 impl Input {
     /// Reads the file by its extension; warnings go to standard error. With
-    /// `faces_only`, a mesh need not be connected ([`io::read_mesh_to_draw`]).
+    /// `faces_only`, a mesh need not be connected ([`io::ReadOptions::to_draw`]).
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
         let options = ReadOptions::default()
             .faceted(self.faceted)
@@ -59,12 +60,11 @@ impl Input {
         } else {
             let name = self.path.display().to_string();
             if MeshFormat::from_path(&self.path).is_ok() {
-                let mesh = if faces_only {
-                    io::read_mesh_to_draw(&self.path)
-                } else {
-                    io::read_mesh(&self.path)
-                };
-                let mesh = mesh.map_err(|error| Failure::input(&name, error))?;
+                let options = io::ReadOptions::default()
+                    .any_folder(self.any_folder)
+                    .to_draw(faces_only);
+                let mesh = io::read_mesh_with(&self.path, &options)
+                    .map_err(|error| Failure::input(&name, error))?;
                 return Ok(Subject::Mesh(mesh));
             }
             let extension = self.path.extension().and_then(|e| e.to_str());

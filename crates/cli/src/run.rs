@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use csg::Solid;
 
 use crate::commands::{measure, mesh, render};
-use crate::failure::{EXIT_CODES_HELP, Failure};
+use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
 use crate::input::{Input, Subject};
 
 /// Meshes, pictures and measures of solids made of half-spaces
@@ -68,7 +68,11 @@ struct NoArguments {}
 /// The `csg` command: its arguments are those of the process.
 #[must_use]
 pub fn main() -> ExitCode {
-    let result = match FileCommandLine::parse().command {
+    let command = match arguments::<FileCommandLine>() {
+        Ok(line) => line.command,
+        Err(code) => return code,
+    };
+    let result = match command {
         FileCommand::Mesh { input, options } => mesh::run(|| input.read(false), &options),
         FileCommand::Render { input, options } => {
             render::run(|| input.read(options.faces_only()), &options)
@@ -109,14 +113,33 @@ pub fn run(model: impl FnOnce() -> Solid) -> ExitCode {
 #[must_use]
 pub fn run_with<A: Args>(model: impl FnOnce(A) -> Solid) -> ExitCode {
     let ModelCommandLine {
-        model: arguments,
+        model: dimensions,
         command,
-    } = ModelCommandLine::<A>::parse();
-    let subject = || Ok(Subject::Solid(model(arguments)));
+    } = match arguments::<ModelCommandLine<A>>() {
+        Ok(line) => line,
+        Err(code) => return code,
+    };
+    let subject = || Ok(Subject::Solid(model(dimensions)));
     exit(match command {
         ModelCommand::Mesh(options) => mesh::run(subject, &options),
         ModelCommand::Render(options) => render::run(subject, &options),
         ModelCommand::Measure(options) => measure::run(subject, &options),
+    })
+}
+
+/// The arguments of the process; or the exit code, after help, the version or
+/// what is wrong with them has been printed. (clap's own `parse` takes no notice
+/// of help that cannot be written.)
+fn arguments<P: Parser>() -> Result<P, ExitCode> {
+    P::try_parse().map_err(|said| {
+        let printed = said
+            .print()
+            .and_then(|()| std::io::Write::flush(&mut std::io::stdout()));
+        exit(match printed {
+            Ok(()) if said.exit_code() == 0 => Ok(()),
+            Ok(()) => return ExitCode::from(exit_codes::USAGE),
+            Err(error) => Err(Failure::output("standard output", error)),
+        })
     })
 }
 

@@ -571,3 +571,102 @@ fn scenes_import_from_beside_them_and_openscad_models_are_evaluated() {
     let output = folder.run("measure bad.scad");
     assert_eq!(output.status.code(), Some(3));
 }
+
+/// A shell that runs the command with files limited to so many blocks of 512
+/// bytes, as a full disk would.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_file_and_says_so() {
+    let folder = Folder::new();
+    for extension in ["stl", "obj", "glb", "gltf", "ply", "off", "3mf"] {
+        let name = format!("old.{extension}");
+        fs::write(folder.file(&name), "precious").expect("a file");
+        let script = format!(
+            "trap '' XFSZ; ulimit -f 2; exec {} mesh in.csg --cells 24 -o {name}",
+            env!("CARGO_BIN_EXE_csg")
+        );
+        let output = Command::new("sh")
+            .args(["-c", &script])
+            .current_dir(folder.0.path())
+            .output()
+            .expect("a shell");
+        let message = failed(&output, 5);
+        assert!(message.contains(&name), "{message}");
+        assert!(message.contains("File too large"), "{message}");
+        // Nothing but the message, above all of the libraries.
+        assert!(message.starts_with("error: cannot write"), "{message}");
+        let lines = message.lines().filter(|line| !line.starts_with("  "));
+        assert_eq!(lines.count(), 1, "{message}");
+        let old = fs::read_to_string(folder.file(&name)).expect("the old file");
+        assert_eq!(old, "precious", "{name}");
+        fs::remove_file(folder.file(&name)).expect("removed");
+        assert_eq!(folder.files(), [] as [&str; 0]);
+    }
+}
+
+/// The second file of a pair is a pipe that nobody reads: there the command
+/// waits, in the middle of writing, until it is killed.
+#[cfg(unix)]
+#[test]
+fn a_killed_command_leaves_the_old_file() {
+    let folder = Folder::new();
+    fs::write(folder.file("old.gltf"), "precious").expect("a file");
+    let pipe = Command::new("mkfifo").arg(folder.file("old.bin")).status();
+    assert!(pipe.expect("mkfifo runs").success());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_csg"))
+        .args(["mesh", "in.csg", "--cells", "24", "-o", "old.gltf"])
+        .current_dir(folder.0.path())
+        .spawn()
+        .expect("the command runs");
+    let unfinished = || folder.files().iter().any(|f| f.starts_with(".unfinished"));
+    while !unfinished() {
+        let ended = child.try_wait().expect("its state");
+        assert_eq!(ended, None, "it does not wait for the pipe");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().expect("killed");
+    assert!(!child.wait().expect("its end").success());
+    let old = fs::read_to_string(folder.file("old.gltf")).expect("the old file");
+    assert_eq!(old, "precious");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    for arguments in [&["--help"][..], &["mesh", "--help"], &["--version"]] {
+        let full = fs::File::options().write(true).open("/dev/full");
+        let output = Command::new(env!("CARGO_BIN_EXE_csg"))
+            .args(arguments)
+            .stdout(full.expect("a full device"))
+            .output()
+            .expect("the command runs");
+        let message = failed(&output, 5);
+        assert!(message.contains("standard output"), "{message}");
+        assert!(message.contains("No space left"), "{message}");
+    }
+}
+
+#[test]
+fn what_is_no_mesh_and_data_elsewhere_are_errors() {
+    let folder = Folder::new();
+    fs::write(folder.file("letter.obj"), "Dear reader,\n").expect("a file");
+    fs::write(folder.file("zeros.stl"), [0; 1000]).expect("a file");
+    for name in ["letter.obj", "zeros.stl"] {
+        let message = failed(&folder.run(&format!("measure {name}")), 3);
+        assert!(message.contains("there is no triangle"), "{message}");
+    }
+    fs::create_dir(folder.file("in")).expect("a folder");
+    succeeded(&folder.run("mesh in.csg --cells 24 -o in/part.gltf"));
+    succeeded(&folder.run("measure in/part.gltf"));
+    fs::rename(folder.file("in/part.bin"), folder.file("part.bin")).expect("moved");
+    let text = fs::read_to_string(folder.file("in/part.gltf")).expect("text");
+    fs::write(
+        folder.file("in/part.gltf"),
+        text.replace("part.bin", "../part.bin"),
+    )
+    .expect("written");
+    let message = failed(&folder.run("measure in/part.gltf"), 3);
+    assert!(message.contains("not in the folder"), "{message}");
+    assert!(message.contains("--any-folder"), "{message}");
+    succeeded(&folder.run("measure in/part.gltf --any-folder"));
+}

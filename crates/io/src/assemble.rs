@@ -9,6 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::parts::{ColorBits, color_bits, in_gamut};
 use crate::weld::split;
+use crate::{Error, MeshFormat};
 
 /// Collects vertices and triangles into a mesh.
 pub(crate) struct Assembler {
@@ -155,6 +156,31 @@ impl Assembler {
         drop_vanished(&mut mesh);
         mesh
     }
+}
+
+/// The mesh that was read from `data`, unless there is nothing in it: a file
+/// of another kind, or of zeros, is no empty solid.
+///
+/// # Errors
+/// No triangle with three corners.
+pub(crate) fn with_triangles(mesh: Mesh, format: MeshFormat, data: &[u8]) -> Result<Mesh, Error> {
+    if !mesh.triangles.is_empty() {
+        return Ok(mesh);
+    }
+    let (place, problem) = if data.is_empty() {
+        ("byte 0".to_owned(), "it is empty".to_owned())
+    } else {
+        let problem = format!(
+            "there is no triangle with three corners; is this a whole {format} file, \
+             and one of faces?"
+        );
+        (format!("bytes 0 to {}", data.len()), problem)
+    };
+    Err(Error::Malformed {
+        format,
+        place,
+        problem,
+    })
 }
 
 /// Leaves out the triangles two of whose vertices are one.

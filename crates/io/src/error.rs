@@ -38,6 +38,16 @@ pub enum Error {
         /// The format.
         format: MeshFormat,
     },
+    /// A file names another one in a folder that is not its own.
+    #[error(
+        "{} is not in the folder of the file that names it, or below: \
+         copy it there, or allow files of any folder (any_folder, --any-folder)",
+        path.display()
+    )]
+    OtherFolder {
+        /// The other file, links followed.
+        path: PathBuf,
+    },
     /// There is nothing to write.
     #[error(
         "the mesh has no triangles, so there is nothing to write; \

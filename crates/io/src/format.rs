@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs;
 use std::path::Path;
 
 use csg::{Mesh, MeshSurface};
@@ -160,41 +159,67 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
     file.commit()
 }
 
-/// Reads a mesh from a file whose extension names the format; what each
-/// format gives is said at the functions named `read_...`. The file must not
-/// be written to meanwhile.
-///
-/// # Errors
-/// An unknown extension, a file that cannot be read or is damaged: the error
-/// names the file and the place in it.
-pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, Error> {
-    let path = path.as_ref();
-    read_by_format(path, false).map_err(|error| error.in_file(path))
+/// Choices in reading.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadOptions {
+    /// Whether a file may name others in any folder (the data of `.gltf`, the
+    /// materials of `.obj`), and not only in its own and below.
+    pub any_folder: bool,
+    /// Faster, for drawing faces only: vertices that a glTF file gives normals
+    /// stay apart, even at the same place. Such a mesh looks the same, but its
+    /// triangles need not be connected, as checks, measures and the search for
+    /// edges want them.
+    pub to_draw: bool,
 }
 
-/// As [`read_mesh`], faster, for drawing faces only: vertices that a glTF file
-/// gives normals stay apart, even at the same place. Such a mesh looks the
-/// same, but its triangles need not be connected, as checks, measures and the
-/// search for edges want them.
+impl ReadOptions {
+    /// The same options with files of any folder allowed, or not.
+    #[must_use]
+    pub fn any_folder(mut self, any_folder: bool) -> Self {
+        self.any_folder = any_folder;
+        self
+    }
+
+    /// The same options for drawing only, or not.
+    #[must_use]
+    pub fn to_draw(mut self, to_draw: bool) -> Self {
+        self.to_draw = to_draw;
+        self
+    }
+}
+
+/// Reads a mesh from a file whose extension names the format; what each
+/// format gives is said at the functions named `read_...`. The file must not
+/// be written to meanwhile. It may name others beside it or below only
+/// ([`ReadOptions::any_folder`] lifts that).
+///
+/// # Errors
+/// An unknown extension, a file that cannot be read, is damaged or has no
+/// triangles: the error names the file and the place in it.
+/// [`Error::OtherFolder`]; materials of an OBJ file that cannot be read are
+/// left out.
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, Error> {
+    read_mesh_with(path, &ReadOptions::default())
+}
+
+/// [`read_mesh`] with other options.
 ///
 /// # Errors
 /// As [`read_mesh`].
-pub fn read_mesh_to_draw(path: impl AsRef<Path>) -> Result<Mesh, Error> {
+pub fn read_mesh_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Mesh, Error> {
     let path = path.as_ref();
-    read_by_format(path, true).map_err(|error| error.in_file(path))
+    read_by_format(path, options).map_err(|error| error.in_file(path))
 }
 
-fn read_by_format(path: &Path, apart: bool) -> Result<Mesh, Error> {
+fn read_by_format(path: &Path, options: &ReadOptions) -> Result<Mesh, Error> {
     let format = MeshFormat::from_path(path)?;
     let data = Contents::of(path).map_err(Error::file("read", path))?;
-    let beside = |name: &str| path.with_file_name("").join(name);
+    let named = |name: &str| Contents::named_by(path, name, options.any_folder);
     match format {
-        MeshFormat::Glb => gltf::read_glb_with(&data, apart),
-        MeshFormat::Gltf => gltf::read_gltf_with(&data, apart, |name| {
-            let path = beside(name);
-            fs::read(&path).map_err(Error::file("read", &path))
-        }),
-        MeshFormat::Obj => obj::read_obj(&data, |name| fs::read(beside(name)).ok()),
+        MeshFormat::Glb => gltf::read_glb_with(&data, options.to_draw),
+        MeshFormat::Gltf => gltf::read_gltf_with(&data, options.to_draw, named),
+        MeshFormat::Obj => obj::read_obj(&data, |name| named(name).ok().map(|data| data.to_vec())),
         MeshFormat::Stl => stl::read_stl(&data),
         MeshFormat::Ply => ply::read_ply(&data),
         MeshFormat::Off => off::read_off(&data),

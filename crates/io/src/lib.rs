@@ -21,5 +21,5 @@ mod weld;
 
 pub use atomic::AtomicFile;
 pub use error::Error;
-pub use format::{MeshFormat, WriteOptions, read_mesh, read_mesh_to_draw, write_mesh};
+pub use format::{MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_with, write_mesh};
 pub use solid::read_solid;

@@ -6,7 +6,7 @@ use std::io::Write;
 use csg::Mesh;
 use glam::DVec3;
 
-use crate::assemble::drop_vanished;
+use crate::assemble::{drop_vanished, with_triangles};
 use crate::parts::Parts;
 use crate::rows::{push_f64, push_index, write_rows};
 use crate::{Error, MeshFormat};
@@ -42,7 +42,7 @@ pub fn write_off(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
 /// face's corners are passed over; polygons are cut into triangles.
 ///
 /// # Errors
-/// A damaged file, with the line.
+/// A damaged file, with the line; no faces.
 pub fn read_off(data: &[u8]) -> Result<Mesh, Error> {
     let text = String::from_utf8_lossy(data);
     let lines = (1..).zip(text.lines()).map(|(number, line)| {
@@ -106,7 +106,7 @@ pub fn read_off(data: &[u8]) -> Result<Mesh, Error> {
     let mesh = Mesh::from_polygons(positions, polygons);
     let mut mesh = mesh.ok_or_else(|| malformed("the faces", "a vertex does not exist"))?;
     drop_vanished(&mut mesh);
-    Ok(mesh)
+    with_triangles(mesh, MeshFormat::Off, data)
 }
 
 fn at(line: usize, problem: impl Into<String>) -> Error {

@@ -8,7 +8,7 @@ use std::io::Write;
 use csg::{Color, LengthUnit, Mesh};
 use glam::DVec3;
 
-use crate::assemble::Assembler;
+use crate::assemble::{Assembler, with_triangles};
 use crate::parts::{DEFAULT_COLOR, Parts, byte};
 use crate::rows::write_rows;
 use crate::{Error, MeshFormat, units};
@@ -66,7 +66,7 @@ pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
 /// (not of vertices) are kept. The unit is taken to be the millimetre.
 ///
 /// # Errors
-/// A damaged header, data that ends too early, indices out of range.
+/// A damaged header, data that ends too early, indices out of range, no faces.
 pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
     let header = Header::parse(data)?;
     let mut values = Values {
@@ -148,7 +148,7 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
             mesh.triangle([corners[0] as u32, pair[0] as u32, pair[1] as u32], None);
         }
     }
-    Ok(mesh.finish())
+    with_triangles(mesh.finish(), MeshFormat::Ply, data)
 }
 
 fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {

@@ -7,7 +7,7 @@ use csg::{LengthUnit, Mesh};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::assemble::drop_vanished;
+use crate::assemble::{drop_vanished, with_triangles};
 use crate::parts::{Parts, face_normal};
 use crate::rows::{push_f32, push_f64, write_rows};
 use crate::weld::{self, weld};
@@ -85,9 +85,13 @@ pub fn write_stl_text(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
 /// from the corners). The unit is taken to be the millimetre.
 ///
 /// # Errors
-/// A file that is neither, or is cut off, or has a coordinate that is not
-/// finite.
+/// A file that is neither, or is cut off, has a coordinate that is not finite, or
+/// no triangles.
 pub fn read_stl(data: &[u8]) -> Result<Mesh, Error> {
+    with_triangles(read_either(data)?, MeshFormat::Stl, data)
+}
+
+fn read_either(data: &[u8]) -> Result<Mesh, Error> {
     // Some binary files begin with "solid" too: the length tells.
     let count = data.get(80..HEAD).and_then(|bytes| bytes.try_into().ok());
     let count = count.map(|bytes| u32::from_le_bytes(bytes) as usize);

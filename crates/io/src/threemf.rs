@@ -28,7 +28,7 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 /// An empty or invalid mesh; failed writing.
 pub fn write_3mf(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     let parts = Parts::of(mesh, MeshFormat::ThreeMf)?;
-    let mut zip = ZipWriter::new_stream(out);
+    let mut zip = ZipWriter::new_stream(FailOnce { out, failed: false });
     // The fastest level: mesh text shrinks little more at higher ones.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -46,6 +46,33 @@ pub fn write_3mf(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     write_model(mesh, &parts, &mut zip)?;
     zip.finish().map_err(io::Error::from)?;
     Ok(())
+}
+
+/// A stream that fails once and then takes everything: an archive that is
+/// dropped unfinished tries to finish itself, and would print that it cannot.
+struct FailOnce<W> {
+    out: W,
+    failed: bool,
+}
+
+impl<W: Write> Write for FailOnce<W> {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        if self.failed {
+            return Ok(data.len());
+        }
+        let written = self.out.write(data);
+        self.failed = written
+            .as_ref()
+            .is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Ok(());
+        }
+        self.out.flush()
+    }
 }
 
 fn write_model(mesh: &Mesh, parts: &Parts<'_>, out: &mut impl Write) -> io::Result<()> {

@@ -238,7 +238,7 @@ fn meshes_to_be_drawn_look_the_same_and_need_not_be_connected() {
         write(&path, &mesh).expect("written");
         let (welded, apart) = (
             read_mesh(&path).expect("read"),
-            io::read_mesh_to_draw(&path).expect("read"),
+            io::read_mesh_with(&path, &io::ReadOptions::default().to_draw(true)).expect("read"),
         );
         assert_eq!(welded.positions.len(), 8);
         assert_eq!(apart.positions.len(), vertices);

@@ -37,6 +37,11 @@ fn samples() -> Vec<(&'static str, Vec<u8>, Reader)> {
         property list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n\
         property uchar blue\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 9 9\n";
     let read_obj: Reader = |data| obj::read_obj(data, |_| Some(data.to_vec()));
+    // (Materials that a triangle uses.)
+    let read_mtl: Reader = |data| {
+        let faces = b"mtllib m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl color1-ff8000\nf 1 2 3\n";
+        obj::read_obj(faces, |_| Some(data.to_vec()))
+    };
     let read_json: Reader = |data| gltf::read_gltf(data, |_| Ok(Vec::new()));
     vec![
         (
@@ -50,7 +55,7 @@ fn samples() -> Vec<(&'static str, Vec<u8>, Reader)> {
             write(&|out| obj::write_obj(&mesh, Some("m"), out)),
             read_obj,
         ),
-        ("mtl", write(&|out| obj::write_mtl(&mesh, out)), read_obj),
+        ("mtl", write(&|out| obj::write_mtl(&mesh, out)), read_mtl),
         (
             "stl",
             write(&|out| stl::write_stl(&mesh, out)),

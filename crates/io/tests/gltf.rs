@@ -285,3 +285,29 @@ fn other_programs_files_are_read() {
     let error = read_gltf(cyclic.as_bytes(), |_| panic!()).expect_err("cyclic");
     assert!(error.to_string().contains("tree"), "{error}");
 }
+
+#[test]
+fn indices_take_16_bits_where_they_fit() {
+    // A sphere of 79602 vertices, three triangles of which are a part of their own,
+    // and one of 14 vertices.
+    let mut wide = sphere(DVec3::ZERO, 1.0, 200);
+    wide.surfaces = small_box().surfaces;
+    wide.triangle_surfaces = vec![0; wide.triangles.len()];
+    wide.triangle_surfaces[..3].copy_from_slice(&[1, 1, 1]);
+    for (mesh, sizes) in [(wide, vec![2, 4]), (sphere(DVec3::ZERO, 1.0, 3), vec![2])] {
+        let bytes = glb(&mesh);
+        assert_eq!(bytes.len() % 4, 0);
+        let file = gltf::Gltf::from_slice(&bytes).expect("valid");
+        let primitives = file.meshes().flat_map(|mesh| mesh.primitives());
+        let indices = primitives.map(|p| p.indices().expect("indices").data_type().size());
+        let mut found: Vec<usize> = indices.collect();
+        found.sort_unstable();
+        assert_eq!(found, sizes);
+        // (Read back in single precision, and once more the same.)
+        let read = read_glb(&bytes).expect("read");
+        let again = read_glb(&glb(&read)).expect("read");
+        assert_eq!(faces(&again), faces(&read));
+        assert_eq!(read.triangles.len(), mesh.triangles.len());
+        assert_eq!(seen_by_gltf(&bytes).len(), mesh.triangles.len());
+    }
+}

@@ -78,6 +78,11 @@ fn the_khronos_validator_finds_nothing() {
     broken_normals.corner_normals[2] = [glam::vec3(0.0, 0.0, 7.0); 3];
     let mut odd_color = small_box();
     odd_color.surfaces[1].color = Some(csg::Color::from_linear([2.0, -1.0, f32::NAN]));
+    // A part of more than 65535 vertices (32 bits an index) beside small ones.
+    let mut wide = sphere(DVec3::ZERO, 10.0, 200);
+    wide.surfaces = small_box().surfaces;
+    wide.triangle_surfaces = vec![0; wide.triangles.len()];
+    wide.triangle_surfaces[..3].copy_from_slice(&[1, 1, 1]);
     let far = dvec3(1e6, -3e8, 1e12);
     let thin = colored_box(DVec3::ZERO, dvec3(1.0, 1.0, 1e-9));
     let meshes: Vec<(&str, Mesh, u64)> = vec![
@@ -90,6 +95,7 @@ fn the_khronos_validator_finds_nothing() {
         ("tiny", sphere(DVec3::ZERO, 1e-6, 12), 1),
         ("huge", sphere(DVec3::ZERO, 1e6, 12), 1),
         ("thin", thin, 3),
+        ("wide", wide, 2),
         ("inch", in_unit(small_box(), LengthUnit::Inch), 3),
         (
             "micrometre",

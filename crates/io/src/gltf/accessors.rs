@@ -1,17 +1,16 @@
 //! Reading the accessors of a glTF document: typed views of its buffers.
 
-use std::borrow::Cow;
-
 use glam::DVec3;
 
 use super::document::{Accessor, Document};
 use super::read::{CUT_OFF, malformed};
 use crate::Error;
+use crate::contents::Contents;
 
 /// A document with the data of its buffers.
 pub(super) struct Loaded<'data> {
     pub document: Document,
-    pub buffers: Vec<Cow<'data, [u8]>>,
+    pub buffers: Vec<Contents<'data>>,
 }
 
 impl Loaded<'_> {

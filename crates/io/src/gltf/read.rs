@@ -1,7 +1,6 @@
 //! The glTF reader: the triangles of the default scene, in the model's own
 //! axes and unit. Animations, skins, textures and cameras are passed over.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use csg::{Color, LengthUnit, Mesh};
@@ -12,6 +11,7 @@ use super::Z_UP_TO_Y_UP;
 use super::accessors::{Indices, LIST, Loaded, Vectors, triangle_count};
 use super::document::{Document, Node, Primitive};
 use crate::assemble::Assembler;
+use crate::contents::Contents;
 use crate::weld::{self, split, weld};
 use crate::{Error, MeshFormat, units};
 
@@ -23,7 +23,7 @@ use crate::{Error, MeshFormat, units};
 /// materials' base colours become the surfaces' names and colours.
 ///
 /// # Errors
-/// A damaged file, data in other files, required extensions that change the
+/// A damaged file, one without triangles, data in other files, required extensions that change the
 /// geometry (compression), sparse accessors.
 pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
     read_glb_with(data, false)
@@ -65,7 +65,7 @@ pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Mesh, Error> {
     }
     let json = json.ok_or_else(|| malformed("byte 12", "there is no JSON chunk"))?;
     read(json, apart, &mut |index, uri| match uri {
-        None if index == 0 => bin.map(Cow::Borrowed).ok_or_else(|| {
+        None if index == 0 => bin.map(Contents::Borrowed).ok_or_else(|| {
             malformed(
                 "buffer 0",
                 "the file has no binary chunk; it may be cut off",
@@ -75,7 +75,7 @@ pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Mesh, Error> {
             format!("buffer {index}"),
             "it has neither URI nor chunk",
         )),
-        Some(uri) => data_uri(uri, index)?.map(Cow::Owned).ok_or_else(|| {
+        Some(uri) => data_uri(uri, index)?.map(Contents::Read).ok_or_else(|| {
             let problem = format!("its data is in {uri:?}; give the path, or embed the data");
             malformed(format!("buffer {index}"), problem)
         }),
@@ -89,22 +89,22 @@ pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Mesh, Error> {
 /// As [`read_glb`], and whatever `load` returns.
 pub fn read_gltf(
     json: &[u8],
-    load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
+    mut load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
 ) -> Result<Mesh, Error> {
-    read_gltf_with(json, false, load)
+    read_gltf_with(json, false, |name| load(name).map(Contents::Read))
 }
 
 /// [`read_gltf`]; with `apart`, vertices that have normals are not welded.
 pub(crate) fn read_gltf_with(
     json: &[u8],
     apart: bool,
-    mut load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
+    mut load: impl FnMut(&str) -> Result<Contents<'static>, Error>,
 ) -> Result<Mesh, Error> {
     read(json, apart, &mut |index, uri| {
         let uri = uri.ok_or_else(|| malformed(format!("buffer {index}"), "it has no URI"))?;
         match data_uri(uri, index)? {
-            Some(data) => Ok(Cow::Owned(data)),
-            None => load(&percent_decoded(uri)).map(Cow::Owned),
+            Some(data) => Ok(Contents::Read(data)),
+            None => load(&percent_decoded(uri)),
         }
     })
 }
@@ -120,7 +120,7 @@ pub(super) fn malformed(place: impl Into<String>, problem: impl Into<String>) ->
 }
 
 /// Gives a buffer's bytes by its index and URI.
-type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Cow<'data, [u8]>, Error> + 'a;
+type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Contents<'data>, Error> + 'a;
 
 fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
     let document: Document = serde_json::from_slice(json)
@@ -158,7 +158,13 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
         .as_str()
         .and_then(units::named)
         .unwrap_or_default();
-    Loaded { document, buffers }.scene(unit, apart)
+    let mesh = Loaded { document, buffers }.scene(unit, apart)?;
+    if mesh.triangles.is_empty() {
+        let problem =
+            "there is no triangle with three corners in it; points and lines are passed over";
+        return Err(malformed("scene", problem));
+    }
+    Ok(mesh)
 }
 
 /// Triangles to be read: a primitive where a node places it.
@@ -303,19 +309,22 @@ impl Loaded<'_> {
     fn assemble(&self, items: &[Item], unit: LengthUnit, apart: bool) -> Result<Mesh, Error> {
         let blocks = blocks(items, |item| item.positions.count(), weld::BLOCK);
         let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
-        let count = lengths.iter().sum();
+        let count: usize = lengths.iter().sum();
         let place = |item: &Item, index: usize| {
             let place = item.transform.transform_point3(item.positions.get(index));
             let finite = place.is_finite().then_some(place);
             finite.ok_or_else(|| malformed(&*item.place, "a position is not finite"))
         };
         let too_many = || malformed("meshes", "too many vertices");
+        if u32::try_from(count).is_err() {
+            return Err(too_many());
+        }
         let with_normals = items
             .iter()
             .all(|i| i.normals.is_some() || i.triangles() == 0);
         let (positions, numbers);
         if apart && with_normals {
-            numbers = (0..u32::try_from(count).map_err(|_| too_many())?).collect();
+            numbers = (0..count as u32).collect();
             let mut places: Vec<DVec3> = bytemuck::zeroed_vec(count);
             split(&mut places, lengths.iter().copied())
                 .into_par_iter()

@@ -82,6 +82,15 @@ struct Geometry<'a> {
 struct Stretch {
     vertices: Range<usize>,
     indices: Range<usize>,
+    /// Where its indices begin among those of their width, counted in indices.
+    first: usize,
+}
+
+impl Stretch {
+    /// Whether its indices take 16 bits (the greatest one is reserved).
+    fn is_narrow(&self) -> bool {
+        self.vertices.len() <= usize::from(u16::MAX)
+    }
 }
 
 impl<'a> Geometry<'a> {
@@ -150,19 +159,31 @@ impl<'a> Geometry<'a> {
                     first[vertex as usize] = NONE;
                 }
             }
-            geometry.primitives.push(Stretch {
+            let mut stretch = Stretch {
                 vertices: start..geometry.positions.len(),
                 indices: first_index..geometry.indices.len(),
-            });
+                first: 0,
+            };
+            stretch.first = geometry.indices_of_width(stretch.is_narrow());
+            geometry.primitives.push(stretch);
         }
         Ok(geometry)
     }
 
-    fn byte_length(&self) -> usize {
-        12 * (self.positions.len() + self.normals.len()) + 4 * self.indices.len()
+    /// How many indices of the primitives take 16 bits, or 32.
+    fn indices_of_width(&self, narrow: bool) -> usize {
+        let same = self.primitives.iter().filter(|s| s.is_narrow() == narrow);
+        same.map(|stretch| stretch.indices.len()).sum()
     }
 
-    /// Positions, normals, indices: little-endian, without gaps.
+    /// A multiple of 4, as the chunks of a binary file are.
+    fn byte_length(&self) -> usize {
+        let indices = 4 * self.indices_of_width(false) + 2 * self.indices_of_width(true);
+        (12 * (self.positions.len() + self.normals.len()) + indices).next_multiple_of(4)
+    }
+
+    /// Positions, normals, indices of 32 bits, those of 16: little-endian,
+    /// without gaps but at the end.
     fn write_data(&self, out: &mut impl Write) -> Result<(), Error> {
         let mut bytes = Vec::with_capacity(self.byte_length());
         for place in self.positions.iter().chain(&self.normals) {
@@ -170,9 +191,14 @@ impl<'a> Geometry<'a> {
                 bytes.extend_from_slice(&coordinate.to_le_bytes());
             }
         }
-        for index in &self.indices {
-            bytes.extend_from_slice(&index.to_le_bytes());
+        for narrow in [false, true] {
+            let same = self.primitives.iter().filter(|s| s.is_narrow() == narrow);
+            for index in same.flat_map(|stretch| &self.indices[stretch.indices.clone()]) {
+                let index = index.to_le_bytes();
+                bytes.extend_from_slice(&index[..if narrow { 2 } else { 4 }]);
+            }
         }
+        bytes.resize(self.byte_length(), 0);
         Ok(out.write_all(&bytes)?)
     }
 
@@ -206,10 +232,20 @@ impl<'a> Geometry<'a> {
                     extensions: None,
                     extras: None,
                     indices: Some(root.push(Accessor {
-                        buffer_view: Some(views.indices),
-                        byte_offset: Some(USize64::from(stretch.indices.start * 4)),
+                        buffer_view: if stretch.is_narrow() {
+                            views.narrow_indices
+                        } else {
+                            views.wide_indices
+                        },
+                        byte_offset: Some(USize64::from(
+                            stretch.first * if stretch.is_narrow() { 2 } else { 4 },
+                        )),
                         count: USize64::from(stretch.indices.len()),
-                        component_type: Valid(GenericComponentType(ComponentType::U32)),
+                        component_type: Valid(GenericComponentType(if stretch.is_narrow() {
+                            ComponentType::U16
+                        } else {
+                            ComponentType::U32
+                        })),
                         type_: Valid(Type::Scalar),
                         ..empty_accessor()
                     })),
@@ -267,6 +303,7 @@ impl<'a> Geometry<'a> {
             extensions: None,
             extras: None,
         });
+        let [wide, narrow] = [false, true].map(|narrow| self.indices_of_width(narrow));
         let mut offset = 0;
         let mut view = |count: usize, size: usize, target: Target| {
             let view = root.push(buffer::View {
@@ -287,7 +324,8 @@ impl<'a> Geometry<'a> {
             positions: view(self.positions.len(), 12, Target::ArrayBuffer),
             normals: (!self.normals.is_empty())
                 .then(|| view(self.normals.len(), 12, Target::ArrayBuffer)),
-            indices: view(self.indices.len(), 4, Target::ElementArrayBuffer),
+            wide_indices: (wide > 0).then(|| view(wide, 4, Target::ElementArrayBuffer)),
+            narrow_indices: (narrow > 0).then(|| view(narrow, 2, Target::ElementArrayBuffer)),
         }
     }
 
@@ -331,7 +369,8 @@ impl<'a> Geometry<'a> {
 struct Views {
     positions: Index<buffer::View>,
     normals: Option<Index<buffer::View>>,
-    indices: Index<buffer::View>,
+    wide_indices: Option<Index<buffer::View>>,
+    narrow_indices: Option<Index<buffer::View>>,
 }
 
 fn empty_accessor() -> Accessor {

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use crate::assemble::Assembler;
+use crate::assemble::{Assembler, with_triangles};
 use crate::parts::{DEFAULT_COLOR, DEFAULT_MATERIAL};
 use crate::weld::split;
 use crate::{Error, MeshFormat, decimal};
@@ -28,7 +28,7 @@ use crate::{Error, MeshFormat, decimal};
 /// The unit is taken to be the millimetre.
 ///
 /// # Errors
-/// A face or number that is not valid, with its line.
+/// A face or number that is not valid, with its line; no faces at all.
 pub fn read_obj(data: &[u8], load: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Mesh, Error> {
     let pieces = pieces(data);
     let parsed: Result<Vec<Piece>, Error> = pieces
@@ -40,7 +40,7 @@ pub fn read_obj(data: &[u8], load: impl FnMut(&str) -> Option<Vec<u8>>) -> Resul
         Some(pieces) => pieces,
         None => vec![Piece::parse(data, true)?],
     };
-    assemble(pieces, load)
+    with_triangles(assemble(pieces, load)?, MeshFormat::Obj, data)
 }
 
 /// Cuts a file into a few pieces for each thread that end with a line.

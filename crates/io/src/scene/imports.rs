@@ -10,7 +10,8 @@ use super::error::SceneError;
 use super::parse::{NodeText, Value};
 use super::pieces::Piece;
 use super::values;
-use crate::{Error, read_mesh};
+use crate::contents::Contents;
+use crate::{Error, ReadOptions, read_mesh_with};
 
 /// The most bytes of a height map: far more than a solid can be made of.
 const MOST_BYTES: u64 = 1 << 20;
@@ -38,7 +39,9 @@ impl Builder<'_> {
             let problem = "flat files (.svg, .dxf) cannot be read yet: import a mesh (.stl, .off, .obj, .ply), or write the shape as polygons";
             return Err(self.fault(node, problem));
         }
-        let mut mesh = read_mesh(&path).map_err(|e| self.fault(node, &e.to_string()))?;
+        let files = ReadOptions::default().any_folder(self.options.any_folder);
+        let mut mesh =
+            read_mesh_with(&path, &files).map_err(|e| self.fault(node, &e.to_string()))?;
         let (count, name) = (mesh.triangles.len() as f64, path.display());
         self.facets(node, count, count)?;
         let solid = match Solid::from_mesh(&mesh) {
@@ -73,8 +76,9 @@ impl Builder<'_> {
         if about.len() > MOST_BYTES {
             return Err(fault("it is too large to be made into a solid"));
         }
-        let text = std::fs::read_to_string(&path).map_err(|e| fault(&e.to_string()))?;
-        let rows = heights(&text).map_err(|problem| fault(&problem))?;
+        let data = Contents::of(&path).map_err(|e| fault(&e.to_string()))?;
+        let text = std::str::from_utf8(&data).map_err(|e| fault(&e.to_string()))?;
+        let rows = heights(text).map_err(|problem| fault(&problem))?;
         let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
         if rows.len() < 2 || columns < 2 {
             return Ok(self.nothing(node, "it has fewer than two rows or columns"));
@@ -112,7 +116,7 @@ impl Builder<'_> {
             return Ok(path);
         }
         let problem = format!(
-            "`{file}` is not in the scene's folder or below: copy it there, or allow files of any folder"
+            "`{file}` is not in the scene's folder or below: copy it there, or allow files of any folder (any_folder, --any-folder)"
         );
         Err(self.fault(node, &problem))
     }

@@ -73,6 +73,8 @@ use std::path::{Path, PathBuf};
 
 use csg::Solid;
 
+use crate::contents::Contents;
+
 pub use error::{Place, SceneError, Warning};
 pub use write::{WriteError, write};
 
@@ -151,7 +153,7 @@ pub fn read(text: &str, options: &ReadOptions) -> Result<Scene, SceneError> {
 /// [`SceneError::NotUtf8`] if it is not text.
 pub fn read_file(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Scene, SceneError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io {
+    let bytes = Contents::of(path).map_err(|source| SceneError::Io {
         path: path.to_owned(),
         source,
     })?;
