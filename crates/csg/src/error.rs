@@ -8,6 +8,7 @@ use std::fmt;
 pub use self::polyhedron::PolyhedronFault;
 pub use self::profile::ProfileFault;
 use crate::limits::LimitReached;
+use crate::undecided::Undecided;
 
 /// Why a solid could not be lowered, measured or meshed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,6 +47,11 @@ pub enum Error {
         "{0}: raise the limit, ask for larger cells or a larger tolerance, or for what fits, if anything does (Limits::partial)"
     )]
     LimitReached(LimitReached),
+    /// The exact boundary could not be told somewhere.
+    #[error(
+        "the exact boundary could not be told: {0}; move or turn one of the parts there a little, or make do with a mesh"
+    )]
+    Undecided(Undecided),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -1,6 +1,7 @@
 //! Solids as Boolean combinations of half-spaces.
 
 mod adapt;
+pub mod brep;
 pub mod color;
 mod control;
 mod draft;
@@ -19,6 +20,7 @@ mod random;
 mod refine;
 mod report;
 mod section;
+mod settling;
 mod shapes;
 pub mod solid;
 mod surface;
@@ -27,6 +29,7 @@ mod task;
 mod undecided;
 mod verify;
 
+pub use brep::{BoundaryOptions, Brep};
 pub use color::Color;
 pub use control::CancelToken;
 pub use error::{Error, NodeFault, NodePath, PathStep, PolyhedronFault, ProfileFault};

@@ -6,9 +6,9 @@ use glam::DVec3;
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
-use super::piece::{NOTHING, Piece};
+use super::piece::{CurveId, NOTHING, Piece};
 use super::scene::Scene;
-use super::sectors::{HalfPlane, Wedges, emit};
+use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
 use crate::program::Surface;
 use crate::surface::solve;
@@ -39,12 +39,11 @@ pub(super) struct Arc<'a> {
     /// seam of the first.
     pub pair: [u32; 2],
     pub surfaces: [&'a Surface; 2],
+    /// The name of the curve.
+    pub id: CurveId,
     pub curve: &'a Curve,
     pub nodes: &'a [f64],
 }
-
-/// A place on a curve.
-pub(super) type Place = (f64, DVec3);
 
 impl Arc<'_> {
     /// The sine of the angle from one half-plane to another one, counter-clockwise
@@ -142,20 +141,16 @@ impl Arc<'_> {
         }
         let size = 0.5 * (self.block.high - self.block.low).max_element();
         let chords = self.curve.chords(from.0, to.0, turn, size);
-        let curve = self.pair.map(|position| match position {
-            NOTHING => NOTHING,
-            position => self.block.cell.surfaces[position as usize],
-        });
-        let mut before = from.1;
+        let mut before = from;
         for k in 1..=chords {
             let here = if k == chords {
-                to.1
+                to
             } else {
                 let share = f64::from(k) / f64::from(chords);
-                let place = self.curve.at(from.0 + share * (to.0 - from.0));
-                self.point(place, None)
+                let t = from.0 + share * (to.0 - from.0);
+                (t, self.point(self.curve.at(t), None))
             };
-            emit(wedges, [before, here], curve, pieces);
+            emit(wedges, self.id, [before, here], pieces);
             before = here;
         }
     }

@@ -17,7 +17,7 @@ use super::faces::Faces;
 use super::frame::Frame;
 use super::intersection::Unknown;
 use super::pairs::curves;
-use super::piece::NOTHING;
+use super::piece::{CurveId, NOTHING};
 use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
@@ -103,15 +103,16 @@ impl ArcTracer {
             traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
             let others = own + 1..ids.len() as u32;
-            let others = others.map(|second| (second, surface(ids[second as usize])));
+            let others = others.map(|second| (second, 0, surface(ids[second as usize])));
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
-            for (second, other) in others.chain(seams.map(|seam| (NOTHING, seam))) {
+            let seams = (0u16..).zip(seams).map(|(k, seam)| (NOTHING, k, seam));
+            for (second, seam, other) in others.chain(seams) {
+                let pair = [Some(&first), ids.get(second as usize)];
                 let common = match curves(one, other, scene.near) {
                     Ok(common) => common,
                     // In a single point there is no edge.
                     Err(Unknown::Touch(contacts)) => {
                         let inside = contacts.into_iter().filter(|&at| block.contains(at));
-                        let pair = [Some(&first), ids.get(second as usize)];
                         traced.contacts.extend(inside.map(|at| Contact {
                             at,
                             surfaces: pair.into_iter().flatten().copied().collect(),
@@ -122,13 +123,18 @@ impl ArcTracer {
                         return Err(Stop::undecided(Why::Curve, block.center()));
                     }
                 };
-                for Branch { curve, nodes } in &common {
+                for (branch, Branch { curve, nodes }) in (0u16..).zip(&common) {
                     let arc = Arc {
                         scene,
                         block: face,
                         carriers: faces.carriers(),
                         pair: [own, second],
                         surfaces: [one, other],
+                        id: CurveId {
+                            surfaces: pair.map(|id| id.map_or(NOTHING, |&id| id)),
+                            seam,
+                            branch,
+                        },
                         curve,
                         nodes,
                     };

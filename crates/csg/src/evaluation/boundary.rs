@@ -46,6 +46,9 @@ pub(super) struct Boundary {
     pub points: Vec<DVec3>,
     pub half_edges: Vec<HalfEdge>,
     pub faces: Vec<Side>,
+    /// For every pair of half-edges as they were linked the piece that they are: the
+    /// first of the pair runs along it, the second back.
+    pub piece_of: Vec<u32>,
     /// For half-edges within one patch of a surface, where its look changes or
     /// other faces touch it, and on seams where its look changes, the surfaces on
     /// whose curve they are.
@@ -67,16 +70,17 @@ impl Boundary {
         all.points = points;
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
-        for (piece, [from, to]) in pieces.iter().zip(ends) {
+        for ((index, piece), [from, to]) in (0u32..).zip(pieces).zip(ends) {
             scene.go_on()?;
             if from == to {
                 continue;
             }
+            all.piece_of.push(index);
             let first = all.half_edges.len() as u32;
             let [one, other] = piece.sides;
             if one.shares_patch(&other) || is_border([&one, &other]) {
                 all.curves
-                    .extend([first, first + 1].map(|half| (half, piece.curve)));
+                    .extend([first, first + 1].map(|half| (half, piece.curve.surfaces)));
             }
             for (k, (side, start)) in piece.sides.iter().zip([from, to]).enumerate() {
                 let face = *face_of.entry(*side).or_insert_with(|| {
@@ -94,7 +98,6 @@ impl Boundary {
         }
         all.link_contours(scene)?;
         all.simplify(scene)?;
-        all.split_double_edges(scene)?;
         Ok(all)
     }
 
@@ -316,7 +319,7 @@ impl Boundary {
     /// Splits edges that have both vertices in common by vertices in the middles of
     /// their curves, those along the same curve at the same point; undecided where one
     /// cannot be found.
-    fn split_double_edges(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
+    pub fn split_double_edges(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
         let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);

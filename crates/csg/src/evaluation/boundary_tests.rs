@@ -5,8 +5,7 @@ use glam::DVec3;
 
 use super::boundary::Boundary;
 use super::frame::Frame;
-use super::piece::Piece;
-use super::piece::Side;
+use super::piece::{CurveId, Piece, Side};
 use super::scene::{Plane, Scene};
 use super::triple::contacts;
 use crate::control::Control;
@@ -45,7 +44,8 @@ fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
         from,
         to,
         sides,
-        curve: sides.map(|side| side.plane),
+        curve: CurveId::first_of(sides.map(|side| side.plane)),
+        places: [0.0; 2],
     }
 }
 

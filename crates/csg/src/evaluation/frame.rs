@@ -24,7 +24,7 @@ enum Shape {
 
 /// A quadric in its own coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     shape: Shape,
     center: DVec3,
     /// From directions in space to directions in the frame; its determinant is
@@ -168,6 +168,19 @@ impl Frame {
             Shape::Graph => DVec3::Z,
         };
         (view, self.facing[is_above] > 0.0)
+    }
+
+    /// Coordinates in which a patch is a graph: the centre from which they count, and the
+    /// directions of x, y and z in space, right-handed. On the segment from x = 0 to a point
+    /// of the patch along x the graph goes on and on. And whether the gradient points along z.
+    pub fn chart(&self, patch: u8) -> (DVec3, DMat3, bool) {
+        let (view, faces) = self.view(patch);
+        let (x, y) = match self.shape {
+            Shape::Around => (DVec3::Z.cross(view), DVec3::Z),
+            Shape::Closed | Shape::Graph => view.any_orthonormal_pair(),
+        };
+        let axes = self.from_frame * DMat3::from_cols(x, y, view);
+        (self.center, axes, faces)
     }
 
     /// A point of a patch as seen along the patch's direction of view, from

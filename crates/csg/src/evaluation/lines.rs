@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use super::cells::Block;
 use super::line::Line;
-use super::piece::Piece;
+use super::piece::{CurveId, Piece};
 use super::regions::{Candidate, Finder, merge};
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges, emit};
@@ -139,9 +139,9 @@ impl Tracer {
         let last = self.sectors.crossings.partition_point(|&(t, _)| t <= end);
         // Stretches between crossings, as many at once as fit into a word.
         let at_once = 64 / sectors;
-        let curve = pair.map(|position| block.cell.surfaces[position as usize]);
+        let curve = CurveId::first_of(pair.map(|position| block.cell.surfaces[position as usize]));
         let mut open = Wedges::new();
-        let mut from = line.at(line.start);
+        let mut from = (line.start, line.at(line.start));
         for batch in (first..=last).step_by(at_once) {
             let count = at_once.min(last + 1 - batch);
             let result = self.sectors.evaluate(block, batch, count);
@@ -154,11 +154,11 @@ impl Tracer {
                     }
                     open = wedges;
                 } else if wedges != open || self.is_shared(scene, stretch - 1) {
-                    let (_, crossing) = self.sectors.crossings[stretch - 1];
+                    let (t, crossing) = self.sectors.crossings[stretch - 1];
                     let triple = [pair[0], pair[1], crossing];
                     let ids = triple.map(|p| block.cell.surfaces[p as usize]);
-                    let here = scene.common_point(ids);
-                    emit(&open, [from, here], curve, pieces);
+                    let here = (t, scene.common_point(ids));
+                    emit(&open, curve, [from, here], pieces);
                     (open, from) = (wedges, here);
                 }
             }
@@ -166,7 +166,8 @@ impl Tracer {
         if end < line.end && !open.is_empty() {
             return false;
         }
-        emit(&open, [from, line.at(line.end)], curve, pieces);
+        let last = (line.end, line.at(line.end));
+        emit(&open, curve, [from, last], pieces);
         true
     }
 

@@ -34,6 +34,7 @@
 
 mod arc;
 mod arcs;
+mod arrangement;
 mod assemble;
 mod boundary;
 #[cfg(test)]
@@ -75,18 +76,22 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+pub(crate) use self::arrangement::{Arrangement, HalfEdge};
 pub(crate) use self::boundary::Borders;
 pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
+pub(crate) use self::frame::Frame;
 #[cfg(test)]
 pub(crate) use self::pairs::tests::quadric as random_quadric;
+pub(crate) use self::piece::{CurveId, Side};
 
 use self::arcs::ArcTracer;
 use self::assemble::assemble;
 use self::boundary::Boundary;
 use self::cells::{Block, cut};
-use self::frame::Frame;
+use self::contacts::Contact;
 use self::lines::Tracer;
+use self::piece::Piece;
 use self::scene::{Plane, Scene};
 use self::traced::Traced;
 use crate::error::Error;
@@ -167,6 +172,55 @@ pub(crate) fn mesh(
     turns: &[f64],
     report: &mut Report,
 ) -> Result<Result<Evaluated, Undecided>, Error> {
+    in_blocks(task, report, |scene, blocks, report| {
+        let is_polyhedral = is_polyhedral(task.program);
+        let evaluated = with_chords(scene, is_polyhedral, turns, |turn| {
+            let Linked {
+                mut boundary,
+                contacts,
+                ..
+            } = linked(scene, blocks, turn, report)?;
+            let start = Instant::now();
+            boundary.split_double_edges(scene)?;
+            let mesh = assemble(scene, task, &mut boundary, &contacts)?;
+            scene.go_on()?;
+            report.end_stage("triangles", start);
+            let borders = boundary.borders();
+            Ok(Evaluated { mesh, borders })
+        })?;
+        if is_polyhedral {
+            let (deviation, farthest) = deviation(scene, &evaluated.mesh);
+            report.deviation = Some(deviation);
+            report.farthest = Some(farthest + task.origin);
+        }
+        Ok(evaluated)
+    })
+}
+
+/// The contours of all faces of a solid, along the exact curves, in the local frame.
+///
+/// The inner error is that of [`mesh`].
+pub(crate) fn arrangement(
+    task: &Task<'_>,
+    report: &mut Report,
+) -> Result<Result<Arrangement, Undecided>, Error> {
+    in_blocks(task, report, |scene, blocks, report| {
+        let is_polyhedral = is_polyhedral(task.program);
+        let Linked {
+            boundary, pieces, ..
+        } = with_chords(scene, is_polyhedral, &LONG_CHORDS, |turn| {
+            linked(scene, blocks, turn, report)
+        })?;
+        Ok(Arrangement::new(scene, &boundary, &pieces))
+    })
+}
+
+/// Cuts space into blocks, and hands them on with what they have in common.
+fn in_blocks<T>(
+    task: &Task<'_>,
+    report: &mut Report,
+    evaluate: impl FnOnce(&Scene<'_>, &[Block], &mut Report) -> Result<T, Stop>,
+) -> Result<Result<T, Undecided>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
     let planes: Vec<Plane> = task.surfaces.iter().map(Plane::of).collect();
@@ -197,21 +251,8 @@ pub(crate) fn mesh(
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
     report.end_stage("blocks", start);
-    let is_polyhedral = is_polyhedral(task.program);
-    let evaluated = if is_polyhedral {
-        polyhedral(&scene, task, &blocks, report)
-    } else {
-        curved(&scene, task, &blocks, turns, report)
-    };
-    match evaluated {
-        Ok(evaluated) => {
-            if is_polyhedral {
-                let (deviation, farthest) = deviation(&scene, &evaluated.mesh);
-                report.deviation = Some(deviation);
-                report.farthest = Some(farthest + task.origin);
-            }
-            Ok(Ok(evaluated))
-        }
+    match evaluate(&scene, &blocks, report) {
+        Ok(evaluated) => Ok(Ok(evaluated)),
         Err(Stop::Undecided(undecided)) => Ok(Err(Undecided {
             place: undecided.place + task.origin,
             ..undecided
@@ -223,39 +264,20 @@ pub(crate) fn mesh(
     }
 }
 
-/// The boundary of planes alone.
-fn polyhedral(
+/// What comes of the first chords that will do; of planes alone there are none.
+fn with_chords<T>(
     scene: &Scene<'_>,
-    task: &Task<'_>,
-    blocks: &[Block],
-    report: &mut Report,
-) -> Result<Evaluated, Stop> {
-    let start = Instant::now();
-    let traced = trace(scene, blocks, Tracer::default, |tracer, block, traced| {
-        tracer.trace(scene, block, &mut traced.pieces)
-    })?;
-    linked(scene, task, traced, report, start)
-}
-
-/// The boundary with curved faces: vertices are exact, and edges along curves
-/// chains of chords.
-fn curved(
-    scene: &Scene<'_>,
-    task: &Task<'_>,
-    blocks: &[Block],
+    is_polyhedral: bool,
     turns: &[f64],
-    report: &mut Report,
-) -> Result<Evaluated, Stop> {
+    mut evaluate: impl FnMut(Option<f64>) -> Result<T, Stop>,
+) -> Result<T, Stop> {
+    if is_polyhedral {
+        return evaluate(None);
+    }
     let mut undecided = Stop::Halted;
     for &turn in turns {
-        let start = Instant::now();
-        let traced = trace(
-            scene,
-            blocks,
-            ArcTracer::default,
-            |tracer, block, traced| tracer.trace(scene, block, turn, traced),
-        )?;
-        match linked(scene, task, traced, report, start) {
+        scene.go_on()?;
+        match evaluate(Some(turn)) {
             Err(stop @ Stop::Undecided(_)) => undecided = stop,
             result => return result,
         }
@@ -263,24 +285,47 @@ fn curved(
     Err(undecided)
 }
 
-/// Links pieces to contours, and cuts the faces into triangles.
+/// The contours of all faces, and what they were linked from.
+struct Linked {
+    boundary: Boundary,
+    pieces: Vec<Piece>,
+    contacts: Vec<Contact>,
+}
+
+/// Finds the pieces of edges in blocks, curves as chords that turn by no more than
+/// `turn`, if there are any, and links them to contours.
 fn linked(
     scene: &Scene<'_>,
-    task: &Task<'_>,
-    mut traced: Traced,
+    blocks: &[Block],
+    turn: Option<f64>,
     report: &mut Report,
-    start: Instant,
-) -> Result<Evaluated, Stop> {
+) -> Result<Linked, Stop> {
+    let start = Instant::now();
+    let traced = match turn {
+        None => trace(scene, blocks, Tracer::default, |tracer, block, traced| {
+            tracer.trace(scene, block, &mut traced.pieces)
+        }),
+        Some(turn) => trace(
+            scene,
+            blocks,
+            ArcTracer::default,
+            |tracer, block, traced| tracer.trace(scene, block, turn, traced),
+        ),
+    };
+    let Traced {
+        pieces,
+        mut contacts,
+    } = traced?;
     let start = report.end_stage("edges", start);
-    let mut boundary = Boundary::link(scene, &traced.pieces, &mut traced.contacts)?;
+    let boundary = Boundary::link(scene, &pieces, &mut contacts)?;
     scene.go_on()?;
-    task.control.tell(0.9);
-    let start = report.end_stage("contours", start);
-    let mesh = assemble(scene, task, &mut boundary, &traced.contacts)?;
-    scene.go_on()?;
-    report.end_stage("triangles", start);
-    let borders = boundary.borders();
-    Ok(Evaluated { mesh, borders })
+    scene.control.tell(0.9);
+    report.end_stage("contours", start);
+    Ok(Linked {
+        boundary,
+        pieces,
+        contacts,
+    })
 }
 
 /// For each primitive the first that looks like it.

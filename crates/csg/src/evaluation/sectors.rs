@@ -4,7 +4,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::cells::Block;
-use super::piece::{NOTHING, Piece, Side};
+use super::piece::{CurveId, NOTHING, Piece, Side};
 use super::scene::Scene;
 
 /// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
@@ -14,18 +14,22 @@ pub(super) type HalfPlane = u32;
 /// The two faces at every solid wedge around a curve: mostly one wedge.
 pub(super) type Wedges = SmallVec<[[Side; 2]; 2]>;
 
+/// A place on a curve, and the point there.
+pub(super) type Place = (f64, DVec3);
+
 /// Adds a piece for each wedge.
 pub(super) fn emit(
     wedges: &Wedges,
-    [from, to]: [DVec3; 2],
-    curve: [u32; 2],
+    curve: CurveId,
+    [from, to]: [Place; 2],
     pieces: &mut Vec<Piece>,
 ) {
     pieces.extend(wedges.iter().map(|&sides| Piece {
-        from,
-        to,
+        from: from.1,
+        to: to.1,
         sides,
         curve,
+        places: [from.0, to.0],
     }));
 }
 

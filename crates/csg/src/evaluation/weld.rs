@@ -98,7 +98,7 @@ impl Welded {
         around: &[usize],
     ) -> bool {
         let is_on = |vertex: u32| {
-            let ids = around.iter().flat_map(|&k| pieces[k].curve);
+            let ids = around.iter().flat_map(|&k| pieces[k].curve.surfaces);
             let surfaces = ids.filter_map(|id| scene.surfaces.get(id as usize));
             let off = solve::residual(surfaces, self.points[vertex as usize]);
             off <= OFF * scene.rounding
@@ -110,8 +110,9 @@ impl Welded {
         let distance = |v: u32| self.points[v as usize].distance(at);
         let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
         let touch = |&k: &usize| {
-            let is_other =
-                |&j: &usize| pieces[j].curve != pieces[k].curve && beyond(j) == beyond(k);
+            let is_other = |&j: &usize| {
+                pieces[j].curve.surfaces != pieces[k].curve.surfaces && beyond(j) == beyond(k)
+            };
             let is_next = beyond(k) != vertex && distance(beyond(k)) <= scene.touching_reach();
             is_next && around.iter().any(is_other) && is_on(beyond(k))
         };
@@ -211,7 +212,7 @@ impl Welder {
 mod tests {
     use super::*;
     use crate::control::Control;
-    use crate::evaluation::piece::Side;
+    use crate::evaluation::piece::{CurveId, Side};
 
     fn ball(center: DVec3, radius: f64) -> Surface {
         Surface::of_terms(
@@ -256,7 +257,8 @@ mod tests {
                     from: at(radius, from),
                     to: at(radius, to),
                     sides: [side(index), side(2)],
-                    curve: [index, 2],
+                    curve: CurveId::first_of([index, 2]),
+                    places: [0.0; 2],
                 };
                 [piece(0.0, first), piece(first, 0.5)]
             };
@@ -272,7 +274,7 @@ mod tests {
             assert_eq!(a[0] == a[1] && c[0] == c[1], is_contracted, "{first}");
             for (piece, ends) in pieces.iter().zip(&ends) {
                 for &end in ends {
-                    let surfaces = piece.curve.map(|id| &surfaces[id as usize]);
+                    let surfaces = piece.curve.surfaces.map(|id| &surfaces[id as usize]);
                     let off = solve::residual(surfaces.into_iter(), points[end as usize]);
                     assert!(off < 1e-13, "{first}: {off}");
                 }

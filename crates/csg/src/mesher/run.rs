@@ -2,7 +2,6 @@
 //! or costs too much, and what a finished mesh still gets.
 
 mod prepare;
-mod settling;
 mod tolerance;
 
 use std::time::Instant;
@@ -10,7 +9,6 @@ use std::time::Instant;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::settling::Settling;
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::options::{Mesher, Method};
 use crate::adapt;
@@ -25,6 +23,7 @@ use crate::numeric::tolerance::{HELD, MAPPED, NEAR};
 use crate::program::{Bounds, Program};
 use crate::refine::{Goal, Unkept};
 use crate::report::Report;
+use crate::settling::Settling;
 use crate::surface_nets;
 use crate::task::Task;
 use crate::verify;
@@ -224,7 +223,7 @@ impl<'a> Run<'a> {
             };
             let task = Task::new(settled.program(self.program), loose, 0.0, &control);
             let mut mesh = match evaluation::mesh(&task, &[], &mut attempt)? {
-                Ok(evaluated) if settling.has_lost(&evaluated) => continue,
+                Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => continue,
                 Ok(Evaluated { mesh, .. }) => mesh,
                 Err(undecided) => {
                     report.undecided.push(undecided);
@@ -407,7 +406,9 @@ impl<'a> Run<'a> {
                 attempt.method = "boundary";
                 let made = evaluation::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
                     let Evaluated { mut mesh, borders } = match evaluated {
-                        Ok(evaluated) if settling.has_lost(&evaluated) => return Ok(None),
+                        Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => {
+                            return Ok(None);
+                        }
                         Ok(evaluated) => evaluated,
                         Err(undecided) => {
                             report.undecided.push(undecided);

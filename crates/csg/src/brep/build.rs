@@ -1,0 +1,335 @@
+//! From the contours of patches to faces, loops, edges and vertices.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use super::data::{
+    Brep, CoedgeData, CoedgeId, EdgeData, EdgeId, FaceData, FaceId, LoopData, LoopId, Patch,
+    ShellData, ShellId, Stretch, VertexId,
+};
+use super::loops::{Links, Loops};
+use super::patches::{Curves, Region, regions};
+use crate::evaluation::{Arrangement, CurveId, Side};
+use crate::program::{Origin, Surface};
+use crate::undecided::{Undecided, Why};
+
+/// No vertex, edge or face.
+const NONE: u32 = u32::MAX;
+
+/// The look of a face: its surface, which side of it, and where it comes from.
+fn look(side: &Side) -> (u32, bool, u32) {
+    (side.plane, side.along_normal, side.look)
+}
+
+/// The boundary of an arrangement whose coordinates count from `origin`.
+pub(super) fn build(
+    all: Arrangement,
+    surfaces: Vec<Surface>,
+    origins: Vec<Origin>,
+    origin: DVec3,
+    size: f64,
+) -> Result<Brep, Undecided> {
+    let curves = curves(&all, &surfaces)?;
+    let regions = regions(&all, &surfaces, &curves)?;
+    let faces = Faces::new(&all, regions)?;
+    let is_edge = |half: u32| {
+        let half_edge = &all.half_edges[half as usize];
+        let sides = [half_edge.face, all.half_edges[half_edge.twin as usize].face];
+        let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
+        one != other
+    };
+    let links = Links::new(&all, is_edge);
+    let mut brep = Brep {
+        origin,
+        surfaces,
+        origins,
+        rounding: all.rounding,
+        size,
+        ..Brep::empty()
+    };
+    let chains = links.edges(&all);
+    let mut vertex_of = vec![NONE; all.points.len()];
+    let mut coedge_of = vec![NONE; all.half_edges.len()];
+    brep.number_coedges(&all, &faces, &links, &mut coedge_of);
+    for chain in &chains {
+        let mut places = chain
+            .half_edges
+            .iter()
+            .map(|&half| all.half_edges[half as usize].places);
+        let start = places.clone().next().map_or(0.0, |[from, _]| from);
+        let end = start + places.by_ref().map(|[from, to]| to - from).sum::<f64>();
+        let (first, last) = (
+            chain.half_edges[0],
+            chain.half_edges[chain.half_edges.len() - 1],
+        );
+        let ends = [first, all.half_edges[last as usize].twin];
+        let mut coedges = ends.map(|half| CoedgeId::new(coedge_of[half as usize] as usize));
+        let mut vertices = (!chain.is_ring).then(|| {
+            ends.map(|half| {
+                let point = all.half_edges[half as usize].from;
+                let vertex = &mut vertex_of[point as usize];
+                if *vertex == NONE {
+                    *vertex = brep.points.len() as u32;
+                    brep.points.push(all.points[point as usize]);
+                }
+                VertexId::new(*vertex as usize)
+            })
+        });
+        if end < start {
+            coedges.reverse();
+            if let Some(vertices) = &mut vertices {
+                vertices.reverse();
+            }
+        }
+        let edge = EdgeId::new(brep.edges.len());
+        for coedge in coedges {
+            brep.coedges[coedge.index()].edge = edge;
+        }
+        brep.edges.push(EdgeData {
+            curve: curves.of_half_edge[first as usize],
+            range: [start.min(end), start.max(end)],
+            coedges,
+            vertices,
+        });
+    }
+    brep.add_patches(&all, &faces, &curves);
+    brep.curves = curves.all;
+    brep.frames = all.frames;
+    Ok(brep)
+}
+
+/// The curves of all half-edges.
+fn curves(all: &Arrangement, surfaces: &[Surface]) -> Result<Curves, Undecided> {
+    let mut number: FxHashMap<CurveId, u32> = FxHashMap::default();
+    let mut curves = Curves {
+        of_half_edge: Vec::with_capacity(all.half_edges.len()),
+        all: Vec::new(),
+    };
+    for half_edge in &all.half_edges {
+        let id = match number.get(&half_edge.curve) {
+            Some(&id) => id,
+            None => {
+                let curve = all.curve(surfaces, half_edge.curve).ok_or(Undecided {
+                    why: Why::Curve,
+                    place: all.points[half_edge.from as usize],
+                })?;
+                curves.all.push(curve);
+                let id = curves.all.len() as u32 - 1;
+                number.insert(half_edge.curve, id);
+                id
+            }
+        };
+        curves.of_half_edge.push(id);
+    }
+    Ok(curves)
+}
+
+/// The parts of patches put together to faces, and these to shells.
+struct Faces {
+    /// In the order of shells and faces.
+    regions: Vec<Region>,
+    /// For each region its face, ascending.
+    face_of: Vec<u32>,
+    /// For each face its shell, ascending.
+    shell_of: Vec<u32>,
+    /// For each shell how many handles it has.
+    genus: Vec<u32>,
+}
+
+impl Faces {
+    fn new(all: &Arrangement, regions: Vec<Region>) -> Result<Self, Undecided> {
+        let mut region_of = vec![NONE; all.half_edges.len()];
+        for (index, region) in (0u32..).zip(&regions) {
+            for &half in region.contours.iter().flatten() {
+                region_of[half as usize] = index;
+            }
+        }
+        let mut faces = Groups::new(regions.len());
+        let mut shells = Groups::new(regions.len());
+        for (half, half_edge) in all.half_edges.iter().enumerate() {
+            let twin = half_edge.twin as usize;
+            let pair = [region_of[half], region_of[twin]];
+            shells.join(pair);
+            let sides = [half_edge.face, all.half_edges[twin].face];
+            let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
+            if one == other {
+                faces.join(pair);
+            }
+        }
+        let keys = (0u32..).zip(&regions);
+        let keys = keys.map(|(region, _)| [shells.first(region), faces.first(region)]);
+        let keys: Vec<[u32; 2]> = keys.collect();
+        let mut order: Vec<usize> = (0..regions.len()).collect();
+        order.sort_by_key(|&region| keys[region]);
+        let (mut face_of, mut shell_of) = (Vec::new(), Vec::<u32>::new());
+        let mut last: Option<[u32; 2]> = None;
+        for key in order.iter().map(|&region| keys[region]) {
+            if last != Some(key) {
+                let is_same_shell = last.is_some_and(|last| last[0] == key[0]);
+                let before = shell_of.last().map_or(0, |&shell| shell + 1);
+                shell_of.push(before - u32::from(is_same_shell));
+            }
+            face_of.push(shell_of.len() as u32 - 1);
+            last = Some(key);
+        }
+        let mut regions: Vec<Option<Region>> = regions.into_iter().map(Some).collect();
+        let regions = order.iter().filter_map(|&region| regions[region].take());
+        let mut all_faces = Self {
+            regions: regions.collect(),
+            face_of,
+            shell_of,
+            genus: Vec::new(),
+        };
+        all_faces.count_handles(all)?;
+        Ok(all_faces)
+    }
+
+    /// By Euler's formula, V - E + F = 2 - 2 genus, where a patch with holes counts as one
+    /// that was cut open.
+    fn count_handles(&mut self, all: &Arrangement) -> Result<(), Undecided> {
+        let shells = self.shell_of.last().map_or(0, |&last| last as usize + 1);
+        let mut sums = vec![0i64; shells];
+        let mut is_seen = vec![false; all.points.len()];
+        let mut place = vec![DVec3::ZERO; shells];
+        for (region, &face) in self.regions.iter().zip(&self.face_of) {
+            let shell = self.shell_of[face as usize] as usize;
+            sums[shell] += 2 * (2 - region.contours.len() as i64);
+            for &half in region.contours.iter().flatten() {
+                sums[shell] -= 1;
+                let vertex = all.half_edges[half as usize].from as usize;
+                place[shell] = all.points[vertex];
+                if !std::mem::replace(&mut is_seen[vertex], true) {
+                    sums[shell] += 2;
+                }
+            }
+        }
+        for (&twice, &place) in sums.iter().zip(&place) {
+            let twice_genus = 4 - twice;
+            if twice_genus < 0 || twice_genus % 4 != 0 {
+                return Err(Undecided {
+                    why: Why::Contour,
+                    place,
+                });
+            }
+            self.genus.push((twice_genus / 4) as u32);
+        }
+        Ok(())
+    }
+}
+
+/// Things joined to groups (Galler and Fischer's disjoint sets), each named by its first.
+struct Groups(Vec<u32>);
+
+impl Groups {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn first(&mut self, mut of: u32) -> u32 {
+        while self.0[of as usize] != of {
+            let above = self.0[self.0[of as usize] as usize];
+            self.0[of as usize] = above;
+            of = above;
+        }
+        of
+    }
+
+    fn join(&mut self, pair: [u32; 2]) {
+        let [a, b] = pair.map(|of| self.first(of));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+impl Brep {
+    /// Adds faces, loops and coedges, whose edges are not known yet.
+    fn number_coedges(
+        &mut self,
+        all: &Arrangement,
+        faces: &Faces,
+        links: &Links,
+        coedge_of: &mut [u32],
+    ) {
+        let mut loops = Loops::new(links);
+        for (index, region) in faces.regions.iter().enumerate() {
+            let face = faces.face_of[index];
+            if self.faces.len() as u32 == face {
+                let shell = faces.shell_of[face as usize];
+                if self.shells.len() as u32 == shell {
+                    self.shells.push(ShellData {
+                        faces: (face, 0),
+                        genus: faces.genus[shell as usize],
+                    });
+                }
+                self.faces.push(FaceData {
+                    side: all.faces[region.face as usize],
+                    shell: ShellId::new(shell as usize),
+                    loops: (self.loops.len() as u32, 0),
+                    patches: (index as u32, 0),
+                });
+                if let Some(shell) = self.shells.last_mut() {
+                    shell.faces.1 += 1;
+                }
+            }
+            let face_data = &mut self.faces[face as usize];
+            face_data.patches.1 += 1;
+            for &half in region.contours.iter().flatten() {
+                let Some(around) = loops.from(half) else {
+                    continue;
+                };
+                let first = self.coedges.len() as u32;
+                for edge in &around {
+                    for &half in edge {
+                        coedge_of[half as usize] = self.coedges.len() as u32;
+                    }
+                    self.coedges.push(CoedgeData {
+                        edge: EdgeId::new(NONE as usize),
+                        face_loop: LoopId::new(self.loops.len()),
+                    });
+                }
+                self.loops.push(LoopData {
+                    face: FaceId::new(face as usize),
+                    coedges: (first, around.len() as u32),
+                });
+                face_data.loops.1 += 1;
+            }
+        }
+    }
+
+    fn add_patches(&mut self, all: &Arrangement, faces: &Faces, curves: &Curves) {
+        for region in &faces.regions {
+            let stretches = region.contours.iter();
+            let stretches = stretches.flat_map(|contour| stretches_of(all, curves, contour));
+            self.patches.push(Patch {
+                side: all.faces[region.face as usize],
+                stretches: stretches.collect(),
+            });
+        }
+    }
+}
+
+/// The pieces of curves around a contour; pieces that go on and on are one.
+fn stretches_of(all: &Arrangement, curves: &Curves, contour: &[u32]) -> Vec<Stretch> {
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for &half in contour {
+        let half_edge = &all.half_edges[half as usize];
+        let id = curves.of_half_edge[half as usize];
+        let curve = &curves.all[id as usize];
+        let end = all.half_edges[half_edge.twin as usize].from;
+        let off = |place: f64, vertex: u32| curve.at(place).distance(all.points[vertex as usize]);
+        let [from, to] = half_edge.places;
+        let gap = off(from, half_edge.from).max(off(to, end));
+        match stretches.last_mut() {
+            // To the bit: only chords of one stretch are.
+            Some(last) if last.curve == id && last.places[1] == from => {
+                last.places[1] = to;
+                last.gap = last.gap.max(gap);
+            }
+            _ => stretches.push(Stretch {
+                curve: id,
+                places: [from, to],
+                gap,
+            }),
+        }
+    }
+    stretches
+}

@@ -1,0 +1,83 @@
+//! What curve an edge is a piece of.
+
+use glam::DVec3;
+
+use crate::evaluation::Curve;
+
+/// A curve as a function of a parameter t, in model units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum CurveShape {
+    /// point + t direction, which is of unit length.
+    Line {
+        /// Where t is 0.
+        point: DVec3,
+        /// Of unit length.
+        direction: DVec3,
+    },
+    /// center + cos t a + sin t b: a circle if a and b are of one length and at right
+    /// angles.
+    Ellipse {
+        /// The centre.
+        center: DVec3,
+        /// A half of a diameter.
+        a: DVec3,
+        /// A half of the conjugate diameter.
+        b: DVec3,
+    },
+    /// center + cosh t a + sinh t b, one branch.
+    Hyperbola {
+        /// The centre.
+        center: DVec3,
+        /// From the centre to a point of the branch.
+        a: DVec3,
+        /// The direction of the branch there.
+        b: DVec3,
+    },
+    /// point + (t a + t² b) / (1 + l t + k t²), a and b at right angles: a parabola where
+    /// l and k are 0, and else the part near by of a conic whose centre is far away.
+    Conic {
+        /// Where t is 0.
+        point: DVec3,
+        /// The direction there.
+        a: DVec3,
+        /// To which side it bends.
+        b: DVec3,
+        /// Of t.
+        l: f64,
+        /// Of t².
+        k: f64,
+    },
+    /// A curve of degree four, in which two quadrics meet. It has no shorter description than
+    /// the two surfaces, and its points ([`super::Edge::at`]).
+    Quartic,
+}
+
+impl CurveShape {
+    pub(super) fn of(curve: &Curve, origin: DVec3) -> Self {
+        match *curve {
+            Curve::Line { point, direction } => Self::Line {
+                point: point + origin,
+                direction,
+            },
+            Curve::Ellipse { center, a, b } => Self::Ellipse {
+                center: center + origin,
+                a,
+                b,
+            },
+            Curve::Hyperbola { center, a, b } => Self::Hyperbola {
+                center: center + origin,
+                a,
+                b,
+            },
+            Curve::Parabola { point, a, b, l, k } => Self::Conic {
+                point: point + origin,
+                a,
+                b,
+                l,
+                k,
+            },
+            Curve::Rulings(_) => Self::Quartic,
+        }
+    }
+}

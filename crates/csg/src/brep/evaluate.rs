@@ -1,0 +1,137 @@
+//! From a program to its boundary.
+
+use std::sync::Arc;
+
+use super::build::build;
+use super::data::Brep;
+use crate::control::{Caller, CancelToken, Control};
+use crate::error::Error;
+use crate::evaluation;
+use crate::limits::{Demand, Limits};
+use crate::program::{Bounds, Program};
+use crate::report::Report;
+use crate::settling::{Prepared, Settling};
+use crate::task::Task;
+
+/// How a boundary is to be evaluated: see [`Program::boundary`].
+#[derive(Clone, Debug, Default)]
+#[must_use]
+pub struct BoundaryOptions {
+    limits: Limits,
+    caller: Caller,
+    most_moved: Option<f64>,
+}
+
+impl BoundaryOptions {
+    /// With no limits but the machine's memory.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// How much it may cost: blocks of space are counted as cells.
+    pub fn limits(mut self, limits: Limits) -> Self {
+        self.limits = limits;
+        self
+    }
+
+    /// Calls back with the share that is done, from 0 to 1, from any thread.
+    pub fn progress(mut self, callback: impl Fn(f64) + Send + Sync + 'static) -> Self {
+        self.caller.progress = Some(Arc::new(callback));
+        self
+    }
+
+    /// A handle with which another thread may stop the work.
+    pub fn cancel_token(mut self, token: CancelToken) -> Self {
+        self.caller.cancel = token;
+        self
+    }
+
+    /// How far surfaces may be moved, in model units, where they nearly coincide or touch and
+    /// it cannot be told what they do where they are: a hundred-thousandth of the solid's
+    /// longest side, unless said otherwise. What was done is told by [`Brep::moved`].
+    pub fn most_moved(mut self, distance: f64) -> Self {
+        self.most_moved = Some(distance);
+        self
+    }
+}
+
+/// Of the longest side, how far surfaces may be moved unless said otherwise.
+const MOST_MOVED: f64 = 1e-5;
+
+impl Program {
+    /// The exact boundary: faces on the surfaces themselves, edges on their curves.
+    ///
+    /// The result is the same for any number of threads. An empty solid has an empty one.
+    /// Takes about as long as a coarse mesh.
+    ///
+    /// # Errors
+    /// [`Error::Unbounded`] for a solid that reaches infinitely far,
+    /// [`Error::InvalidOption`] for a distance that is negative or not finite,
+    /// [`Error::Undecided`] where surfaces meet in a way that could not be told,
+    /// [`Error::LimitReached`] if it would cost more than allowed,
+    /// [`Error::Cancelled`] when asked to stop.
+    pub fn boundary(&self, options: &BoundaryOptions) -> Result<Brep, Error> {
+        if let Some(distance) = options.most_moved
+            && !(distance >= 0.0 && distance.is_finite())
+        {
+            return Err(Error::InvalidOption(format!(
+                "surfaces may be moved by {distance}: give a distance of 0 or more"
+            )));
+        }
+        let control = Control::start(&options.caller, options.limits, Demand::ExactBoundary);
+        control.check()?;
+        let bounds = if evaluation::is_polyhedral(self) {
+            self.loose_bounds()?
+        } else {
+            self.bounds()?
+        };
+        // A box without extent holds no solid: at most a point was left of it.
+        let bounds = bounds.filter(|bounds| bounds.size().max_element() > 0.0);
+        let Some(bounds) = bounds else {
+            return Ok(Brep::empty());
+        };
+        let unseen = MOST_MOVED * bounds.size().max_element();
+        let most_moved = options.most_moved.unwrap_or(unseen);
+        let mut undecided = None;
+        for settling in Settling::ALL {
+            let Some(prepared) = Prepared::new(self, &bounds, settling, most_moved)? else {
+                continue;
+            };
+            let control = control.again(Demand::ExactBoundary);
+            match evaluated(prepared.program(self), bounds, &control)? {
+                Ok(brep) if settling.has_lost(brep.faces.is_empty()) => {}
+                Ok(mut brep) => {
+                    brep.moved = prepared.told(&bounds);
+                    control.tell(1.0);
+                    return Ok(brep);
+                }
+                // What is wrong with the solid as it is.
+                Err(found) => undecided = undecided.or(Some(found)),
+            }
+        }
+        match undecided {
+            Some(undecided) => Err(Error::Undecided(undecided)),
+            None => Ok(Brep::empty()),
+        }
+    }
+}
+
+fn evaluated(
+    program: &Program,
+    bounds: Bounds,
+    control: &Control,
+) -> Result<Result<Brep, crate::undecided::Undecided>, Error> {
+    let task = Task::new(program, bounds, 0.0, control);
+    let mut report = Report::default();
+    let arrangement = match evaluation::arrangement(&task, &mut report)? {
+        Ok(arrangement) => arrangement,
+        Err(undecided) => return Ok(Err(undecided)),
+    };
+    let size = bounds.size().length();
+    let origins = program.origins().to_vec();
+    let built = build(arrangement, task.surfaces, origins, task.origin, size);
+    Ok(built.map_err(|undecided| crate::undecided::Undecided {
+        place: undecided.place + task.origin,
+        ..undecided
+    }))
+}

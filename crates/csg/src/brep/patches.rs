@@ -1,0 +1,195 @@
+//! Which contours bound one part of a patch together: outlines and the holes in them.
+
+use glam::{DVec2, DVec3};
+use rustc_hash::FxHashSet;
+
+use super::chart::Chart;
+use crate::evaluation::{Arrangement, Curve};
+use crate::program::Surface;
+use crate::undecided::{Undecided, Why};
+
+/// A connected part of a patch: its contours, the outline first, each as half-edges.
+pub(super) struct Region {
+    pub face: u32,
+    pub contours: Vec<Vec<u32>>,
+}
+
+/// A contour as it is seen.
+struct Outline {
+    half_edges: Vec<u32>,
+    polygon: Vec<DVec2>,
+    area: f64,
+}
+
+/// The curve of each half-edge, by number, and all curves.
+pub(super) struct Curves {
+    pub of_half_edge: Vec<u32>,
+    pub all: Vec<Curve>,
+}
+
+/// All parts of all patches.
+pub(super) fn regions(
+    all: &Arrangement,
+    surfaces: &[Surface],
+    curves: &Curves,
+) -> Result<Vec<Region>, Undecided> {
+    let mut regions = Vec::new();
+    for (face, contours) in (0u32..).zip(contours(all)) {
+        if contours.is_empty() {
+            continue;
+        }
+        if contours.len() == 1 {
+            regions.push(Region { face, contours });
+            continue;
+        }
+        let side = &all.faces[face as usize];
+        let surface = &surfaces[side.plane as usize];
+        let frame = all.frames[side.plane as usize].as_ref();
+        let about = all.points[all.half_edges[contours[0][0] as usize].from as usize];
+        let chart = Chart::new(surface, frame, side, about);
+        let outlines = contours.into_iter().map(|half_edges| {
+            let polygon = polygon(all, curves, &chart, &half_edges);
+            // What is touched along a line goes on on both sides of it.
+            let is_slit = {
+                let halves: FxHashSet<u32> = half_edges.iter().copied().collect();
+                let twin = |half: &u32| all.half_edges[*half as usize].twin;
+                half_edges.iter().all(|half| halves.contains(&twin(half)))
+            };
+            let area = if is_slit {
+                0.0
+            } else {
+                chart.turn() * area(&polygon)
+            };
+            Outline {
+                half_edges,
+                polygon,
+                area,
+            }
+        });
+        let (outer, holes): (Vec<Outline>, Vec<Outline>) =
+            outlines.partition(|outline| outline.area > 0.0);
+        let first = regions.len();
+        let mut owners = Vec::with_capacity(holes.len());
+        for hole in &holes {
+            let owner = owner(&outer, hole).ok_or_else(|| {
+                let at = all.half_edges[hole.half_edges[0] as usize].from;
+                Undecided {
+                    why: Why::Contour,
+                    place: all.points[at as usize],
+                }
+            })?;
+            owners.push(owner);
+        }
+        regions.extend(outer.into_iter().map(|outline| Region {
+            face,
+            contours: vec![outline.half_edges],
+        }));
+        for (owner, hole) in owners.into_iter().zip(holes) {
+            regions[first + owner].contours.push(hole.half_edges);
+        }
+    }
+    Ok(regions)
+}
+
+/// The half-edges around each face in succession.
+fn contours(all: &Arrangement) -> Vec<Vec<Vec<u32>>> {
+    let mut of_face = vec![Vec::new(); all.faces.len()];
+    let mut seen = vec![false; all.half_edges.len()];
+    for start in 0..all.half_edges.len() {
+        let mut contour = Vec::new();
+        let mut at = start;
+        while !seen[at] {
+            seen[at] = true;
+            contour.push(at as u32);
+            at = all.half_edges[at].next as usize;
+        }
+        if !contour.is_empty() {
+            of_face[all.half_edges[start].face as usize].push(contour);
+        }
+    }
+    of_face
+}
+
+/// Points of a contour's curves, in order.
+fn polygon(all: &Arrangement, curves: &Curves, chart: &Chart<'_>, contour: &[u32]) -> Vec<DVec2> {
+    const STEPS: u32 = 4;
+    let mut polygon = Vec::with_capacity(contour.len());
+    for &half in contour {
+        let half_edge = &all.half_edges[half as usize];
+        let curve = &curves.all[curves.of_half_edge[half as usize] as usize];
+        polygon.push(chart.flatten(all.points[half_edge.from as usize]));
+        if matches!(curve, Curve::Line { .. }) {
+            continue;
+        }
+        let [from, to] = half_edge.places;
+        let between = (1..STEPS).map(|k| f64::from(k) / f64::from(STEPS));
+        let points = between.map(|share| curve.at(from + share * (to - from)));
+        polygon.extend(points.map(|point: DVec3| chart.flatten(point)));
+    }
+    polygon
+}
+
+fn area(polygon: &[DVec2]) -> f64 {
+    let Some(&first) = polygon.first() else {
+        return 0.0;
+    };
+    let sides = polygon
+        .windows(2)
+        .map(|w| (w[0] - first).perp_dot(w[1] - first));
+    0.5 * sides.sum::<f64>()
+}
+
+/// The smallest of some outlines around a hole.
+fn owner(outer: &[Outline], hole: &Outline) -> Option<usize> {
+    if outer.len() == 1 {
+        return Some(0);
+    }
+    let around = (0..outer.len()).filter(|&k| is_within(&outer[k].polygon, &hole.polygon));
+    around.min_by(|&a, &b| outer[a].area.total_cmp(&outer[b].area))
+}
+
+/// Whether a polygon is within another one, with which it may have some points in common: most
+/// of its sides' middles are.
+fn is_within(outer: &[DVec2], inner: &[DVec2]) -> bool {
+    const MOST: usize = 15;
+    let bounds = |polygon: &[DVec2]| {
+        let low = polygon.iter().copied().reduce(DVec2::min);
+        let high = polygon.iter().copied().reduce(DVec2::max);
+        low.zip(high)
+    };
+    let (Some((low, high)), Some((inner_low, inner_high))) = (bounds(outer), bounds(inner)) else {
+        return false;
+    };
+    let middle = 0.5 * (inner_low + inner_high);
+    if middle.cmplt(low).any() || middle.cmpgt(high).any() {
+        return false;
+    }
+    let step = inner.len().div_ceil(MOST);
+    let middles = (0..inner.len()).step_by(step).map(|k| {
+        let next = (k + 1) % inner.len();
+        0.5 * (inner[k] + inner[next])
+    });
+    let (mut within, mut outside) = (0, 0);
+    for point in middles {
+        if contains(outer, point) {
+            within += 1;
+        } else {
+            outside += 1;
+        }
+    }
+    within > outside
+}
+
+/// By the sides that a ray along x crosses.
+fn contains(polygon: &[DVec2], point: DVec2) -> bool {
+    let mut is_inside = false;
+    let mut before = polygon[polygon.len() - 1];
+    for &corner in polygon {
+        if (corner.y > point.y) != (before.y > point.y) {
+            let share = (point.y - corner.y) / (before.y - corner.y);
+            is_inside ^= point.x < corner.x + share * (before.x - corner.x);
+        }
+        before = corner;
+    }
+    is_inside
+}

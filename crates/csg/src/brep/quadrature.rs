@@ -1,0 +1,309 @@
+//! Integrals over patches of surfaces, by line integrals along their exact edges.
+//!
+//! In the coordinates of a chart the area integral of f is the line integral of
+//! F dy around it, F the integral of f along x (Green). Both are taken by the rule of
+//! Gauss and Legendre. dy/dt comes from the polynomial through the rule's own nodes, so
+//! that of a curve nothing but its points need be known. Intervals are halved until
+//! halving changes nothing any more.
+
+use std::sync::LazyLock;
+
+use glam::{DVec2, DVec3};
+
+use super::bounded::Bounded;
+use super::chart::Chart;
+
+/// The integrals over a face that the measures of a solid need: of p·n, and of p·n times
+/// x, y, z, xx, yy, zz, xy, yz, zx, p counted from the origin and n the outward normal; and
+/// the area.
+pub(super) type Integrals = [f64; 11];
+
+/// What is integrated, at a point with a normal.
+fn integrand(point: DVec3, normal: DVec3) -> Integrals {
+    let along = point.dot(normal);
+    let DVec3 { x, y, z } = point;
+    let once = along * point;
+    [
+        along,
+        once.x,
+        once.y,
+        once.z,
+        once.x * x,
+        once.y * y,
+        once.z * z,
+        once.x * y,
+        once.y * z,
+        once.z * x,
+        normal.length(),
+    ]
+}
+
+/// Integrals with bounds on their errors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    pub values: Integrals,
+    /// How much halving changed, and rounding.
+    pub errors: Integrals,
+}
+
+impl Sum {
+    pub fn add(&mut self, other: &Self) {
+        for k in 0..self.values.len() {
+            self.values[k] += other.values[k];
+            self.errors[k] += other.errors[k];
+        }
+    }
+}
+
+/// A rule of Gauss and Legendre on the interval from 0 to 1.
+struct Rule {
+    nodes: Vec<f64>,
+    weights: Vec<f64>,
+    /// For each node the derivatives there of the polynomials that are 1 at one node and 0
+    /// at all others.
+    derivatives: Vec<Vec<f64>>,
+}
+
+impl Rule {
+    fn new(count: usize) -> Self {
+        let n = count as f64;
+        let mut nodes = Vec::with_capacity(count);
+        let mut weights = Vec::with_capacity(count);
+        for k in 0..count {
+            // Newton's method from Tricomi's guess.
+            let mut x = (std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+            let mut slope = 1.0;
+            for _ in 0..100 {
+                let (mut before, mut here) = (1.0, x);
+                for j in 2..=count {
+                    let j = j as f64;
+                    (before, here) = (here, ((2.0 * j - 1.0) * x * here - (j - 1.0) * before) / j);
+                }
+                slope = n * (x * here - before) / (x * x - 1.0);
+                let step = here / slope;
+                x -= step;
+                if step.abs() < 1e-16 {
+                    break;
+                }
+            }
+            nodes.push(0.5 - 0.5 * x);
+            weights.push(1.0 / ((1.0 - x * x) * slope * slope));
+        }
+        let factor = |j: usize| -> f64 {
+            let others = (0..count).filter(|&k| k != j);
+            others.map(|k| nodes[j] - nodes[k]).product()
+        };
+        let factors: Vec<f64> = (0..count).map(factor).collect();
+        let derivatives = (0..count).map(|i| {
+            let mut row: Vec<f64> = (0..count)
+                .map(|j| match i == j {
+                    true => 0.0,
+                    false => factors[i] / (factors[j] * (nodes[i] - nodes[j])),
+                })
+                .collect();
+            row[i] = -row.iter().sum::<f64>();
+            row
+        });
+        let derivatives = derivatives.collect();
+        Self {
+            nodes,
+            weights,
+            derivatives,
+        }
+    }
+}
+
+/// Along edges.
+static ALONG: LazyLock<Rule> = LazyLock::new(|| Rule::new(12));
+/// Across patches; exact for what is integrated over planes.
+static FLAT: LazyLock<Rule> = LazyLock::new(|| Rule::new(2));
+static COARSE: LazyLock<Rule> = LazyLock::new(|| Rule::new(14));
+static FINE: LazyLock<Rule> = LazyLock::new(|| Rule::new(20));
+
+/// How much rounding may change an integral, of the sum of its terms' magnitudes: each is
+/// the product of some sums of some coordinates.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Intervals are halved no more often.
+const MOST_HALVINGS: u32 = 24;
+
+/// Intervals are halved until that changes no more than this share of the whole.
+const CONVERGED: f64 = 1e-15;
+
+/// The part of integrals over a patch that one of its edges gives: a curve that runs from
+/// one place to another with the patch on its left. Integrals of a scene are in the order of
+/// the powers of `size`.
+pub(super) fn along(
+    chart: &Chart<'_>,
+    curve: impl Fn(f64) -> DVec3,
+    places: [f64; 2],
+    size: f64,
+) -> Sum {
+    let whole = size * size;
+    let least: Integrals = std::array::from_fn(|k| {
+        let power = match k {
+            0 => 1,
+            1..=3 => 2,
+            4..=9 => 3,
+            _ => 0,
+        };
+        CONVERGED * whole * size.powi(power)
+    });
+    let mut sum = Sum::default();
+    let once = strip(chart, &curve, places, &COARSE);
+    halve(chart, &curve, places, &once.0, &least, 0, &mut sum);
+    sum
+}
+
+/// The length of a curve between two places.
+pub(super) fn length(curve: impl Fn(f64) -> DVec3, places: [f64; 2]) -> Bounded {
+    let once = chord(&curve, places);
+    let mut sum = Bounded::default();
+    halve_length(&curve, places, once, 0, &mut sum);
+    sum
+}
+
+fn halve_length(
+    curve: &impl Fn(f64) -> DVec3,
+    [from, to]: [f64; 2],
+    once: f64,
+    halvings: u32,
+    sum: &mut Bounded,
+) {
+    let middle = 0.5 * (from + to);
+    let halves = [[from, middle], [middle, to]];
+    let twice = halves.map(|half| chord(curve, half));
+    let length = twice[0] + twice[1];
+    let (change, noise) = ((length - once).abs(), ROUNDING * length);
+    if change <= noise || halvings == MOST_HALVINGS {
+        sum.value += length;
+        sum.error += change + noise;
+        return;
+    }
+    for (half, once) in halves.into_iter().zip(twice) {
+        halve_length(curve, half, once, halvings + 1, sum);
+    }
+}
+
+/// The length of a stretch, by one rule.
+fn chord(curve: &impl Fn(f64) -> DVec3, [from, to]: [f64; 2]) -> f64 {
+    let rule = &*ALONG;
+    let about = curve(0.5 * (from + to));
+    let at = |&node: &f64| curve(from + node * (to - from)) - about;
+    let points: Vec<DVec3> = rule.nodes.iter().map(at).collect();
+    let speeds = rule.derivatives.iter().map(|row| {
+        let slope: DVec3 = row.iter().zip(&points).map(|(&d, &p)| d * p).sum();
+        slope.length()
+    });
+    speeds.zip(&rule.weights).map(|(s, w)| s * w).sum()
+}
+
+/// Adds the integrals along a stretch, of which a first estimate is known.
+fn halve(
+    chart: &Chart<'_>,
+    curve: &impl Fn(f64) -> DVec3,
+    [from, to]: [f64; 2],
+    once: &Integrals,
+    least: &Integrals,
+    halvings: u32,
+    sum: &mut Sum,
+) {
+    let middle = 0.5 * (from + to);
+    let halves = [[from, middle], [middle, to]];
+    let twice = halves.map(|half| strip(chart, curve, half, &FINE));
+    let [(a, a_size), (b, b_size)] = &twice;
+    let change: Integrals = std::array::from_fn(|k| (a[k] + b[k] - once[k]).abs());
+    let noise: Integrals = std::array::from_fn(|k| ROUNDING * (a_size[k] + b_size[k]));
+    let is_done = (0..change.len()).all(|k| change[k] <= least[k].max(noise[k]));
+    if is_done || halvings == MOST_HALVINGS {
+        for k in 0..change.len() {
+            sum.values[k] += a[k] + b[k];
+            sum.errors[k] += change[k] + noise[k];
+        }
+        return;
+    }
+    for (half, (once, _)) in halves.into_iter().zip(&twice) {
+        halve(chart, curve, half, once, least, halvings + 1, sum);
+    }
+}
+
+/// The integrals between x = 0 and a stretch of a curve, and the sums of the magnitudes of
+/// their terms.
+fn strip(
+    chart: &Chart<'_>,
+    curve: &impl Fn(f64) -> DVec3,
+    [from, to]: [f64; 2],
+    across: &Rule,
+) -> (Integrals, Integrals) {
+    let rule = &*ALONG;
+    let flat = |&node: &f64| chart.flatten(curve(from + node * (to - from)));
+    let points: Vec<DVec2> = rule.nodes.iter().map(flat).collect();
+    let about = chart.flatten(curve(0.5 * (from + to))).y;
+    let mut values = Integrals::default();
+    let mut sizes = Integrals::default();
+    for (k, point) in points.iter().enumerate() {
+        let slopes = rule.derivatives[k].iter().zip(&points);
+        let slope: f64 = slopes.map(|(d, p)| d * (p.y - about)).sum();
+        let weight = chart.turn() * rule.weights[k] * slope;
+        let row = row(chart, *point, across);
+        for j in 0..values.len() {
+            values[j] += weight * row[j];
+            sizes[j] += (weight * row[j]).abs();
+        }
+    }
+    (values, sizes)
+}
+
+/// The integrals along x, from 0 to a point.
+fn row(chart: &Chart<'_>, end: DVec2, across: &Rule) -> Integrals {
+    let mut sums = Integrals::default();
+    let (rule, panels) = if chart.is_flat() {
+        (&*FLAT, 1.0)
+    } else {
+        // Graphs are known as far around a point as it is from the axis, or more.
+        (
+            across,
+            (end.x.abs() / end.y.hypot(1.0)).ceil().clamp(1.0, 1e3),
+        )
+    };
+    let width = end.x / panels;
+    for panel in 0..panels as u32 {
+        for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
+            let x = width * (f64::from(panel) + node);
+            let point = chart.lift(DVec2::new(x, end.y));
+            let values = integrand(point, chart.normal(point));
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += weight * width * value;
+            }
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_exact_for_polynomials_and_their_derivatives() {
+        for count in [2, 3, 12, 20] {
+            let rule = Rule::new(count);
+            for power in 0..2 * count as i32 {
+                let terms = rule.nodes.iter().zip(&rule.weights);
+                let sum: f64 = terms.map(|(x, w)| w * x.powi(power)).sum();
+                assert!(
+                    (sum - 1.0 / f64::from(power + 1)).abs() < 1e-15,
+                    "{count} {power}"
+                );
+            }
+            for power in 1..count as i32 {
+                for (x, row) in rule.nodes.iter().zip(&rule.derivatives) {
+                    let terms = rule.nodes.iter().zip(row);
+                    let slope: f64 = terms.map(|(x, d)| d * x.powi(power)).sum();
+                    let wanted = f64::from(power) * x.powi(power - 1);
+                    assert!((slope - wanted).abs() < 1e-12, "{count} {power}");
+                }
+            }
+        }
+    }
+}

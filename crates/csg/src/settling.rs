@@ -1,0 +1,117 @@
+//! The ways to move surfaces before a boundary is evaluated, so that it can be.
+
+use crate::error::Error;
+use crate::evaluation;
+use crate::program::{Bounds, Program, Settled};
+use crate::report::{Moved, Report};
+
+/// How far surfaces may be moved, of the tolerance: so little that what is left of it
+/// takes half a percent more triangles.
+pub(crate) const UNSEEN: f64 = 0.01;
+
+/// What is done to surfaces, in the order in which it is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Settling {
+    /// Those that cannot be told apart where boundaries are evaluated are made one.
+    Merged,
+    /// All are rounded to as many decimals as are a small share of the tolerance.
+    Rounded,
+    /// The same as first, and then each is moved on its own by such a share.
+    Perturbed,
+}
+
+impl Settling {
+    pub const ALL: [Self; 3] = [Self::Merged, Self::Rounded, Self::Perturbed];
+
+    /// Whether nothing is left of the solid because surfaces were moved: walls thinner
+    /// than that are better meshed in another way than lost.
+    pub fn has_lost(self, is_empty: bool) -> bool {
+        self != Self::Merged && is_empty
+    }
+
+    /// The series of chords that are tried.
+    pub fn chords(self) -> &'static [&'static [f64]] {
+        const ALL: [&[f64]; 3] = [
+            &evaluation::LONG_CHORDS,
+            &evaluation::SHORT_CHORDS,
+            &evaluation::SHORTEST_CHORDS,
+        ];
+        match self {
+            Self::Merged => &ALL,
+            Self::Rounded | Self::Perturbed => &ALL[..1],
+        }
+    }
+}
+
+/// A program to be evaluated.
+pub(crate) struct Prepared(Option<Settled>);
+
+impl Prepared {
+    /// A program with its surfaces moved in one of the ways, by no more than `unseen` within
+    /// its bounds; none if it was tried as it is.
+    pub fn new(
+        program: &Program,
+        bounds: &Bounds,
+        settling: Settling,
+        unseen: f64,
+    ) -> Result<Option<Self>, Error> {
+        let size = bounds.size();
+        let unresolved = evaluation::unresolved(program) * size.max_element();
+        let ball = (bounds.center(), 0.5 * size.length());
+        let merged = || program.merged(ball, unresolved.min(unseen), unseen);
+        let settled = match settling {
+            Settling::Merged => merged()?,
+            Settling::Rounded => match program.rounded(ball, unseen)? {
+                None => return Ok(None),
+                rounded => rounded,
+            },
+            Settling::Perturbed => {
+                let merged = merged()?;
+                let program = merged.as_ref().map_or(program, |m| &m.program);
+                let perturbed = program.perturbed(ball, unseen)?;
+                perturbed.map(|perturbed| match merged {
+                    Some(merged) => Settled {
+                        merged: merged.merged,
+                        moved: merged.moved + perturbed.moved,
+                        ..perturbed
+                    },
+                    None => perturbed,
+                })
+            }
+        };
+        Ok(Some(Self(settled)))
+    }
+
+    /// What is told of the moves: what was moved by less than rounding moves it is where it
+    /// was.
+    pub fn told(&self, bounds: &Bounds) -> Option<Moved> {
+        let rounding = evaluation::rounding(bounds.center(), bounds.size().max_element());
+        let moved = self.0.as_ref().filter(|settled| settled.moved > rounding);
+        moved.map(|settled| Moved {
+            merged: settled.merged,
+            distance: settled.moved,
+            place: settled.place,
+        })
+    }
+
+    /// What it was made, if that is another one.
+    pub fn moved(&self) -> Option<&Settled> {
+        self.0.as_ref()
+    }
+
+    pub fn program<'a>(&'a self, original: &'a Program) -> &'a Program {
+        self.moved().map_or(original, |settled| &settled.program)
+    }
+
+    /// Bound on how far any surface was moved.
+    pub fn distance(&self) -> f64 {
+        self.moved().map_or(0.0, |settled| settled.moved)
+    }
+
+    /// Counts how far surfaces were moved as deviation.
+    pub fn add_to(&self, report: &mut Report) {
+        if let Some(deviation) = &mut report.deviation {
+            *deviation += self.distance();
+        }
+    }
+}
