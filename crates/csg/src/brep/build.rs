@@ -10,43 +10,33 @@ use super::data::{
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
 use crate::evaluation::{Arrangement, CurveId, Side};
-use crate::program::{Origin, Surface};
+use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 
 /// No vertex, edge or face.
 const NONE: u32 = u32::MAX;
 
-/// The look of a face: its surface, which side of it, and where it comes from.
-fn look(side: &Side) -> (u32, bool, u32) {
-    (side.plane, side.along_normal, side.look)
+/// Whether a half-edge bounds a face: the surface, its look or the side of it that is solid
+/// changes there, or faces are to be cut at seams.
+fn is_edge(all: &Arrangement, half: u32, cut_at_seams: bool) -> bool {
+    let half_edge = &all.half_edges[half as usize];
+    let sides = [half_edge.face, all.half_edges[half_edge.twin as usize].face];
+    let look = |side: &Side| (side.plane, side.along_normal, side.look);
+    let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
+    one != other || cut_at_seams && half_edge.curve.is_seam()
 }
 
-/// The boundary of an arrangement whose coordinates count from `origin`.
+/// Adds the boundary of an arrangement to an empty one.
 pub(super) fn build(
+    mut brep: Brep,
     all: Arrangement,
-    surfaces: Vec<Surface>,
-    origins: Vec<Origin>,
-    origin: DVec3,
-    size: f64,
+    cut_at_seams: bool,
 ) -> Result<Brep, Undecided> {
-    let curves = curves(&all, &surfaces)?;
-    let regions = regions(&all, &surfaces, &curves)?;
-    let faces = Faces::new(&all, regions)?;
-    let is_edge = |half: u32| {
-        let half_edge = &all.half_edges[half as usize];
-        let sides = [half_edge.face, all.half_edges[half_edge.twin as usize].face];
-        let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
-        one != other
-    };
+    let curves = curves(&all, &brep.surfaces)?;
+    let regions = regions(&all, &brep.surfaces, &curves)?;
+    let is_edge = |half: u32| is_edge(&all, half, cut_at_seams);
+    let faces = Faces::new(&all, regions, is_edge)?;
     let links = Links::new(&all, is_edge);
-    let mut brep = Brep {
-        origin,
-        surfaces,
-        origins,
-        rounding: all.rounding,
-        size,
-        ..Brep::empty()
-    };
     let chains = links.edges(&all);
     let mut vertex_of = vec![NONE; all.points.len()];
     let mut coedge_of = vec![NONE; all.half_edges.len()];
@@ -137,7 +127,11 @@ struct Faces {
 }
 
 impl Faces {
-    fn new(all: &Arrangement, regions: Vec<Region>) -> Result<Self, Undecided> {
+    fn new(
+        all: &Arrangement,
+        regions: Vec<Region>,
+        is_edge: impl Fn(u32) -> bool,
+    ) -> Result<Self, Undecided> {
         let mut region_of = vec![NONE; all.half_edges.len()];
         for (index, region) in (0u32..).zip(&regions) {
             for &half in region.contours.iter().flatten() {
@@ -146,13 +140,10 @@ impl Faces {
         }
         let mut faces = Groups::new(regions.len());
         let mut shells = Groups::new(regions.len());
-        for (half, half_edge) in all.half_edges.iter().enumerate() {
-            let twin = half_edge.twin as usize;
-            let pair = [region_of[half], region_of[twin]];
+        for (half, half_edge) in (0u32..).zip(&all.half_edges) {
+            let pair = [half, half_edge.twin].map(|half| region_of[half as usize]);
             shells.join(pair);
-            let sides = [half_edge.face, all.half_edges[twin].face];
-            let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
-            if one == other {
+            if !is_edge(half) {
                 faces.join(pair);
             }
         }

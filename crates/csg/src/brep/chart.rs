@@ -56,6 +56,17 @@ impl<'a> Chart<'a> {
         self.turn
     }
 
+    /// How much x and y may change along a unit of length.
+    pub fn per_length(&self) -> f64 {
+        let rows = self.to_chart.transpose();
+        rows.x_axis.length().max(rows.y_axis.length())
+    }
+
+    /// The direction of z, of unit length.
+    pub fn view(&self) -> DVec3 {
+        self.axes.z_axis.normalize_or_zero()
+    }
+
     pub fn is_flat(&self) -> bool {
         self.frame.is_none()
     }

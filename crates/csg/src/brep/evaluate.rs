@@ -12,6 +12,7 @@ use crate::program::{Bounds, Program};
 use crate::report::Report;
 use crate::settling::{Prepared, Settling};
 use crate::task::Task;
+use crate::undecided::Undecided;
 
 /// How a boundary is to be evaluated: see [`Program::boundary`].
 #[derive(Clone, Debug, Default)]
@@ -20,6 +21,7 @@ pub struct BoundaryOptions {
     limits: Limits,
     caller: Caller,
     most_moved: Option<f64>,
+    cut_at_seams: bool,
 }
 
 impl BoundaryOptions {
@@ -51,6 +53,14 @@ impl BoundaryOptions {
     /// longest side, unless said otherwise. What was done is told by [`Brep::moved`].
     pub fn most_moved(mut self, distance: f64) -> Self {
         self.most_moved = Some(distance);
+        self
+    }
+
+    /// Cuts faces along seams, planes through centres and axes, so that each is seen whole
+    /// from one direction ([`crate::brep::Face::view`]): no cylinder goes all around then, and
+    /// a sphere has eight faces. For formats in which faces have a chart.
+    pub fn cut_at_seams(mut self) -> Self {
+        self.cut_at_seams = true;
         self
     }
 }
@@ -98,7 +108,7 @@ impl Program {
                 continue;
             };
             let control = control.again(Demand::ExactBoundary);
-            match evaluated(prepared.program(self), bounds, &control)? {
+            match evaluated(prepared.program(self), bounds, options, &control)? {
                 Ok(brep) if settling.has_lost(brep.faces.is_empty()) => {}
                 Ok(mut brep) => {
                     brep.moved = prepared.told(&bounds);
@@ -119,8 +129,9 @@ impl Program {
 fn evaluated(
     program: &Program,
     bounds: Bounds,
+    options: &BoundaryOptions,
     control: &Control,
-) -> Result<Result<Brep, crate::undecided::Undecided>, Error> {
+) -> Result<Result<Brep, Undecided>, Error> {
     let task = Task::new(program, bounds, 0.0, control);
     let mut report = Report::default();
     let arrangement = match evaluation::arrangement(&task, &mut report)? {
@@ -129,8 +140,16 @@ fn evaluated(
     };
     let size = bounds.size().length();
     let origins = program.origins().to_vec();
-    let built = build(arrangement, task.surfaces, origins, task.origin, size);
-    Ok(built.map_err(|undecided| crate::undecided::Undecided {
+    let brep = Brep {
+        origin: task.origin,
+        surfaces: task.surfaces,
+        origins,
+        rounding: arrangement.rounding,
+        size,
+        ..Brep::empty()
+    };
+    let built = build(brep, arrangement, options.cut_at_seams);
+    Ok(built.map_err(|undecided| Undecided {
         place: undecided.place + task.origin,
         ..undecided
     }))

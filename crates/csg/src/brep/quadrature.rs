@@ -124,35 +124,113 @@ static FINE: LazyLock<Rule> = LazyLock::new(|| Rule::new(20));
 /// the product of some sums of some coordinates.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Intervals are halved no more often.
-const MOST_HALVINGS: u32 = 24;
+/// Intervals are halved no more often: at a corner where the rest is not smooth, what is left
+/// of it is a millionth.
+const MOST_HALVINGS: u32 = 20;
+
+/// And no more than so many of one stretch: then rounding is all that changes.
+const MOST_STRIPS: u32 = 500;
 
 /// Intervals are halved until that changes no more than this share of the whole.
 const CONVERGED: f64 = 1e-15;
 
+/// The integrals between x = 0 and a stretch of a curve.
+#[derive(Clone, Copy, Debug, Default)]
+struct Strip {
+    values: Integrals,
+    /// What rounding may change.
+    noise: Integrals,
+    /// Halving tells no more than this.
+    least: Integrals,
+}
+
+/// A stretch of a curve with a patch on its left.
+struct Along<'a, C> {
+    chart: &'a Chart<'a>,
+    curve: C,
+    size: f64,
+    sum: Sum,
+    strips: u32,
+}
+
 /// The part of integrals over a patch that one of its edges gives: a curve that runs from
-/// one place to another with the patch on its left. Integrals of a scene are in the order of
-/// the powers of `size`.
+/// one place to another with the patch on its left, in a scene of some size.
 pub(super) fn along(
     chart: &Chart<'_>,
     curve: impl Fn(f64) -> DVec3,
     places: [f64; 2],
     size: f64,
 ) -> Sum {
-    let whole = size * size;
-    let least: Integrals = std::array::from_fn(|k| {
-        let power = match k {
-            0 => 1,
-            1..=3 => 2,
-            4..=9 => 3,
-            _ => 0,
+    let mut along = Along {
+        chart,
+        curve,
+        size,
+        sum: Sum::default(),
+        strips: 0,
+    };
+    let once = along.strip(places, &COARSE);
+    along.halve(places, &once.values, 0);
+    along.sum
+}
+
+impl<C: Fn(f64) -> DVec3> Along<'_, C> {
+    /// Adds the integrals along a stretch, of which a first estimate is known.
+    fn halve(&mut self, [from, to]: [f64; 2], once: &Integrals, halvings: u32) {
+        let middle = 0.5 * (from + to);
+        let halves = [[from, middle], [middle, to]];
+        let [a, b] = halves.map(|half| self.strip(half, &FINE));
+        let both = |one: &Integrals, other: &Integrals| -> Integrals {
+            std::array::from_fn(|k| one[k] + other[k])
         };
-        CONVERGED * whole * size.powi(power)
-    });
-    let mut sum = Sum::default();
-    let once = strip(chart, &curve, places, &COARSE);
-    halve(chart, &curve, places, &once.0, &least, 0, &mut sum);
-    sum
+        let twice = both(&a.values, &b.values);
+        let least = both(&a.least, &b.least);
+        let change: Integrals = std::array::from_fn(|k| (twice[k] - once[k]).abs());
+        let is_done = (0..change.len()).all(|k| change[k] <= least[k]);
+        if is_done || halvings == MOST_HALVINGS || self.strips > MOST_STRIPS {
+            let noise = both(&a.noise, &b.noise);
+            self.sum.add(&Sum {
+                values: twice,
+                errors: both(&change, &noise),
+            });
+            return;
+        }
+        for (half, once) in halves.into_iter().zip([a, b]) {
+            self.halve(half, &once.values, halvings + 1);
+        }
+    }
+
+    fn strip(&mut self, [from, to]: [f64; 2], across: &Rule) -> Strip {
+        self.strips += 1;
+        let rule = &*ALONG;
+        let flat = |node: f64| self.chart.flatten((self.curve)(from + node * (to - from)));
+        let points: Vec<DVec2> = rule.nodes.iter().map(|&node| flat(node)).collect();
+        // Differences keep their digits about a point near by.
+        let about = flat(0.5).y;
+        // As many digits of y as coordinates in space have.
+        let unit = self.chart.per_length() * self.size;
+        let mut strip = Strip::default();
+        for (k, point) in points.iter().enumerate() {
+            let slopes = rule.derivatives[k].iter().zip(&points);
+            let slope: f64 = slopes.map(|(d, p)| d * (p.y - about)).sum();
+            let row = row(self.chart, *point, across);
+            for j in 0..row.len() {
+                let term = self.chart.turn() * rule.weights[k] * row[j];
+                strip.values[j] += term * slope;
+                strip.noise[j] += ROUNDING * (term * slope).abs();
+                strip.least[j] += ROUNDING * (term * unit).abs();
+            }
+        }
+        for j in 0..strip.least.len() {
+            let power = match j {
+                0 => 3,
+                1..=3 => 4,
+                4..=9 => 5,
+                _ => 2,
+            };
+            strip.least[j] += strip.noise[j] + CONVERGED * self.size.powi(power);
+        }
+        strip
+    }
 }
 
 /// The length of a curve between two places.
@@ -196,62 +274,6 @@ fn chord(curve: &impl Fn(f64) -> DVec3, [from, to]: [f64; 2]) -> f64 {
         slope.length()
     });
     speeds.zip(&rule.weights).map(|(s, w)| s * w).sum()
-}
-
-/// Adds the integrals along a stretch, of which a first estimate is known.
-fn halve(
-    chart: &Chart<'_>,
-    curve: &impl Fn(f64) -> DVec3,
-    [from, to]: [f64; 2],
-    once: &Integrals,
-    least: &Integrals,
-    halvings: u32,
-    sum: &mut Sum,
-) {
-    let middle = 0.5 * (from + to);
-    let halves = [[from, middle], [middle, to]];
-    let twice = halves.map(|half| strip(chart, curve, half, &FINE));
-    let [(a, a_size), (b, b_size)] = &twice;
-    let change: Integrals = std::array::from_fn(|k| (a[k] + b[k] - once[k]).abs());
-    let noise: Integrals = std::array::from_fn(|k| ROUNDING * (a_size[k] + b_size[k]));
-    let is_done = (0..change.len()).all(|k| change[k] <= least[k].max(noise[k]));
-    if is_done || halvings == MOST_HALVINGS {
-        for k in 0..change.len() {
-            sum.values[k] += a[k] + b[k];
-            sum.errors[k] += change[k] + noise[k];
-        }
-        return;
-    }
-    for (half, (once, _)) in halves.into_iter().zip(&twice) {
-        halve(chart, curve, half, once, least, halvings + 1, sum);
-    }
-}
-
-/// The integrals between x = 0 and a stretch of a curve, and the sums of the magnitudes of
-/// their terms.
-fn strip(
-    chart: &Chart<'_>,
-    curve: &impl Fn(f64) -> DVec3,
-    [from, to]: [f64; 2],
-    across: &Rule,
-) -> (Integrals, Integrals) {
-    let rule = &*ALONG;
-    let flat = |&node: &f64| chart.flatten(curve(from + node * (to - from)));
-    let points: Vec<DVec2> = rule.nodes.iter().map(flat).collect();
-    let about = chart.flatten(curve(0.5 * (from + to))).y;
-    let mut values = Integrals::default();
-    let mut sizes = Integrals::default();
-    for (k, point) in points.iter().enumerate() {
-        let slopes = rule.derivatives[k].iter().zip(&points);
-        let slope: f64 = slopes.map(|(d, p)| d * (p.y - about)).sum();
-        let weight = chart.turn() * rule.weights[k] * slope;
-        let row = row(chart, *point, across);
-        for j in 0..values.len() {
-            values[j] += weight * row[j];
-            sizes[j] += (weight * row[j]).abs();
-        }
-    }
-    (values, sizes)
 }
 
 /// The integrals along x, from 0 to a point.

@@ -177,6 +177,14 @@ impl<'a> Face<'a> {
         points.collect()
     }
 
+    /// A direction along which lines meet the first part of the face once at most: where
+    /// faces were cut at seams it is seen whole from there. Of a plane its normal.
+    #[must_use]
+    pub fn view(&self) -> DVec3 {
+        let patch = &self.brep.patches[self.data().patches.0 as usize];
+        self.brep.chart(patch).view()
+    }
+
     /// The direction out of the solid at a point of the face, of unit length.
     #[must_use]
     pub fn normal(&self, at: DVec3) -> DVec3 {

@@ -1,6 +1,7 @@
 //! What is handed on of a boundary: half-edges along exact curves.
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::boundary::{Boundary, NONE};
 use super::curve::Curve;
@@ -75,26 +76,32 @@ impl Arrangement {
             near: scene.near,
             rounding: scene.rounding,
         };
-        all.stretch_lines(scene.surfaces);
+        all.fit_places(scene.surfaces);
         all
     }
 
-    /// Half-edges along lines may have been joined: these reach from vertex to vertex.
-    fn stretch_lines(&mut self, surfaces: &[Surface]) {
-        let is_plane = |id: u32| surfaces.get(id as usize).is_some_and(Surface::is_plane);
+    /// Makes half-edges reach from vertex to vertex: along lines they may have been joined,
+    /// and where surfaces touch a place is known to fewer digits than the point.
+    fn fit_places(&mut self, surfaces: &[Surface]) {
+        let mut curves: FxHashMap<CurveId, Option<Curve>> = FxHashMap::default();
         for half in 0..self.half_edges.len() {
             let HalfEdge {
                 from, twin, curve, ..
             } = self.half_edges[half];
-            if !curve.surfaces.into_iter().all(is_plane) {
+            let known = curves
+                .entry(curve)
+                .or_insert_with(|| self.curve(surfaces, curve));
+            let Some(curve) = known else {
                 continue;
-            }
+            };
             let ends = [from, self.half_edges[twin as usize].from];
-            if let Some(line @ Curve::Line { .. }) = self.curve(surfaces, curve) {
-                let places = ends.map(|end| line.place(self.points[end as usize]));
-                if let [Some(start), Some(end)] = places {
-                    self.half_edges[half].places = [start, end];
-                }
+            let places = &mut self.half_edges[half].places;
+            for (place, end) in places.iter_mut().zip(ends) {
+                let point = self.points[end as usize];
+                *place = match curve {
+                    Curve::Line { .. } => curve.place(point).unwrap_or(*place),
+                    _ => nearest(curve, *place, point, self.rounding),
+                };
             }
         }
     }
@@ -112,4 +119,27 @@ impl Arrangement {
         let branch = id.branch as usize;
         (branch < branches.len()).then(|| branches.swap_remove(branch).curve)
     }
+}
+
+/// Where a curve is nearest to a point, from a place next to it: by steps of Newton's method as
+/// long as these bring it nearer, if it is off by more than rounding.
+fn nearest(curve: &Curve, mut place: f64, point: DVec3, rounding: f64) -> f64 {
+    const MOST_STEPS: u32 = 8;
+    /// In which the curve's direction is found.
+    const STEP: f64 = 1e-6;
+    let mut off = curve.at(place).distance(point);
+    for _ in 0..MOST_STEPS {
+        if off <= rounding {
+            break;
+        }
+        let direction = (curve.at(place + STEP) - curve.at(place - STEP)) / (2.0 * STEP);
+        let next = place + (point - curve.at(place)).dot(direction) / direction.length_squared();
+        let next_off = curve.at(next).distance(point);
+        // Not so where it is singular.
+        if !(next_off < off) {
+            break;
+        }
+        (place, off) = (next, next_off);
+    }
+    place
 }
