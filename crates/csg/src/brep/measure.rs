@@ -78,11 +78,11 @@ impl Brep {
 
     fn solid_measure(&self, sum: &Sum) -> SolidMeasure {
         let mut errors = sum.errors;
-        // Surfaces are where they should be but for rounding, and but for what moved them.
+        // Surfaces are where they should be but for rounding, and but for what moved them: the
+        // layer between, as a part of the boundary that is off by the size of the scene.
         let off = self.rounding + self.moved.map_or(0.0, |moved| moved.distance);
-        let layer = off * sum.values[10].abs();
-        add_errors(&mut errors, layer / self.size, self.size);
-        errors[10] += 4.0 * off / self.size.max(f64::MIN_POSITIVE) * sum.values[10].abs();
+        let layer = off / self.size.max(f64::MIN_POSITIVE) * sum.values[10].abs();
+        add_errors(&mut errors, layer, self.size);
         let moment = |k: usize| sum.values[k] / divisor(k);
         let error = |k: usize| errors[k] / divisor(k);
         let volume = Bounded {

@@ -1,0 +1,196 @@
+//! Solids whose measures are known.
+
+use std::f64::consts::{PI, TAU};
+
+use csg::brep::Bounded;
+use csg::{Program, Solid};
+use stereotomy::{csg, scenes};
+
+use super::boundary;
+use super::sound::assert_sound;
+
+/// The truth is within the bound, and the bound tells more than ten digits.
+fn assert_known(found: Bounded, wanted: f64, name: &str) {
+    let off = (found.value - wanted).abs();
+    assert!(
+        off <= found.error,
+        "{name}: {found:?} in place of {wanted}, off {off:e}"
+    );
+    assert!(
+        found.error <= 1e-10 * wanted.abs().max(1.0),
+        "{name}: {found:?}"
+    );
+}
+
+#[test]
+fn reference_scenes_have_their_volumes_and_handles() {
+    let cases = [
+        ("S1", scenes::sphere(), scenes::SPHERE_VOLUME, vec![0]),
+        ("S2", scenes::drilled(), scenes::DRILLED_VOLUME, vec![5]),
+        (
+            "S3",
+            scenes::tricylinder(),
+            scenes::TRICYLINDER_VOLUME,
+            vec![0],
+        ),
+        ("S4-1", scenes::menger(1), scenes::menger_volume(1), vec![5]),
+        (
+            "S4-2",
+            scenes::menger(2),
+            scenes::menger_volume(2),
+            vec![81],
+        ),
+        (
+            "S6",
+            scenes::rotated_box(),
+            scenes::ROTATED_BOX_VOLUME,
+            vec![0],
+        ),
+        (
+            "S7-1e-2",
+            scenes::shell(1e-2),
+            scenes::shell_volume(1e-2),
+            vec![0, 0],
+        ),
+        (
+            "S7-1e-3",
+            scenes::shell(1e-3),
+            scenes::shell_volume(1e-3),
+            vec![0, 0],
+        ),
+        (
+            "S7-1e-4",
+            scenes::shell(1e-4),
+            scenes::shell_volume(1e-4),
+            vec![0, 0],
+        ),
+        ("S8", scenes::flange(), scenes::FLANGE_VOLUME, vec![9]),
+    ];
+    for (name, solid, volume, genus) in cases {
+        let brep = boundary(&solid).expect("a boundary");
+        let found: Vec<usize> = brep.shells().map(|shell| shell.genus()).collect();
+        assert_eq!(found, genus, "{name}");
+        assert_known(brep.measure().volume, volume, name);
+        let program = Program::lower(&solid).expect("valid");
+        assert_eq!(assert_sound(&brep, &program, name), 0.0, "{name}");
+    }
+}
+
+#[test]
+fn primitives_have_their_measures() {
+    let ellipse_area = PI * 0.7 * 0.4;
+    // (solid, volume, area, the second moment about the x axis through the centroid)
+    let (r, h) = (0.8, 1.5);
+    let slant = f64::hypot(r, h);
+    let cases = [
+        (
+            "ball",
+            Solid::sphere(r),
+            4.0 / 3.0 * PI * r.powi(3),
+            4.0 * PI * r * r,
+        ),
+        (
+            "cylinder",
+            Solid::cylinder(r, 0.0..h),
+            PI * r * r * h,
+            TAU * r * (r + h),
+        ),
+        (
+            "cone",
+            Solid::cone(r, 0.0..h),
+            PI * r * r * h / 3.0,
+            PI * r * (r + slant),
+        ),
+        (
+            "frustum",
+            Solid::frustum(0.8, 0.3, 0.0..h),
+            PI * h / 3.0 * (0.64 + 0.24 + 0.09),
+            PI * (0.64 + 0.09 + 1.1 * f64::hypot(0.5, h)),
+        ),
+        ("box", Solid::cuboid([1.0, 2.0, 3.0]), 6.0, 22.0),
+    ];
+    for (name, solid, volume, area) in &cases {
+        for (pose, turned) in [
+            ("home", solid.clone()),
+            (
+                "turned",
+                solid.rotate_xyz(0.3, 1.1, -0.7).translate([3.0, -2.0, 1.0]),
+            ),
+        ] {
+            let measure = boundary(&turned).expect("a boundary").measure();
+            let name = format!("{name} {pose}");
+            assert_known(measure.volume, *volume, &name);
+            assert_known(measure.area, *area, &name);
+        }
+    }
+    let ellipsoid = boundary(&Solid::ellipsoid([0.7, 0.4, 1.3])).expect("a boundary");
+    assert_known(
+        ellipsoid.measure().volume,
+        4.0 / 3.0 * ellipse_area * 1.3,
+        "ellipsoid",
+    );
+    let rod = boundary(&Solid::elliptic_cylinder([0.7, 0.4], -1.0..1.5)).expect("a boundary");
+    assert_known(
+        rod.measure().volume,
+        2.5 * ellipse_area,
+        "elliptic cylinder",
+    );
+}
+
+/// Steinmetz: two crossing cylinders, 16 r³ / 3 and 16 r²; and unequal ones by an integral.
+#[test]
+fn crossing_cylinders_have_their_measures() {
+    let rod = |radius: f64| Solid::cylinder(radius, -3.0..3.0);
+    let cross = rod(1.0) & rod(1.0).rotate_x(0.5 * PI);
+    let measure = boundary(&cross).expect("a boundary").measure();
+    assert_known(measure.volume, 16.0 / 3.0, "equal");
+    assert_known(measure.area, 16.0, "equal");
+    // Of radii 1 and b: 8 ∫ √(1 - x²) √(b² - x²) dx from 0 to b, x = b sin u, by the
+    // trapezoidal rule, which converges geometrically for a periodic function.
+    for b in [0.3, 0.7, 0.95] {
+        let cross = rod(1.0) & rod(b).rotate_x(0.5 * PI);
+        let steps = 2000;
+        let terms = (0..steps).map(|k| {
+            let (sin, cos) = (TAU * f64::from(k) / f64::from(steps)).sin_cos();
+            (1.0 - (b * sin).powi(2)).sqrt() * (b * cos).powi(2)
+        });
+        let volume = 8.0 * 0.25 * TAU * terms.sum::<f64>() / f64::from(steps);
+        let found = boundary(&cross).expect("a boundary").measure();
+        assert_known(found.volume, volume, &format!("{b}"));
+    }
+}
+
+#[test]
+fn centroids_and_moments_are_those_of_the_formulas() {
+    let (r, h) = (0.8, 1.5);
+    let volume = PI * r * r * h / 3.0;
+    let place = glam::DVec3::new(10.0, -20.0, 30.0);
+    let cone = Solid::cone(r, 0.0..h).translate(place);
+    let measure = boundary(&cone).expect("a boundary").measure();
+    let [x, y, z] = measure.centroid.expect("something");
+    assert_known(x, place.x, "x");
+    assert_known(y, place.y, "y");
+    assert_known(z, place.z + 0.25 * h, "z");
+    let along = 3.0 / 80.0 * volume * h * h;
+    let across = 3.0 / 20.0 * volume * r * r;
+    let wanted = glam::DMat3::from_diagonal(glam::DVec3::new(across, across, along));
+    let off = (measure.second_moments - wanted).to_cols_array();
+    let off = off.into_iter().map(f64::abs).fold(0.0, f64::max);
+    assert!(off <= measure.second_moments_error, "{off:e} {measure:?}");
+    assert!(measure.second_moments_error < 1e-10, "{measure:?}");
+    let inertia = measure.inertia();
+    assert!((inertia.z_axis.z - 2.0 * across).abs() < 1e-12);
+    assert!((inertia.x_axis.x - across - along).abs() < 1e-12);
+}
+
+#[test]
+fn nothing_has_no_boundary_and_no_measures() {
+    let apart = Solid::sphere(1.0) & Solid::sphere(1.0).translate([3.0, 0.0, 0.0]);
+    for solid in [Solid::empty(), apart] {
+        let brep = boundary(&solid).expect("an empty boundary");
+        assert!(brep.is_empty());
+        let measure = brep.measure();
+        assert_eq!((measure.volume.value, measure.area.value), (0.0, 0.0));
+        assert_eq!(measure.centroid, None);
+    }
+}
