@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use csg::{LengthUnit, Limits, Mesh, Mesher, Program, Report};
+use csg::{BoundaryOptions, LengthUnit, Limits, Mesh, Mesher, Program, Report};
 use glam::DVec3;
 
 use crate::failure::Failure;
@@ -49,6 +49,18 @@ pub(crate) struct MesherOptions {
 }
 
 impl MesherOptions {
+    /// Whether any option asks for a mesh, or how fine it is to be.
+    pub(crate) fn is_of_mesh(&self) -> bool {
+        self.tolerance.is_some() || self.limits.limit_triangles.is_some() || !self.is_to_tolerance()
+    }
+
+    /// The same limits for a solid's boundary.
+    pub(crate) fn boundary(&self, progress: &Progress) -> BoundaryOptions {
+        BoundaryOptions::new()
+            .limits(self.limits.limits())
+            .progress(progress.callback())
+    }
+
     /// Whether the mesh is to keep a tolerance, one that was given or the default.
     fn is_to_tolerance(&self) -> bool {
         let is_sized = self.draft
@@ -145,6 +157,18 @@ pub(crate) enum Unit {
 }
 
 impl Unit {
+    /// Its symbol.
+    pub(crate) fn symbol(self) -> &'static str {
+        match self {
+            Self::Um => "µm",
+            Self::Mm => "mm",
+            Self::Cm => "cm",
+            Self::M => "m",
+            Self::In => "in",
+            Self::Ft => "ft",
+        }
+    }
+
     fn length_unit(self) -> LengthUnit {
         match self {
             Self::Um => LengthUnit::Micrometre,
@@ -259,12 +283,8 @@ pub(crate) fn produce(
                 meshed = mesh(tolerance)?;
                 seconds.extend(&meshed.report.stages);
             }
-            let primitives = program.origins().len();
-            if meshed.mesh.triangles.is_empty() && primitives > 0 {
-                eprintln!(
-                    "warning: nothing is left of the model's {primitives} primitives: what is \
-                     subtracted or intersected takes all of it, or it is smaller than the cells"
-                );
+            if meshed.mesh.triangles.is_empty() {
+                warn_of_nothing(&program);
             }
             Ok(Product {
                 mesh: meshed.mesh,
@@ -281,6 +301,17 @@ pub(crate) fn produce(
             tolerance: None,
             seconds,
         }),
+    }
+}
+
+/// Tells that nothing is left of a solid that was made of something.
+pub(crate) fn warn_of_nothing(program: &Program) {
+    let primitives = program.origins().len();
+    if primitives > 0 {
+        eprintln!(
+            "warning: nothing is left of the model's {primitives} primitives: what is \
+             subtracted or intersected takes all of it, or it is smaller than the cells"
+        );
     }
 }
 

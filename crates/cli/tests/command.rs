@@ -102,7 +102,7 @@ fn mesh_writes_every_format_and_json() {
 
     let text = fs::read_to_string(folder.file("out.json")).expect("a file");
     let json: Value = serde_json::from_str(&text).expect("JSON");
-    let volume = json["volume"].as_f64().expect("a number");
+    let volume = json["volume"]["value"].as_f64().expect("a number");
     assert!((volume / DRILLED_VOLUME - 1.0).abs() < 0.02, "{volume}");
     assert_eq!(json["genus"], 5);
     assert_eq!(json["components"], 1);
@@ -181,6 +181,38 @@ fn measure_reads_meshes_too() {
     );
 }
 
+/// Without options that ask for a mesh, a solid's measures are those of its exact boundary, told
+/// to the last digit that is known.
+#[test]
+fn measures_of_solids_are_exact_and_say_how_far() {
+    let folder = Folder::new();
+    let output = folder.run("measure in.csg --json - --unit cm");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    let bound = |name: &str| json["volume"][name].as_f64().expect("a number");
+    assert!(bound("lower") <= DRILLED_VOLUME && DRILLED_VOLUME <= bound("upper"));
+    assert!(bound("upper") - bound("lower") < 1e-11, "{json}");
+    assert_eq!(json["genus"], 5);
+    assert_eq!((&json["faces"], &json["edges"]), (&13.into(), &24.into()));
+    let text = folder.run("measure in.csg --unit cm");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(
+        text.contains("volume      0.98878955719") && text.contains("cm³"),
+        "{text}"
+    );
+    assert!(!text.contains("triangles"), "{text}");
+
+    // Of a mesh within its proven deviation.
+    let output = folder.run("measure in.csg --json - --tolerance 0.001");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    let bound = |name: &str| json["volume"][name].as_f64().expect("a number");
+    assert!(bound("lower") <= DRILLED_VOLUME && DRILLED_VOLUME <= bound("upper"));
+    assert!(bound("upper") - bound("lower") < 0.1, "{json}");
+    // Cells prove nothing.
+    let output = folder.run("measure in.csg --json - --cells 32");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    assert_eq!(json["volume"]["upper"], Value::Null);
+}
+
 #[test]
 fn faceted_gives_polygons() {
     let folder = Folder::new();
@@ -189,7 +221,7 @@ fn faceted_gives_polygons() {
     let volume = |command: &str| {
         let output = folder.run(command);
         let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
-        json["volume"].as_f64().expect("a number")
+        json["volume"]["value"].as_f64().expect("a number")
     };
     let round = volume("measure round.csg --json - --cells 128");
     let faceted = volume("measure round.csg --faceted --json - --cells 128");
@@ -458,7 +490,7 @@ fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
             json["report"]["fallbacks"].as_array().expect("a list"),
             none
         );
-        let off = (number(&json["volume"]) - DRILLED_VOLUME).abs();
+        let off = (number(&json["volume"]["value"]) - DRILLED_VOLUME).abs();
         assert!(off <= tolerance * number(&json["area"]), "{off}");
         assert_eq!(json["genus"], 5);
     }
@@ -543,7 +575,7 @@ fn scenes_import_from_beside_them_and_openscad_models_are_evaluated() {
     fs::write(folder.file("import.csg"), "import(file = \"part.stl\");").expect("a file");
     let output = folder.run("measure import.csg --json -");
     let measures: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let volume = measures["volume"].as_f64().expect("a volume");
+    let volume = measures["volume"]["value"].as_f64().expect("a volume");
     assert!((volume - DRILLED_VOLUME).abs() < 0.1, "{volume}");
 
     fs::write(
@@ -565,7 +597,7 @@ fn scenes_import_from_beside_them_and_openscad_models_are_evaluated() {
         return;
     }
     let measures: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let volume = measures["volume"].as_f64().expect("a volume");
+    let volume = measures["volume"]["value"].as_f64().expect("a volume");
     assert!((volume - 60.0).abs() < 1e-9, "{volume}");
     fs::write(folder.file("bad.scad"), "cube(").expect("a file");
     let output = folder.run("measure bad.scad");

@@ -1,18 +1,20 @@
 //! What `mesh` and `measure` say of a mesh, as JSON and for people.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::fmt;
 
-use csg::Report;
+use csg::{Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
+use super::figure::Figure;
 use crate::mesher::Product;
 
 /// Measures, checks and times of a mesh. In the model's unit and its powers.
 #[derive(Debug, Serialize)]
 pub(crate) struct Account {
-    volume: f64,
+    volume: Figure,
     area: f64,
     centroid: Option<[f64; 3]>,
     triangles: usize,
@@ -67,11 +69,36 @@ struct UndecidedAccount {
     place: [f64; 3],
 }
 
+/// Surfaces that were moved.
 #[derive(Debug, Serialize)]
-struct MovedAccount {
+pub(crate) struct MovedAccount {
     merged: usize,
     distance: f64,
     place: [f64; 3],
+}
+
+impl From<Moved> for MovedAccount {
+    fn from(moved: Moved) -> Self {
+        Self {
+            merged: moved.merged,
+            distance: moved.distance,
+            place: moved.place.to_array(),
+        }
+    }
+}
+
+impl fmt::Display for MovedAccount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            merged,
+            distance,
+            place: [x, y, z],
+        } = self;
+        write!(
+            f,
+            "moved       surfaces by at most {distance} ({merged} made one with others), as about {x} {y} {z}"
+        )
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -98,7 +125,7 @@ impl Account {
         }
         seconds.insert("total", total);
         Self {
-            volume: measure.volume,
+            volume: Figure::within(measure.volume, volume_error(product)),
             area: measure.area,
             centroid: measure.centroid.map(|c| c.to_array()),
             triangles: mesh.triangles.len(),
@@ -117,6 +144,28 @@ impl Account {
             report: product.report.as_ref().map(ReportAccount::of),
         }
     }
+}
+
+/// How far the volume of a mesh may be from that of its solid, if the mesh is proven to deviate
+/// by no more than a distance d: what lies in one alone is nowhere farther from the mesh. Of
+/// such points there are no more than on both sides of all triangles up to d, and within d of
+/// all edges and corners (Steiner).
+fn volume_error(product: &Product) -> Option<f64> {
+    let report = product
+        .report
+        .as_ref()
+        .filter(|report| report.is_proven())?;
+    let distance = report.deviation?;
+    let mesh = &product.mesh;
+    let (mut areas, mut edges) = (0.0, 0.0);
+    for triangle in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(triangle);
+        areas += 0.5 * (b - a).cross(c - a).length();
+        edges += 0.5 * (a.distance(b) + b.distance(c) + c.distance(a));
+    }
+    let corners = mesh.positions.len() as f64;
+    let tube = edges + 4.0 / 3.0 * distance * corners;
+    Some(2.0 * distance * areas + PI * distance * distance * tube)
 }
 
 impl ReportAccount {
@@ -141,11 +190,7 @@ impl ReportAccount {
                     place: undecided.place.to_array(),
                 })
                 .collect(),
-            moved: report.moved.map(|moved| MovedAccount {
-                merged: moved.merged,
-                distance: moved.distance,
-                place: moved.place.to_array(),
-            }),
+            moved: report.moved.map(MovedAccount::from),
             limits_reached: report
                 .limits_reached
                 .iter()
@@ -202,12 +247,7 @@ impl fmt::Display for Account {
                 writeln!(f, "deviation   at most {deviation} ({state})")?;
             }
             if let Some(moved) = &report.moved {
-                let [x, y, z] = moved.place;
-                writeln!(
-                    f,
-                    "moved       surfaces by at most {} ({} made one with others), as about {x} {y} {z}",
-                    moved.distance, moved.merged
-                )?;
+                writeln!(f, "{moved}")?;
             }
             for undecided in &report.undecided {
                 let [x, y, z] = undecided.place;

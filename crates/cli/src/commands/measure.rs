@@ -1,15 +1,20 @@
-//! `measure`: volume, area, centroid, and whether the mesh is sound.
+//! `measure`: volume, area and centroid of a solid from its exact boundary, or of a mesh.
 
 use std::path::PathBuf;
 
+use csg::{Error, Program};
+use serde::Serialize;
+
 use super::account::Account;
+use super::exact::ExactAccount;
 use crate::failure::Failure;
 use crate::input::Subject;
-use crate::mesher::{MesherOptions, no_needs, produce};
+use crate::mesher::{MesherOptions, no_needs, produce, warn_of_nothing};
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
-/// Options of `measure`.
+/// Options of `measure`: of a solid the exact boundary is measured, unless one of them asks for
+/// a mesh.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     #[command(flatten)]
@@ -20,19 +25,47 @@ pub(crate) struct Options {
     json: Option<PathBuf>,
 }
 
+impl Options {
+    fn tell(&self, account: &(impl Serialize + ToString)) -> Result<(), Failure> {
+        if let Some(path) = &self.json {
+            output::write_json(path, account)?;
+            if is_stream(path) {
+                return Ok(());
+            }
+        }
+        output::print(account.to_string().as_bytes())
+    }
+}
+
 pub(crate) fn run(
     subject: impl FnOnce() -> Result<Subject, Failure>,
     options: &Options,
 ) -> Result<(), Failure> {
+    let mesher = &options.mesher;
     let progress = Progress::new();
-    let mut product = produce(subject, &options.mesher, true, &no_needs, &progress)?;
-    let account = Account::of(&mut product);
-    drop(progress);
-    if let Some(path) = &options.json {
-        output::write_json(path, &account)?;
-        if is_stream(path) {
-            return Ok(());
+    progress.stage("reading");
+    let subject = subject()?;
+    if let Subject::Solid(solid) = &subject
+        && !mesher.is_of_mesh()
+    {
+        progress.stage("boundary");
+        let program = Program::lower(solid)?;
+        let boundary = mesher.boundary(&progress);
+        match ExactAccount::of(&program, &boundary, mesher.unit) {
+            Ok(account) => {
+                drop(progress);
+                if account.is_empty() {
+                    warn_of_nothing(&program);
+                }
+                return options.tell(&account);
+            }
+            // A mesh is better than nothing.
+            Err(error @ Error::Undecided(_)) => eprintln!("warning: {error}"),
+            Err(error) => return Err(error.into()),
         }
     }
-    output::print(account.to_string().as_bytes())
+    let mut product = produce(|| Ok(subject), mesher, true, &no_needs, &progress)?;
+    let account = Account::of(&mut product);
+    drop(progress);
+    options.tell(&account)
 }

@@ -2,6 +2,8 @@
 
 pub(crate) mod account;
 mod annotate;
+mod exact;
+mod figure;
 mod lighting;
 mod looks;
 pub(crate) mod measure;

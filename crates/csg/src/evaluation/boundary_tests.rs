@@ -70,7 +70,12 @@ fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
 /// The vertices of the contours of a surface's only face; none if pieces do not
 /// close.
 fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<Vec<DVec3>>> {
-    let boundary = with_scene(surfaces, |scene| Boundary::link(scene, pieces, &mut [])).ok()?;
+    let boundary = with_scene(surfaces, |scene| {
+        let mut boundary = Boundary::link(scene, pieces, &mut [])?;
+        boundary.split_double_edges(scene)?;
+        Ok::<_, Stop>(boundary)
+    })
+    .ok()?;
     let face = boundary.faces.iter().position(|f| f.plane == surface)?;
     let start = |&half_edge: &u32| boundary.points[boundary.at(half_edge).from as usize];
     let contours = boundary.contours().swap_remove(face);

@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 24] = [
+const ROOMS: [(&str, &str); 26] = [
     ("limits", "how much may be spent"),
     ("machine", "how much memory there is"),
     ("pages", "memory that grows without a copy"),
@@ -34,6 +34,11 @@ const ROOMS: [(&str, &str); 24] = [
     ("report", "what was done for a mesh"),
     ("task", "what the ways of meshing are handed"),
     ("evaluation", "the exact boundary"),
+    (
+        "settling",
+        "surfaces moved so that a boundary can be evaluated",
+    ),
+    ("brep", "the exact boundary as faces, edges and vertices"),
     (
         "refine",
         "a mesh of the right topology brought to a tolerance",
