@@ -18,6 +18,7 @@ pub(super) struct Region {
 struct Outline {
     half_edges: Vec<u32>,
     polygon: Vec<DVec2>,
+    bounds: [DVec2; 2],
     area: f64,
 }
 
@@ -60,8 +61,13 @@ pub(super) fn regions(
             } else {
                 chart.turn() * area(&polygon)
             };
+            let first = polygon.first().copied().unwrap_or_default();
+            let bounds = polygon.iter().fold([first; 2], |[low, high], &point| {
+                [low.min(point), high.max(point)]
+            });
             Outline {
                 half_edges,
+                bounds,
                 polygon,
                 area,
             }
@@ -144,26 +150,19 @@ fn owner(outer: &[Outline], hole: &Outline) -> Option<usize> {
     if outer.len() == 1 {
         return Some(0);
     }
-    let around = (0..outer.len()).filter(|&k| is_within(&outer[k].polygon, &hole.polygon));
+    let around = (0..outer.len()).filter(|&k| is_within(&outer[k], hole));
     around.min_by(|&a, &b| outer[a].area.total_cmp(&outer[b].area))
 }
 
 /// Whether a polygon is within another one, with which it may have some points in common: most
 /// of its sides' middles are.
-fn is_within(outer: &[DVec2], inner: &[DVec2]) -> bool {
+fn is_within(outer: &Outline, inner: &Outline) -> bool {
     const MOST: usize = 15;
-    let bounds = |polygon: &[DVec2]| {
-        let low = polygon.iter().copied().reduce(DVec2::min);
-        let high = polygon.iter().copied().reduce(DVec2::max);
-        low.zip(high)
-    };
-    let (Some((low, high)), Some((inner_low, inner_high))) = (bounds(outer), bounds(inner)) else {
-        return false;
-    };
-    let middle = 0.5 * (inner_low + inner_high);
-    if middle.cmplt(low).any() || middle.cmpgt(high).any() {
+    let middle = inner.bounds[0].midpoint(inner.bounds[1]);
+    if middle.cmplt(outer.bounds[0]).any() || middle.cmpgt(outer.bounds[1]).any() {
         return false;
     }
+    let (outer, inner) = (&outer.polygon, &inner.polygon);
     let step = inner.len().div_ceil(MOST);
     let middles = (0..inner.len()).step_by(step).map(|k| {
         let next = (k + 1) % inner.len();

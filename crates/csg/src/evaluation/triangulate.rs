@@ -5,6 +5,8 @@
 //! straight stretches of a contour are corners of triangles, but no triangle is
 //! flat: they belong to neighbours whose edges end there.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec2;
 
 use crate::control::Control;
@@ -25,6 +27,8 @@ pub(super) type Named = (DVec2, u32);
 /// What lies within one contour.
 struct Region<'a> {
     outer: &'a [Named],
+    /// Of the outer contour.
+    bounds: [DVec2; 2],
     /// Of all within the outer contour, holes included.
     area: f64,
     holes: Vec<&'a [Named]>,
@@ -34,6 +38,7 @@ struct Region<'a> {
 #[derive(Default)]
 pub(super) struct Scratch {
     corners: Vec<Corner>,
+    strips: Strips,
     obstacles: Obstacles,
 }
 
@@ -41,7 +46,7 @@ pub(super) struct Scratch {
 /// clockwise around holes, into counter-clockwise triangles of names. None if
 /// no triangulation without flat triangles was found, or the caller does not
 /// want to go on; distances below `tolerance` are rounding. Time is quadratic
-/// in the size of a contour at worst, rather linear mostly.
+/// in the number of corners at worst, rather linear mostly.
 pub(super) fn triangulate(
     contours: &[Vec<Named>],
     tolerance: f64,
@@ -54,8 +59,12 @@ pub(super) fn triangulate(
         let area = signed_area(outer);
         // A slit may have either sign.
         if area > rounding_of_area(outer) {
-            let holes = Vec::new();
-            regions.push(Region { outer, area, holes });
+            regions.push(Region {
+                outer,
+                bounds: bounds(outer.iter().map(|p| p.0)),
+                area,
+                holes: Vec::new(),
+            });
         } else {
             holes.push(outer);
         }
@@ -65,27 +74,26 @@ pub(super) fn triangulate(
             [only] => only,
             many => many
                 .iter_mut()
-                .filter(|region| is_within(hole, region.outer))
+                .filter(|region| region.may_hold(hole) && is_within(hole, region.outer))
                 .min_by(|a, b| a.area.total_cmp(&b.area))?,
         };
         around.holes.push(hole);
     }
     let corners = contours.iter().map(Vec::len).sum::<usize>() + 2 * contours.len();
     let mut triangles = Vec::with_capacity(corners);
-    for mut region in regions {
-        let mut work = Clipper::new(&region, tolerance, &mut scratch.corners);
-        let left_end = |hole: &[Named]| leftmost(hole).0.x;
-        region
-            .holes
-            .sort_by(|a, b| left_end(a).total_cmp(&left_end(b)));
+    for region in regions {
+        let mut work = Clipper::new(&region, tolerance, scratch);
+        let holes = region.holes.iter().map(|&hole| (leftmost(hole).0.x, hole));
+        let mut holes: Vec<(f64, &[Named])> = holes.collect();
+        holes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut left = region.area;
-        for hole in region.holes {
+        for (_, hole) in holes {
             left += signed_area(hole);
             control.check().ok()?;
             work.bridge(hole)?;
         }
         let first = triangles.len();
-        let clipped = work.clip(&mut scratch.obstacles, &mut triangles, control)?;
+        let clipped = work.clip(&mut triangles, control)?;
         // Whatever went wrong, triangles that overlap have too much area.
         let count = (triangles.len() - first) as f64;
         let rounding = 8.0 * f64::EPSILON * count * work.extent().length_squared();
@@ -94,6 +102,15 @@ pub(super) fn triangulate(
         }
     }
     Some(triangles)
+}
+
+impl Region<'_> {
+    /// Whether a hole may lie within the outer contour.
+    fn may_hold(&self, hole: &[Named]) -> bool {
+        let [low, high] = self.bounds;
+        let point = hole[0].0;
+        point.cmpge(low).all() && point.cmple(high).all()
+    }
 }
 
 fn signed_area(contour: &[Named]) -> f64 {
@@ -170,19 +187,38 @@ enum Care {
 
 struct Clipper<'a> {
     corners: &'a mut Vec<Corner>,
+    strips: &'a mut Strips,
+    obstacles: &'a mut Obstacles,
     tolerance: f64,
 }
 
 impl<'a> Clipper<'a> {
     /// With the outer contour alone, but memory for the holes.
-    fn new(region: &Region<'_>, tolerance: f64, corners: &'a mut Vec<Corner>) -> Self {
+    fn new(region: &Region<'_>, tolerance: f64, scratch: &'a mut Scratch) -> Self {
+        let Scratch {
+            corners,
+            strips,
+            obstacles,
+        } = scratch;
         let in_holes = region.holes.iter().map(|hole| hole.len() + 2);
         let count = region.outer.len() + in_holes.sum::<usize>();
         corners.clear();
         corners.reserve(count);
-        let mut work = Self { corners, tolerance };
+        strips.part(region, count);
+        let mut work = Self {
+            corners,
+            strips,
+            obstacles,
+            tolerance,
+        };
         work.add_ring(region.outer);
         work
+    }
+
+    /// Finds the edge from a corner in the strips that it passes through.
+    fn enter_strips(&mut self, corner: u32) {
+        let ends = [corner, self.at(corner).next].map(|k| self.point(k).y);
+        self.strips.add(corner, ends);
     }
 
     fn at(&self, corner: u32) -> &Corner {
@@ -208,6 +244,9 @@ impl<'a> Clipper<'a> {
                 previous: first + (k + count - 1) % count,
                 next: first + (k + 1) % count,
             });
+        }
+        for corner in first..first + count {
+            self.enter_strips(corner);
         }
         first
     }
@@ -238,8 +277,7 @@ impl<'a> Clipper<'a> {
         // The nearest edge that a ray to the left hits: it goes down.
         let mut nearest = f64::NEG_INFINITY;
         let mut best = None;
-        let mut at = 0;
-        loop {
+        for &at in self.strips.between([here.y; 2]) {
             let corner = *self.at(at);
             let (p, q) = (corner.point, self.point(corner.next));
             if p.y >= here.y && here.y >= q.y && p.y != q.y {
@@ -248,10 +286,6 @@ impl<'a> Clipper<'a> {
                     nearest = x;
                     best = Some(if p.x < q.x { at } else { corner.next });
                 }
-            }
-            at = corner.next;
-            if at == 0 {
-                break;
             }
         }
         let mut best = best?;
@@ -265,9 +299,7 @@ impl<'a> Clipper<'a> {
             [hit, end, here]
         };
         let mut slope = f64::INFINITY;
-        let stop = best;
-        let mut at = best;
-        loop {
+        for &at in self.strips.between([here.y, end.y]) {
             let p = self.point(at);
             let is_between = end.x <= p.x && p.x < here.x && {
                 let [a, b, c] = triangle;
@@ -278,10 +310,6 @@ impl<'a> Clipper<'a> {
                 if own < slope || own == slope && p.x > self.point(best).x {
                     (best, slope) = (at, own);
                 }
-            }
-            at = self.at(at).next;
-            if at == stop {
-                break;
             }
         }
         // Of a slit's two corners there the one that the bridge comes from.
@@ -299,18 +327,16 @@ impl<'a> Clipper<'a> {
         self.join(before, twins[0]);
         self.join(twins[0], twins[1]);
         self.join(twins[1], after);
+        for corner in [best, twins[0], twins[1]] {
+            self.enter_strips(corner);
+        }
         Some(())
     }
 
     /// Clips ears until nothing is left; the area of all triangles.
-    fn clip(
-        &mut self,
-        obstacles: &mut Obstacles,
-        triangles: &mut Vec<[u32; 3]>,
-        control: &Control,
-    ) -> Option<f64> {
+    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>, control: &Control) -> Option<f64> {
         let mut left = self.corners.len();
-        obstacles.find(self);
+        self.obstacles.find(self.corners, self.tolerance);
         let mut at = 0;
         let mut vain = 0;
         let mut care = Care::Full;
@@ -318,7 +344,7 @@ impl<'a> Clipper<'a> {
         loop {
             let Corner { previous, next, .. } = *self.at(at);
             let [a, b, c] = [previous, at, next].map(|k| self.point(k));
-            if left == 3 || self.is_ear(at, care, obstacles) {
+            if left == 3 || self.is_ear(at, care) {
                 let doubled = (b - a).perp_dot(c - a);
                 area += 0.5 * doubled;
                 if doubled <= 0.0 {
@@ -330,7 +356,7 @@ impl<'a> Clipper<'a> {
                     return Some(area);
                 }
                 self.join(previous, next);
-                obstacles.remove(at);
+                self.obstacles.remove(at);
                 left -= 1;
                 // Not the next one: that makes fans.
                 at = self.at(next).next;
@@ -349,7 +375,7 @@ impl<'a> Clipper<'a> {
         }
     }
 
-    fn is_ear(&self, corner: u32, care: Care, obstacles: &Obstacles) -> bool {
+    fn is_ear(&self, corner: u32, care: Care) -> bool {
         let Corner { previous, next, .. } = *self.at(corner);
         let [a, b, c] = [previous, corner, next].map(|k| self.point(k));
         let area = orient(a, b, c);
@@ -374,9 +400,69 @@ impl<'a> Clipper<'a> {
                 && orient(a, b, p) > aside
                 && orient(b, c, p) > aside
         };
-        !obstacles.any_in(a.min(b).min(c), a.max(b).max(c), |k| {
-            k != previous && k != corner && k != next && blocks(self.point(k))
-        })
+        !self
+            .obstacles
+            .any_in(a.min(b).min(c), a.max(b).max(c), |k| {
+                k != previous && k != corner && k != next && blocks(self.point(k))
+            })
+    }
+}
+
+/// Edges by the strips of a plane along x that they pass through, each named by the corner it
+/// starts from.
+#[derive(Default)]
+struct Strips {
+    low: f64,
+    /// Strips per unit of length.
+    scale: f64,
+    strips: Vec<Vec<u32>>,
+    /// How many of these are in use.
+    count: usize,
+}
+
+impl Strips {
+    /// As many as some corners are worth, unless edges are so long that they would be named in
+    /// more than a few.
+    fn part(&mut self, region: &Region<'_>, corners: usize) {
+        /// Corners for each strip, and names for each edge. Tune speed only.
+        const CORNERS: usize = 8;
+        const NAMES: f64 = 4.0;
+        let contours = region.holes.iter().chain([&region.outer]);
+        let climbs = contours.flat_map(|contour| {
+            let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
+            pairs.map(|(a, b)| (a.0.y - b.0.y).abs())
+        });
+        let [low, high] = region.bounds.map(|corner| corner.y);
+        let height = (high - low).max(f64::MIN_POSITIVE);
+        let most = NAMES * corners as f64 * height / climbs.sum::<f64>().max(height);
+        self.count = (corners / CORNERS).min(most as usize).max(1);
+        (self.low, self.scale) = (low, self.count as f64 / height);
+        if self.strips.len() < self.count {
+            self.strips.resize(self.count, Vec::new());
+        }
+        self.strips[..self.count].iter_mut().for_each(Vec::clear);
+    }
+
+    fn at(&self, y: f64) -> usize {
+        (((y - self.low) * self.scale) as usize).min(self.count - 1)
+    }
+
+    /// The strips that two heights are in, and all between.
+    fn range(&self, [a, b]: [f64; 2]) -> RangeInclusive<usize> {
+        self.at(a.min(b))..=self.at(a.max(b))
+    }
+
+    /// Adds an edge that leads from one height to another.
+    fn add(&mut self, corner: u32, ends: [f64; 2]) {
+        let range = self.range(ends);
+        self.strips[range]
+            .iter_mut()
+            .for_each(|strip| strip.push(corner));
+    }
+
+    /// All edges that come between two heights, some of them more than once, and others.
+    fn between(&self, heights: [f64; 2]) -> impl Iterator<Item = &u32> {
+        self.strips[self.range(heights)].iter().flatten()
     }
 }
 
@@ -398,16 +484,16 @@ struct Obstacles {
 
 impl Obstacles {
     /// Those of a polygon, all left.
-    fn find(&mut self, work: &Clipper<'_>) {
-        let [low, high] = bounds(work.corners.iter().map(|c| c.point));
+    fn find(&mut self, corners: &[Corner], tolerance: f64) {
+        let point = |k: u32| corners[k as usize].point;
+        let [low, high] = bounds(corners.iter().map(|c| c.point));
         let is_one = |&k: &u32| {
-            let corner = work.at(k);
-            let [a, c] = [corner.previous, corner.next].map(|k| work.point(k));
-            orient(a, corner.point, c) <= 2.0 * work.tolerance * (c - a).length()
+            let corner = corners[k as usize];
+            let [a, c] = [corner.previous, corner.next].map(point);
+            orient(a, corner.point, c) <= 2.0 * tolerance * (c - a).length()
         };
         self.all.clear();
-        self.all
-            .extend((0..work.corners.len() as u32).filter(is_one));
+        self.all.extend((0..corners.len() as u32).filter(is_one));
         let side = ((self.all.len() as f64 / 4.0).sqrt() as usize).max(1);
         self.low = low;
         self.scale = side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
@@ -417,9 +503,9 @@ impl Obstacles {
         self.starts.clear();
         self.starts.resize(side * side + 2, 0);
         self.is_left.clear();
-        self.is_left.resize(work.corners.len(), true);
+        self.is_left.resize(corners.len(), true);
         let square_of = |grid: &Self, k: u32| {
-            let [x, y] = grid.square(work.point(k));
+            let [x, y] = grid.square(point(k));
             y * side + x
         };
         // By counting: what a square holds ends where the next one begins.
