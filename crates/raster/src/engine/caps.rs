@@ -159,12 +159,10 @@ pub(crate) fn cap_tile(
         }
     }
     for (k, (plane, sample)) in buffer.planes().zip(samples).enumerate() {
-        let Some(windings) = plane.winding else {
-            return;
-        };
         let depths = plane.depth.as_flattened_mut();
         let numbers = plane.triangle.as_flattened_mut();
-        let here = depths.iter_mut().zip(numbers).zip(windings.as_flattened());
+        let windings = plane.winding.as_flattened();
+        let here = depths.iter_mut().zip(numbers).zip(windings);
         for (index, ((depth, number), &winding)) in here.enumerate() {
             let behind = seen_through.get(k * TILE * TILE + index).copied();
             let behind = behind.filter(|&face| face != NO_TRIANGLE);

@@ -378,6 +378,7 @@ impl Renderer {
                     } else {
                         resolve.run(level)
                     };
+                    tile.part_first_samples();
                     counts
                 };
                 if !(tile_by_tile && tile.has_planes()) {

@@ -7,7 +7,7 @@ use crate::shading::ShadeContext;
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
+use crate::tile::{BLOCK, BLOCKS, BlockRow, NO_TRIANGLE, OfPixels, TILE, TileBuffer, part_row};
 
 /// Shades a tile into the pieces of the picture's rows that it covers.
 pub(crate) struct ResolveTile<'a, 'p> {
@@ -26,6 +26,8 @@ pub(crate) struct Scratch {
     pub batch: Batch,
     /// For each job of the batch, the share of each pixel that it colours.
     pub shares: Vec<[f32; LANES]>,
+    /// A row of blocks, for each sample.
+    rows: Vec<BlockRow>,
 }
 
 /// What is known of the 16 pixels of a block before they are encoded.
@@ -55,15 +57,29 @@ impl ResolveTile<'_, '_> {
         let mut shaded = 0;
         let height = self.rows.len();
         let width = self.rows.first().map_or(0, |row| row.len());
-        let Scratch { batch, shares } = self.scratch;
+        let Scratch {
+            batch,
+            shares,
+            rows: parted,
+        } = self.scratch;
+        let in_quads = self.tile.in_quads();
+        if in_quads {
+            parted.resize(self.tile.triangle.len(), [[0; LANES]; BLOCKS]);
+        }
         batch.cache.clear();
         let mut blocks = [Block::default(); BLOCKS];
         for by in 0..height.div_ceil(BLOCK) {
             batch.jobs.clear();
             shares.clear();
             let blocks = &mut blocks[..width.div_ceil(BLOCK)];
+            let numbers = if in_quads {
+                part_row(self.tile.triangle, by, parted);
+                Numbers::Rows(parted)
+            } else {
+                Numbers::Planes(self.tile.triangle)
+            };
             shaded += level.run(FindJobs {
-                numbers: self.tile.triangle,
+                numbers,
                 origin: self.origin,
                 by,
                 blocks,
@@ -85,10 +101,35 @@ impl ResolveTile<'_, '_> {
     }
 }
 
+/// The triangles of a row of blocks, for each sample.
+#[derive(Clone, Copy)]
+pub(crate) enum Numbers<'a> {
+    /// Within the planes of a tile.
+    Planes(&'a [OfPixels<i32>]),
+    Rows(&'a [BlockRow]),
+}
+
+impl<'a> Numbers<'a> {
+    fn samples(self) -> usize {
+        match self {
+            Self::Planes(planes) => planes.len(),
+            Self::Rows(rows) => rows.len(),
+        }
+    }
+
+    /// Those of one block, whose place in the tile is given.
+    #[inline(always)]
+    fn block(self, sample: usize, [bx, by]: [usize; 2]) -> &'a [i32; LANES] {
+        match self {
+            Self::Planes(planes) => &planes[sample][by * BLOCKS + bx],
+            Self::Rows(rows) => &rows[sample][bx],
+        }
+    }
+}
+
 /// Lists what is to be shaded in a row of blocks.
 pub(crate) struct FindJobs<'a> {
-    /// The triangles of the tile, a plane for each sample.
-    pub numbers: &'a [OfPixels<i32>],
+    pub numbers: Numbers<'a>,
     pub origin: [usize; 2],
     /// Number of the row in the tile.
     pub by: usize,
@@ -108,8 +149,8 @@ impl Kernel for FindJobs<'_> {
                 self.origin[0] + bx * BLOCK,
                 self.origin[1] + self.by * BLOCK,
             ];
-            let index = self.by * BLOCKS + bx;
-            *block = find_jobs(s, self.numbers, index, at, self.batch, self.shares);
+            let place = [bx, self.by];
+            *block = find_jobs(s, self.numbers, place, at, self.batch, self.shares);
             shaded += u64::from(block.covered.count_ones());
         }
         shaded
@@ -166,19 +207,20 @@ fn copy_row(from: &[i32], to: &mut [[u8; 4]]) {
 #[inline(always)]
 fn find_jobs<S: Lanes>(
     s: S,
-    planes: &[OfPixels<i32>],
-    index: usize,
+    numbers: Numbers,
+    place: [usize; 2],
     at: [usize; 2],
     batch: &mut Batch,
     shares: &mut Vec<[f32; LANES]>,
 ) -> Block {
     let none = s.i(NO_TRIANGLE);
-    let first_lanes = &planes[0][index];
+    let samples = numbers.samples();
+    let first_lanes = numbers.block(0, place);
     let first = s.load_i(first_lanes);
     let mut alike = 0xffff;
     let mut covered = !first.eq(none).bits() & 0xffff;
-    for plane in &planes[1..] {
-        let other = s.load_i(&plane[index]);
+    for sample in 1..samples {
+        let other = s.load_i(numbers.block(sample, place));
         alike &= other.eq(first).bits();
         covered |= !other.eq(none).bits() & 0xffff;
     }
@@ -204,24 +246,24 @@ fn find_jobs<S: Lanes>(
     // Each triangle of a pixel is shaded once, and counts for as many samples
     // as show it.
     let zero = s.f(0.0);
-    let weight = s.f(1.0 / planes.len() as f32);
-    for (k, plane) in planes.iter().enumerate() {
-        let lanes = &plane[index];
+    let weight = s.f(1.0 / samples as f32);
+    for k in 0..samples {
+        let lanes = numbers.block(k, place);
         let triangle = s.load_i(lanes);
         let mut fresh = !triangle.eq(none).bits() & 0xffff;
-        let mut samples = zero;
-        for (other_k, other) in planes.iter().enumerate() {
-            let same = s.load_i(&other[index]).eq(triangle);
-            if other_k < k {
+        let mut shown = zero;
+        for other in 0..samples {
+            let same = s.load_i(numbers.block(other, place)).eq(triangle);
+            if other < k {
                 fresh &= !same.bits();
             }
-            samples = samples + same.select_f(weight, zero);
+            shown = shown + same.select_f(weight, zero);
         }
         if fresh == 0 {
             continue;
         }
         let mut share = [0.0; LANES];
-        s.mask(fresh).select_f(samples, zero).store(&mut share);
+        s.mask(fresh).select_f(shown, zero).store(&mut share);
         block.jobs += 1;
         batch.jobs.push(Job {
             triangles: *lanes,

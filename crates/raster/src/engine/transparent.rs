@@ -12,7 +12,7 @@ use crate::blend;
 use crate::deferred::{Job, shade};
 use crate::fill::Record;
 use crate::fixed::SUBPIXELS;
-use crate::resolve::{Block, FindJobs, ResolveTile, Scratch};
+use crate::resolve::{Block, FindJobs, Numbers, ResolveTile, Scratch};
 use crate::shading::ShadeContext;
 use crate::simd::{LANES, Level};
 use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer, decode};
@@ -117,12 +117,12 @@ impl ResolveTile<'_, '_> {
             }
             let mut blocks = [Block::default(); BLOCKS];
             for by in 0..BLOCKS {
-                let Scratch { batch, shares } = &mut *self.scratch;
+                let Scratch { batch, shares, .. } = &mut *self.scratch;
                 batch.jobs.clear();
                 shares.clear();
                 batch.cache.clear();
                 level.run(FindJobs {
-                    numbers,
+                    numbers: Numbers::Planes(numbers),
                     origin: self.origin,
                     by,
                     blocks: &mut blocks,
