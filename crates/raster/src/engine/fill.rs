@@ -257,7 +257,8 @@ pub(crate) fn fill<S: Lanes>(
         counts.hidden += 1;
         return;
     }
-    for (plane, lattice) in buffer.planes().zip(lattices) {
+    for (mut plane, lattice) in buffer.planes().zip(lattices) {
+        let plane = &mut plane;
         let Lattice { bits, first, .. } = *lattice;
         let blocks = if whole {
             [0, last >> bits, 0, last >> bits]
@@ -297,7 +298,7 @@ const FEW: i32 = 4;
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
-    plane: Plane,
+    plane: &mut Plane,
     record: &Record,
     (bits, [bx0, bx1, by0, by1]): (u32, [i32; 4]),
     mut row: [S::I; 3],
@@ -358,7 +359,7 @@ fn block_step(record: &Record, bits: u32) -> [f64; 2] {
 #[inline(always)]
 fn fill_whole<S: Lanes>(
     s: S,
-    plane: Plane,
+    plane: &mut Plane,
     record: &Record,
     lattice: &Lattice,
     start: [i32; 2],

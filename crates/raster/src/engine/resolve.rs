@@ -7,7 +7,9 @@ use crate::shading::ShadeContext;
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, BlockRow, NO_TRIANGLE, OfPixels, TILE, TileBuffer, part_row};
+use crate::tile::{
+    BLOCK, BLOCKS, MOST_SAMPLES, NO_TRIANGLE, OfPixels, TILE, TileBuffer, part_block,
+};
 
 /// Shades a tile into the pieces of the picture's rows that it covers.
 pub(crate) struct ResolveTile<'a, 'p> {
@@ -26,8 +28,6 @@ pub(crate) struct Scratch {
     pub batch: Batch,
     /// For each job of the batch, the share of each pixel that it colours.
     pub shares: Vec<[f32; LANES]>,
-    /// A row of blocks, for each sample.
-    rows: Vec<BlockRow>,
 }
 
 /// What is known of the 16 pixels of a block before they are encoded.
@@ -57,29 +57,16 @@ impl ResolveTile<'_, '_> {
         let mut shaded = 0;
         let height = self.rows.len();
         let width = self.rows.first().map_or(0, |row| row.len());
-        let Scratch {
-            batch,
-            shares,
-            rows: parted,
-        } = self.scratch;
-        let in_quads = self.tile.in_quads();
-        if in_quads {
-            parted.resize(self.tile.triangle.len(), [[0; LANES]; BLOCKS]);
-        }
+        let Scratch { batch, shares } = self.scratch;
         batch.cache.clear();
         let mut blocks = [Block::default(); BLOCKS];
         for by in 0..height.div_ceil(BLOCK) {
             batch.jobs.clear();
             shares.clear();
             let blocks = &mut blocks[..width.div_ceil(BLOCK)];
-            let numbers = if in_quads {
-                part_row(self.tile.triangle, by, parted);
-                Numbers::Rows(parted)
-            } else {
-                Numbers::Planes(self.tile.triangle)
-            };
             shaded += level.run(FindJobs {
-                numbers,
+                numbers: self.tile.triangle,
+                in_quads: self.tile.in_quads(),
                 origin: self.origin,
                 by,
                 blocks,
@@ -101,35 +88,12 @@ impl ResolveTile<'_, '_> {
     }
 }
 
-/// The triangles of a row of blocks, for each sample.
-#[derive(Clone, Copy)]
-pub(crate) enum Numbers<'a> {
-    /// Within the planes of a tile.
-    Planes(&'a [OfPixels<i32>]),
-    Rows(&'a [BlockRow]),
-}
-
-impl<'a> Numbers<'a> {
-    fn samples(self) -> usize {
-        match self {
-            Self::Planes(planes) => planes.len(),
-            Self::Rows(rows) => rows.len(),
-        }
-    }
-
-    /// Those of one block, whose place in the tile is given.
-    #[inline(always)]
-    fn block(self, sample: usize, [bx, by]: [usize; 2]) -> &'a [i32; LANES] {
-        match self {
-            Self::Planes(planes) => &planes[sample][by * BLOCKS + bx],
-            Self::Rows(rows) => &rows[sample][bx],
-        }
-    }
-}
-
 /// Lists what is to be shaded in a row of blocks.
 pub(crate) struct FindJobs<'a> {
-    pub numbers: Numbers<'a>,
+    /// The triangles of the tile, a plane for each sample; or for four of them,
+    /// in blocks of 2x2 pixels.
+    pub numbers: &'a [OfPixels<i32>],
+    pub in_quads: bool,
     pub origin: [usize; 2],
     /// Number of the row in the tile.
     pub by: usize,
@@ -149,8 +113,15 @@ impl Kernel for FindJobs<'_> {
                 self.origin[0] + bx * BLOCK,
                 self.origin[1] + self.by * BLOCK,
             ];
-            let place = [bx, self.by];
-            *block = find_jobs(s, self.numbers, place, at, self.batch, self.shares);
+            let index = self.by * BLOCKS + bx;
+            let samples = self.numbers.len();
+            let (batch, shares) = (&mut *self.batch, &mut *self.shares);
+            *block = if self.in_quads {
+                let parted = part_block(s, self.numbers, index);
+                find_jobs(s, samples, |k| &parted[k % MOST_SAMPLES], at, batch, shares)
+            } else {
+                find_jobs(s, samples, |k| &self.numbers[k][index], at, batch, shares)
+            };
             shaded += u64::from(block.covered.count_ones());
         }
         shaded
@@ -205,22 +176,21 @@ fn copy_row(from: &[i32], to: &mut [[u8; 4]]) {
 /// Lists what is to be shaded in one block: one job where every pixel shows
 /// one triangle, up to one for each sample elsewhere.
 #[inline(always)]
-fn find_jobs<S: Lanes>(
+fn find_jobs<'a, S: Lanes>(
     s: S,
-    numbers: Numbers,
-    place: [usize; 2],
+    samples: usize,
+    numbers: impl Fn(usize) -> &'a [i32; LANES],
     at: [usize; 2],
     batch: &mut Batch,
     shares: &mut Vec<[f32; LANES]>,
 ) -> Block {
     let none = s.i(NO_TRIANGLE);
-    let samples = numbers.samples();
-    let first_lanes = numbers.block(0, place);
+    let first_lanes = numbers(0);
     let first = s.load_i(first_lanes);
     let mut alike = 0xffff;
     let mut covered = !first.eq(none).bits() & 0xffff;
     for sample in 1..samples {
-        let other = s.load_i(numbers.block(sample, place));
+        let other = s.load_i(numbers(sample));
         alike &= other.eq(first).bits();
         covered |= !other.eq(none).bits() & 0xffff;
     }
@@ -248,12 +218,12 @@ fn find_jobs<S: Lanes>(
     let zero = s.f(0.0);
     let weight = s.f(1.0 / samples as f32);
     for k in 0..samples {
-        let lanes = numbers.block(k, place);
+        let lanes = numbers(k);
         let triangle = s.load_i(lanes);
         let mut fresh = !triangle.eq(none).bits() & 0xffff;
         let mut shown = zero;
         for other in 0..samples {
-            let same = s.load_i(numbers.block(other, place)).eq(triangle);
+            let same = s.load_i(numbers(other)).eq(triangle);
             if other < k {
                 fresh &= !same.bits();
             }

@@ -3,7 +3,7 @@
 
 use std::sync::Mutex;
 
-use crate::simd::{FloatLanes, Lanes};
+use crate::simd::{FloatLanes, IntLanes, Lanes, MaskLanes};
 use crate::transparent::Fragment;
 
 /// Width and height of a tile in pixels.
@@ -61,15 +61,36 @@ pub(crate) struct Tiles {
     fragments: Vec<Vec<Fragment>>,
 }
 
+/// What the tiles of a frame keep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    /// Samples a pixel.
+    pub samples: usize,
+    /// Whether windings are counted.
+    pub winding: bool,
+    /// Whether anything is seen through.
+    pub transparent: bool,
+    /// Whether tiles of four samples or more are filled in blocks of 2x2 pixels.
+    pub in_quads: bool,
+}
+
 impl Tiles {
-    /// Makes room for so many tiles, none of them drawn; for windings and what
-    /// is seen through as well, where there are any.
-    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool, transparent: bool) {
+    /// Makes room for so many tiles, none of them drawn.
+    pub fn begin(&mut self, tiles: usize, layout: Layout) {
+        let Layout {
+            samples,
+            winding,
+            transparent,
+            in_quads,
+        } = layout;
         self.fragments.iter_mut().for_each(Vec::clear);
         let lists = if transparent { tiles } else { 0 };
         self.fragments.resize_with(lists, Vec::new);
         self.of_picture.clear();
-        self.of_picture.resize_with(tiles, Tile::default);
+        self.of_picture.resize_with(tiles, || Tile {
+            in_quads,
+            ..Tile::default()
+        });
         (self.samples, self.used) = (samples, 0);
         if self.depth.len() != tiles * samples {
             // Zeros from the system, which the threads that draw touch first.
@@ -138,6 +159,9 @@ impl Tiles {
 pub(crate) struct Tile {
     /// Where its planes are, once this frame may draw here.
     slot: Option<usize>,
+    /// Whether blocks are 2x2 pixels of four samples each, not 4x4 of one, as
+    /// long as the tile is filled.
+    in_quads: bool,
     /// Whether this frame drew here; if not, the planes hold old data.
     pub drawn: bool,
     /// A depth at or in front of which every sample of each 8x8 pixel square
@@ -154,6 +178,7 @@ impl Default for Tile {
     fn default() -> Self {
         Self {
             slot: None,
+            in_quads: false,
             drawn: false,
             farthest: [0.0; SQUARES * SQUARES],
             farthest_of_all: 0.0,
@@ -287,6 +312,7 @@ impl TileBuffer<'_> {
         self.winding.as_flattened_mut().fill([0; BLOCK_PIXELS]);
         *self.tile = Tile {
             slot: self.tile.slot,
+            in_quads: self.tile.in_quads,
             drawn: true,
             ..Tile::default()
         };
@@ -295,7 +321,7 @@ impl TileBuffer<'_> {
     /// Whether blocks are 2x2 pixels of four samples each, not 4x4 of one, as
     /// long as the tile is filled.
     pub fn in_quads(&self) -> bool {
-        self.depth.len() >= SAMPLES_OF_QUAD && self.winding.is_empty() && self.fragments.is_none()
+        self.tile.in_quads && self.depth.len() >= SAMPLES_OF_QUAD
     }
 
     /// The planes, of one sample or of four.
@@ -383,20 +409,35 @@ fn part_first<T: Copy + Default>(quads: &mut [[T; BLOCK_PIXELS]]) {
     }
 }
 
-/// A row of blocks of 4x4 pixels, a sample of each.
-pub(crate) type BlockRow = [[i32; BLOCK_PIXELS]; BLOCKS];
+/// Most samples of a pixel.
+pub(crate) const MOST_SAMPLES: usize = 8;
 
-/// Takes a row of blocks of 2x2 pixels with four samples apart, so that each
-/// row has one sample.
-pub(crate) fn part_row(planes: &[OfPixels<i32>], by: usize, rows: &mut [BlockRow]) {
+/// The triangles of a block of 4x4 pixels, for each sample, from blocks of 2x2.
+#[inline(always)]
+pub(crate) fn part_block<S: Lanes>(
+    s: S,
+    planes: &[OfPixels<i32>],
+    block: usize,
+) -> [[i32; BLOCK_PIXELS]; MOST_SAMPLES] {
+    let mut parted = [[NO_TRIANGLE; BLOCK_PIXELS]; MOST_SAMPLES];
     let groups = planes.chunks(SAMPLES_OF_QUAD);
-    for (group, rows) in groups.zip(rows.chunks_mut(SAMPLES_OF_QUAD)) {
-        for bx in 0..BLOCKS {
-            if let Some(four) = quads_of(group.as_flattened(), by * BLOCKS + bx) {
-                for (sample, row) in rows.iter_mut().enumerate() {
-                    row[bx] = part(four, sample);
-                }
-            }
+    for (group, parted) in groups.zip(parted.chunks_mut(SAMPLES_OF_QUAD)) {
+        let Some(four) = quads_of(group.as_flattened(), block) else {
+            continue;
+        };
+        // Mostly they show one triangle, or nothing.
+        let one = four[0][0];
+        let mut alike = 0xffff;
+        for quad in four {
+            alike &= s.load_i(quad).eq(s.i(one)).bits();
+        }
+        for (sample, to) in parted.iter_mut().enumerate() {
+            *to = if alike == 0xffff {
+                [one; BLOCK_PIXELS]
+            } else {
+                part(four, sample)
+            };
         }
     }
+    parted
 }

@@ -117,12 +117,13 @@ impl ResolveTile<'_, '_> {
             }
             let mut blocks = [Block::default(); BLOCKS];
             for by in 0..BLOCKS {
-                let Scratch { batch, shares, .. } = &mut *self.scratch;
+                let Scratch { batch, shares } = &mut *self.scratch;
                 batch.jobs.clear();
                 shares.clear();
                 batch.cache.clear();
                 level.run(FindJobs {
-                    numbers: Numbers::Planes(numbers),
+                    numbers,
+                    in_quads: false,
                     origin: self.origin,
                     by,
                     blocks: &mut blocks,
