@@ -201,8 +201,8 @@ fn a_quarter_taken_out_leaves_no_hole_in_the_caps() {
     }
 }
 
-/// A box with a hollow cut at half its height, seen from above: the cut is
-/// opaque, and through the hollow one sees the hollow's floor and the box's. A
+/// A box with a hollow cut at half its height, seen from above: the cut is as
+/// opaque as the box, and through the hollow one sees the hollow's floor and the box's. A
 /// cut that meets nothing changes nothing; one from below leaves what is above
 /// it.
 #[test]
@@ -221,16 +221,12 @@ fn cut_solids_are_seen_through() {
         .lens(Lens::Orthographic { height: 2.0 })
         .view(SIZE, SIZE)
         .unwrap();
-    let (glass, lining) = ((red, 0.5), (blue, 0.5));
+    let (glass, lining, cut) = ((red, 0.5), (blue, 0.5), (black, 0.5));
     for (normal, height, opacity, at_wall, at_hollow) in [
-        (
-            DVec3::Z,
-            0.0,
-            0.5,
-            &[(black, 1.0)][..],
-            &[lining, glass][..],
-        ),
-        (DVec3::Z, 0.0, 1.0, &[(black, 1.0)], &[(blue, 1.0)]),
+        (DVec3::Z, 0.0, 0.5, &[cut, glass][..], &[lining, glass][..]),
+        (DVec3::Z, 0.0, 1.0, &[cut, glass], &[(blue, 1.0)]),
+        // Below the hollow.
+        (DVec3::Z, -0.6, 0.5, &[cut, glass], &[cut, glass]),
         (
             DVec3::Z,
             2.0,
