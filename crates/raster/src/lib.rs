@@ -219,7 +219,7 @@ use engine::{
 use output::{buffer_images, buffers, gif_file, image, png_file, sheet, show, turntable};
 use overlay::{
     blend, color_map, deviation, dimension, edges, explode, ground, lettering, line, occlusion,
-    silhouette, thickness, triad, visible,
+    refine, silhouette, thickness, triad, visible,
 };
 pub use textbook::{
     clip, cohen_sutherland, fixed, hidden_surface, polygon_model, projection, scanline, shade,

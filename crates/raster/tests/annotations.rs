@@ -228,6 +228,80 @@ fn thickness_is_the_way_through() {
     assert!(low > 0.19 && high < 0.21, "{low} {high}");
 }
 
+/// A wedge of eight triangles: from 0 to its full thickness there is no place
+/// whose colour tells another one than it has, and the mesh is still closed.
+#[test]
+fn thickness_shows_no_triangles() {
+    const STEP: f64 = 1.0 / 63.0;
+    let (length, height, width) = (4.0, 3.0, 2.0);
+    let corner = |y: f64| {
+        let [tip, end, top] = [(0.0, 0.0), (length, 0.0), (length, height)];
+        [tip, end, top].map(|(x, z)| DVec3::new(x, y, z))
+    };
+    let positions = [corner(0.0), corner(width)].concat();
+    let triangles = vec![
+        [0, 1, 2],
+        [3, 5, 4],
+        [0, 3, 4],
+        [0, 4, 1],
+        [1, 4, 5],
+        [1, 5, 2],
+        [2, 5, 3],
+        [2, 3, 0],
+    ];
+    let mut mesh = Mesh::new(positions, triangles);
+    let volume = mesh.volume();
+    let [low, high] = range(&ColorBy::Thickness.apply(&mut mesh));
+    assert_eq!(low, 0.0);
+    assert!((high - length).abs() < 1e-4, "{high}");
+    // Straight inwards: up to the slope; across; back to the slope; down the
+    // slope's normal, to the floor or to the wall.
+    let thickness = |p: DVec3, normal: DVec3| {
+        if normal.z < -0.9 {
+            p.x * height / length
+        } else if normal.y.abs() > 0.9 {
+            width
+        } else if normal.x > 0.9 {
+            length - p.z * length / height
+        } else {
+            (p.z * 5.0 / 4.0).min((length - p.x) * 5.0 / 3.0)
+        }
+    };
+    let mut sides = std::collections::HashMap::new();
+    for (triangle, &corners) in mesh.triangles.iter().enumerate() {
+        let at = corners.map(|v| mesh.positions[v as usize]);
+        let normal = (at[1] - at[0]).cross(at[2] - at[0]).normalize();
+        let wanted = at.map(|p| thickness(p, normal) / high);
+        let color = mesh.surfaces[mesh.triangle_surfaces[triangle] as usize].color;
+        for share in wanted {
+            // Green grows all along the map. A triangle's mean is up to two thirds of
+            // a step off, and its colour another half.
+            let green = |share: f64| ramp(share).rgb[1];
+            let off = STEP * 7.001 / 6.0;
+            let near = green(share - off)..=green(share + off);
+            let own = color.unwrap().rgb[1];
+            assert!(near.contains(&own), "{at:?}: {own} for {share}");
+        }
+        for k in 0..3 {
+            *sides.entry([corners[k], corners[(k + 1) % 3]]).or_insert(0) += 1;
+        }
+    }
+    assert!(
+        sides
+            .iter()
+            .all(|([a, b], count)| *count == 1 && sides.contains_key(&[*b, *a]))
+    );
+    assert!((mesh.volume() - volume).abs() < 1e-12);
+    let edges = mesh.feature_edges.iter().flat_map(|line| line.windows(2));
+    for ends in edges.clone() {
+        assert!(sides.contains_key(&[ends[0], ends[1]]));
+    }
+    let long = edges
+        .map(|ends| mesh.positions[ends[0] as usize].distance(mesh.positions[ends[1] as usize]));
+    let around = 2.0 * (3.0 + 4.0 + 5.0) + 3.0 * width;
+    assert!((long.sum::<f64>() - around).abs() < 1e-9);
+}
+
 #[test]
 fn draft_is_how_faces_lean() {
     let mut mesh = common::cuboid(DVec3::ZERO, DVec3::ONE);

@@ -201,36 +201,67 @@ fn a_quarter_taken_out_leaves_no_hole_in_the_caps() {
     }
 }
 
-/// A box with a hollow cut at half its height, seen from above: the cut is
-/// opaque, and through the hollow one sees the hollow's floor and the box's. A
-/// cut that meets nothing changes nothing; one from below leaves what is above
-/// it.
-#[test]
-fn cut_solids_are_seen_through() {
-    let colored = |mesh: Mesh, srgb: [f32; 3], alpha| {
-        let mut mesh = common::colored(mesh, srgb);
-        let surface = &mut mesh.surfaces[0];
-        surface.color = surface.color.map(|color| color.with_alpha(alpha));
-        mesh
-    };
-    // (Hatching leaves black as it is.)
-    let [red, black, blue] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]];
-    let outside = common::cuboid(DVec3::splat(-0.75), DVec3::splat(0.75));
-    let hollow = common::inside_out(common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)));
+/// Draws a box with something in its middle, cut by a plane across z, from above,
+/// and compares the colours beside it, in its wall and in its middle.
+fn check_seen_through(
+    mesh: &Mesh,
+    normal: DVec3,
+    height: f64,
+    at_wall: &[([f32; 3], f32)],
+    at_middle: &[([f32; 3], f32)],
+) {
     let view = Camera::looking_at(DVec3::Z * 10.0, DVec3::ZERO)
         .lens(Lens::Orthographic { height: 2.0 })
         .view(SIZE, SIZE)
         .unwrap();
-    let (glass, lining) = ((red, 0.5), (blue, 0.5));
+    let point = DVec3::Z * height;
+    let scene = Prepared::with_sections(mesh, &[SectionPlane { normal, point }]).unwrap();
+    for (anti_aliasing, culls) in [
+        (AntiAliasing::None, true),
+        (AntiAliasing::Msaa4, false),
+        (AntiAliasing::Msaa8, true),
+    ] {
+        let mut options = RenderOptions::default().anti_aliasing(anti_aliasing);
+        options.cull_back_faces = culls;
+        options.lights = vec![Light::Ambient {
+            intensity: Vec3::ONE,
+        }];
+        options.cap_color = Some(Color::from_linear([0.0; 3]));
+        let (_, image) = draw(Level::default(), &scene, &view, &options);
+        let found = [2, 9, 19].map(|x| image.get(x, 25).unwrap());
+        let wanted = [&[][..], at_wall, at_middle].map(common::blended);
+        let off = found.as_flattened().iter().zip(wanted.as_flattened());
+        let off = off.map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(
+            off <= Some(1),
+            "{normal} {height} {anti_aliasing:?}: {found:?} {wanted:?}"
+        );
+    }
+}
+
+fn with_alpha(mesh: Mesh, srgb: [f32; 3], alpha: f32) -> Mesh {
+    let mut mesh = common::colored(mesh, srgb);
+    let surface = &mut mesh.surfaces[0];
+    surface.color = surface.color.map(|color| color.with_alpha(alpha));
+    mesh
+}
+
+/// A box with a hollow cut at half its height, seen from above: the cut is as
+/// opaque as the box, and through the hollow one sees the hollow's floor and the box's. A
+/// cut that meets nothing changes nothing; one from below leaves what is above
+/// it.
+#[test]
+fn cut_solids_are_seen_through() {
+    // (Hatching leaves black as it is.)
+    let [red, black, blue] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]];
+    let outside = common::cuboid(DVec3::splat(-0.75), DVec3::splat(0.75));
+    let hollow = common::inside_out(common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)));
+    let (glass, lining, cut) = ((red, 0.5), (blue, 0.5), (black, 0.5));
     for (normal, height, opacity, at_wall, at_hollow) in [
-        (
-            DVec3::Z,
-            0.0,
-            0.5,
-            &[(black, 1.0)][..],
-            &[lining, glass][..],
-        ),
-        (DVec3::Z, 0.0, 1.0, &[(black, 1.0)], &[(blue, 1.0)]),
+        (DVec3::Z, 0.0, 0.5, &[cut, glass][..], &[lining, glass][..]),
+        (DVec3::Z, 0.0, 1.0, &[cut, glass], &[(blue, 1.0)]),
+        // Below the hollow.
+        (DVec3::Z, -0.6, 0.5, &[cut, glass], &[cut, glass]),
         (
             DVec3::Z,
             2.0,
@@ -240,32 +271,31 @@ fn cut_solids_are_seen_through() {
         ),
         (DVec3::NEG_Z, 0.0, 0.5, &[glass], &[glass, lining]),
     ] {
-        let hollow = colored(hollow.clone(), blue, opacity);
-        let mesh = common::merge(colored(outside.clone(), red, 0.5), &hollow);
-        let point = DVec3::Z * height;
-        let scene = Prepared::with_sections(&mesh, &[SectionPlane { normal, point }]).unwrap();
-        for (anti_aliasing, culls) in [
-            (AntiAliasing::None, true),
-            (AntiAliasing::Msaa4, false),
-            (AntiAliasing::Msaa8, true),
-        ] {
-            let mut options = RenderOptions::default().anti_aliasing(anti_aliasing);
-            options.cull_back_faces = culls;
-            options.lights = vec![Light::Ambient {
-                intensity: Vec3::ONE,
-            }];
-            options.cap_color = Some(Color::from_linear(black));
-            let (_, image) = draw(Level::default(), &scene, &view, &options);
-            let found = [2, 9, 19].map(|x| image.get(x, 25).unwrap());
-            let wanted = [&[][..], at_wall, at_hollow].map(common::blended);
-            let off = found.as_flattened().iter().zip(wanted.as_flattened());
-            let off = off.map(|(a, b)| a.abs_diff(*b)).max();
-            assert!(
-                off <= Some(1),
-                "{normal} {height} {anti_aliasing:?}: {found:?} {wanted:?}"
-            );
-        }
+        let hollow = with_alpha(hollow.clone(), blue, opacity);
+        let mesh = common::merge(with_alpha(outside.clone(), red, 0.5), &hollow);
+        check_seen_through(&mesh, normal, height, at_wall, at_hollow);
     }
+}
+
+/// An opaque block within glass: where it is cut the cap is opaque, and it is
+/// seen through the cap of the glass above it. Glass within glass of another
+/// opacity, and within an opaque block.
+#[test]
+fn caps_have_the_opacity_of_what_is_cut() {
+    let [red, black, blue] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0]];
+    let (glass, cut) = ((red, 0.5), (black, 0.5));
+    let outside = common::cuboid(DVec3::splat(-0.75), DVec3::splat(0.75));
+    let inside = common::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
+    let block = with_alpha(inside.clone(), blue, 1.0);
+    let mesh = common::merge(with_alpha(outside.clone(), red, 0.5), &block);
+    check_seen_through(&mesh, DVec3::Z, 0.0, &[cut, glass], &[(black, 1.0)]);
+    check_seen_through(&mesh, DVec3::Z, 0.6, &[cut, glass], &[cut, (blue, 1.0)]);
+    let clear = with_alpha(inside, blue, 0.25);
+    let mesh = common::merge(with_alpha(outside.clone(), red, 0.5), &clear);
+    let beyond = [(black, 0.25), (blue, 0.25), glass];
+    check_seen_through(&mesh, DVec3::Z, 0.0, &[cut, glass], &beyond);
+    let mesh = common::merge(with_alpha(outside, red, 1.0), &clear);
+    check_seen_through(&mesh, DVec3::Z, 0.0, &[(black, 1.0)], &[(black, 1.0)]);
 }
 
 fn vector() -> impl Strategy<Value = DVec3> {

@@ -13,13 +13,18 @@
 //! meets is found exactly, and a mesh whose corners are snapped is still
 //! closed, so that their number does not depend on which of two faces that
 //! meet at a silhouette is the nearer one.
+//!
+//! A cap of a solid that is seen through is as opaque as the face by which the
+//! ray leaves that solid, and one more of the fragments that are blended by
+//! depth.
 
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::frame::FrameMatrix;
 use crate::section::Section;
 use crate::shading::ShadeContext;
-use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TILE, TileBuffer, capped};
+use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, TileBuffer, capped};
+use crate::transparent::Fragment;
 
 /// The section planes of one frame.
 #[derive(Clone, Debug, Default)]
@@ -146,38 +151,26 @@ pub(crate) fn cap_tile(
         return;
     }
     let kept = |number: i32| (number as usize) < scene.kept_triangles;
-    // Faces that are seen through, of those that are kept if there are any.
-    let mut seen_through = Vec::new();
-    if buffer.sees_through() {
-        seen_through.resize(samples.len() * TILE * TILE, NO_TRIANGLE);
-        for fragment in buffer.fragments.iter().flat_map(|found| found.iter()) {
-            let (sample, pixel, triangle) = fragment.place();
-            let face = &mut seen_through[sample * TILE * TILE + pixel];
-            if *face == NO_TRIANGLE || kept(triangle) {
-                *face = triangle;
-            }
-        }
-    }
+    let fragments = buffer.fragments.as_deref_mut();
+    let mut fragments = fragments.map_or_else(Vec::new, std::mem::take);
+    fragments.sort_unstable_by(Fragment::order);
+    let mut seen_through = fragments
+        .chunk_by(|a, b| a.place() == b.place())
+        .map(|group| (group[0], SeenThrough::of(group, scene.kept_triangles)))
+        .peekable();
+    let mut caps_seen_through = Vec::new();
     for (k, (plane, sample)) in buffer.planes().zip(samples).enumerate() {
-        let Some(windings) = plane.winding else {
-            return;
-        };
         let depths = plane.depth.as_flattened_mut();
         let numbers = plane.triangle.as_flattened_mut();
-        let here = depths.iter_mut().zip(numbers).zip(windings.as_flattened());
+        let windings = plane.winding.as_flattened();
+        let here = depths.iter_mut().zip(numbers).zip(windings);
         for (index, ((depth, number), &winding)) in here.enumerate() {
-            let behind = seen_through.get(k * TILE * TILE + index).copied();
-            let behind = behind.filter(|&face| face != NO_TRIANGLE);
-            // A face of what is kept, if there is any.
-            let face = match behind {
-                Some(face) if !kept(*number) => face,
-                _ => *number,
-            };
-            if face == NO_TRIANGLE {
+            let behind = seen_through.next_if(|(first, _)| first.place() == (k, index));
+            if *number == NO_TRIANGLE && behind.is_none() {
                 continue;
             }
             let in_matter = winding > 0;
-            let cut_away = !kept(face);
+            let cut_away = !kept(*number) && behind.is_none_or(|(_, faces)| !faces.kept);
             if !in_matter && kept(*number) {
                 continue;
             }
@@ -196,12 +189,69 @@ pub(crate) fn cap_tile(
             // A face that is kept proves that the matter before it is kept as
             // well, up to rounding.
             if let Some(entry) = entry.filter(|entry| entry.kept || !cut_away) {
-                *depth = entry.depth;
-                *number = capped(face, entry.plane);
-            } else if !kept(*number) {
+                let exit = behind.and_then(|(first, faces)| Some((first, faces.exit(winding)?)));
+                if let Some((first, exit)) = exit {
+                    let cap = capped(exit, entry.plane);
+                    caps_seen_through.push(first.cap(entry.depth, cap));
+                } else {
+                    let face = match behind {
+                        Some((first, _)) if *number == NO_TRIANGLE => first.triangle,
+                        _ => *number,
+                    };
+                    *depth = entry.depth;
+                    *number = capped(face, entry.plane);
+                    continue;
+                }
+            }
+            if !kept(*number) {
                 *depth = 0.0;
                 *number = NO_TRIANGLE;
             }
         }
+    }
+    drop(seen_through);
+    fragments.extend(caps_seen_through);
+    if let Some(list) = &mut buffer.fragments {
+        **list = fragments;
+    }
+}
+
+/// The faces at a sample that are seen through.
+#[derive(Clone, Copy)]
+struct SeenThrough {
+    /// How many more of them show their backs than their fronts.
+    winding: i32,
+    /// The first back without a front before it: there the ray leaves the solid
+    /// in which it is at the entry.
+    exit: Option<i32>,
+    /// Whether any is of what section planes keep.
+    kept: bool,
+}
+
+impl SeenThrough {
+    /// From near to far.
+    fn of(fragments: &[Fragment], kept_triangles: usize) -> Self {
+        let (mut exit, mut open) = (None, 0);
+        for fragment in fragments {
+            if fragment.winding < 0 {
+                open += 1;
+            } else if open > 0 {
+                open -= 1;
+            } else {
+                exit = exit.or(Some(fragment.triangle));
+            }
+        }
+        let kept = |f: &Fragment| (f.triangle as usize) < kept_triangles;
+        Self {
+            winding: fragments.iter().map(|f| i32::from(f.winding)).sum(),
+            exit,
+            kept: fragments.iter().any(kept),
+        }
+    }
+
+    /// The face by which a ray leaves the solid whose cap is seen through, if
+    /// it is: nothing opaque is cut there. `winding` is that of all faces.
+    fn exit(&self, winding: i32) -> Option<i32> {
+        self.exit.filter(|_| winding <= self.winding)
     }
 }

@@ -8,9 +8,9 @@
 //! within the guard band; c itself may need 64. The top-left rule subtracts 1
 //! from c beforehand at the edges that do not own their samples.
 
-use crate::fixed::SUBPIXEL_BITS;
-use crate::simd::{DoubleLanes, FloatLanes, IntLanes, Lanes, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, Plane, SQUARES, TILE, TileBuffer};
+use crate::fixed::{SUBPIXEL_BITS, SUBPIXELS};
+use crate::simd::{DoubleLanes, FloatLanes, IntLanes, LANES, Lanes, MaskLanes, triple};
+use crate::tile::{Plane, SAMPLES_OF_QUAD, SQUARES, TILE, TILE_BITS, TileBuffer};
 
 /// Depth that changes by more than this from one sub-pixel to the next, a
 /// sixteenth of its range in a pixel, is set up and filled in double precision
@@ -60,20 +60,47 @@ impl Record {
 
     /// The change of depth from the first sample of a block to all others.
     #[inline(always)]
-    fn depth_in_block<S: Lanes>(&self, s: S) -> S::F {
+    fn depth_in_block<S: Lanes>(&self, s: S, lattice: &Lattice) -> S::F {
         let [x, y] = self.slope.map(|slope| s.f(slope as f32));
-        let lane_x = s.load_i(&LANE_X).shl::<8>().to_float();
-        let lane_y = s.load_i(&LANE_Y).shl::<8>().to_float();
-        x * lane_x + y * lane_y
+        x * s.load_i(&lattice.x).to_float() + y * s.load_i(&lattice.y).to_float()
     }
 
     /// [`Record::depth_in_block`] in double precision.
     #[inline(always)]
-    fn precise_depth_in_block<S: Lanes>(&self, s: S) -> S::D {
+    fn precise_depth_in_block<S: Lanes>(&self, s: S, lattice: &Lattice) -> S::D {
         let [x, y] = self.slope.map(|slope| s.d(slope));
-        let lane_x = s.load_i(&LANE_X).shl::<8>().to_double();
-        let lane_y = s.load_i(&LANE_Y).shl::<8>().to_double();
-        x * lane_x + y * lane_y
+        x * s.load_i(&lattice.x).to_double() + y * s.load_i(&lattice.y).to_double()
+    }
+
+    /// Edge functions at the samples of a block, the first of which is `start`
+    /// sub-pixels from the first pixel.
+    #[inline(always)]
+    fn edges_in_block<S: Lanes>(&self, s: S, lattice: &Lattice, start: [i32; 2]) -> [S::I; 3] {
+        let (right, down) = (self.right, self.down);
+        let at = triple!(|K| {
+            let (right, down) = (i64::from(right[K]), i64::from(down[K]));
+            self.c[K] + right * i64::from(start[0]) + down * i64::from(start[1])
+        });
+        let small = |v: i32| v.unsigned_abs() < 1 << 15;
+        let near = |c: i64| c.unsigned_abs() < 1 << 29;
+        if right.into_iter().chain(down).all(small) && at.into_iter().all(near) {
+            let (x, y) = (s.load_i(&lattice.x), s.load_i(&lattice.y));
+            return triple!(|K| {
+                (s.i(at[K] as i32) + (s.i(right[K]) * x + s.i(down[K]) * y))
+                    .shr::<{ SUBPIXEL_BITS as i32 }>()
+            });
+        }
+        triple!(|K| {
+            let (right, down) = (i64::from(right[K]), i64::from(down[K]));
+            let mut lanes = [0; LANES];
+            for (k, lane) in lanes.iter_mut().enumerate() {
+                let (x, y) = (i64::from(lattice.x[k]), i64::from(lattice.y[k]));
+                let c = (at[K] + right * x + down * y) >> SUBPIXEL_BITS;
+                // Beyond the limits the sign cannot change within a tile.
+                *lane = c.clamp(-(1 << 30), 1 << 30) as i32;
+            }
+            s.load_i(&lanes)
+        })
     }
 
     fn is_steep(&self) -> bool {
@@ -151,8 +178,47 @@ impl FillCounts {
 pub(crate) const LANE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 pub(crate) const LANE_Y: [i32; 16] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3];
 
-/// Sub-pixels from a block to the next.
-const BLOCK_STEP: f64 = (BLOCK << SUBPIXEL_BITS) as f64;
+/// Where the 16 samples of a block are: one of each of 4x4 pixels, or four of
+/// each of 2x2. Small triangles touch fewer of the latter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lattice {
+    /// log2 of the pixels along a side of a block.
+    bits: u32,
+    /// The first sample, in sub-pixels from the block's corner.
+    first: [i32; 2],
+    /// The others, from there.
+    x: [i32; LANES],
+    y: [i32; LANES],
+}
+
+impl Lattice {
+    /// Those of a tile that is filled in blocks of four samples, or of one.
+    pub fn of(samples: &[[i32; 2]], in_quads: bool) -> Vec<Self> {
+        let group = if in_quads { SAMPLES_OF_QUAD } else { 1 };
+        samples.chunks(group).map(Self::new).collect()
+    }
+
+    /// Of so many samples a pixel.
+    fn new(samples: &[[i32; 2]]) -> Self {
+        let bits = if samples.len() == 1 { 2 } else { 1 };
+        let side = 1 << bits;
+        let first = samples[0];
+        let at = |lane: i32| {
+            let (sample, pixel) = (lane / (side * side), lane % (side * side));
+            let sample = samples[sample as usize % samples.len()];
+            [
+                (pixel % side) * SUBPIXELS + sample[0] - first[0],
+                (pixel / side) * SUBPIXELS + sample[1] - first[1],
+            ]
+        };
+        Self {
+            bits,
+            first,
+            x: std::array::from_fn(|lane| at(lane as i32)[0]),
+            y: std::array::from_fn(|lane| at(lane as i32)[1]),
+        }
+    }
+}
 
 /// Fills one triangle into every sample plane of a tile whose first pixel is
 /// `origin`.
@@ -162,7 +228,7 @@ pub(crate) fn fill<S: Lanes>(
     buffer: &mut TileBuffer,
     origin: [i32; 2],
     record: &Record,
-    samples: &[[i32; 2]],
+    lattices: &[Lattice],
     counts: &mut FillCounts,
 ) {
     // Its box of pixels within the tile.
@@ -191,61 +257,35 @@ pub(crate) fn fill<S: Lanes>(
         counts.hidden += 1;
         return;
     }
-    if whole {
-        for (plane, sample) in buffer.planes().zip(samples) {
-            let start = [0, 1].map(|axis| (from_first[axis] << SUBPIXEL_BITS) + sample[axis]);
-            fill_whole(s, plane, record, start, fresh);
-        }
-        counts.blocks += (samples.len() * BLOCKS * BLOCKS) as u64;
-        return;
-    }
-    let block = BLOCK as i32;
-    let blocks = [x0 / block, x1 / block, y0 / block, y1 / block];
-    counts.blocks += samples.len() as u64
-        * (blocks[1] - blocks[0] + 1) as u64
-        * (blocks[3] - blocks[2] + 1) as u64;
-    // The first block in sub-pixels from the record's first pixel.
-    let first = [
-        (from_first[0] + blocks[0] * block) << SUBPIXEL_BITS,
-        (from_first[1] + blocks[2] * block) << SUBPIXEL_BITS,
-    ];
-    let (lane_x, lane_y) = (s.load_i(&LANE_X), s.load_i(&LANE_Y));
-    let (right, down) = (record.right, record.down);
-    let edges = triple!(|K| {
-        let (right, down) = (i64::from(right[K]), i64::from(down[K]));
-        Edge::<S> {
-            at_first: record.c[K] + right * i64::from(first[0]) + down * i64::from(first[1]),
-            in_block: s.i(record.right[K]) * lane_x + s.i(record.down[K]) * lane_y,
-        }
-    });
-    for (plane, sample) in buffer.planes().zip(samples) {
-        let start = [first[0] + sample[0], first[1] + sample[1]];
-        let row = triple!(|K| {
-            let (right, down) = (i64::from(right[K]), i64::from(down[K]));
-            let at = right * i64::from(sample[0]) + down * i64::from(sample[1]);
-            // Beyond the limits the sign cannot change within a tile.
-            let c = (edges[K].at_first + at) >> SUBPIXEL_BITS;
-            s.i(c.clamp(-(1 << 30), 1 << 30) as i32) + edges[K].in_block
+    for (mut plane, lattice) in buffer.planes().zip(lattices) {
+        let plane = &mut plane;
+        let Lattice { bits, first, .. } = *lattice;
+        let blocks = if whole {
+            [0, last >> bits, 0, last >> bits]
+        } else {
+            [x0 >> bits, x1 >> bits, y0 >> bits, y1 >> bits]
+        };
+        counts.blocks += (blocks[1] - blocks[0] + 1) as u64 * (blocks[3] - blocks[2] + 1) as u64;
+        // The first sample of the first block.
+        let start = [0, 1].map(|axis| {
+            ((from_first[axis] + (blocks[2 * axis] << bits)) << SUBPIXEL_BITS) + first[axis]
         });
+        if whole {
+            fill_whole(s, plane, record, lattice, start, fresh);
+            continue;
+        }
+        let row = record.edges_in_block(s, lattice, start);
         let row_depth = record.depth_at(start);
         if record.is_steep() {
-            let in_block = record.precise_depth_in_block(s);
+            let in_block = record.precise_depth_in_block(s, lattice);
             let depth = |first: f64| (s.d(first) + in_block).to_single();
-            fill_plane(s, plane, record, blocks, row, row_depth, depth);
+            fill_plane(s, plane, record, (bits, blocks), row, row_depth, depth);
         } else {
-            let in_block = record.depth_in_block(s);
+            let in_block = record.depth_in_block(s, lattice);
             let depth = |first: f64| s.f(first as f32) + in_block;
-            fill_plane(s, plane, record, blocks, row, row_depth, depth);
+            fill_plane(s, plane, record, (bits, blocks), row, row_depth, depth);
         }
     }
-}
-
-/// An edge function, in sub-pixels at the first pixel of the first block, and
-/// its changes from there to all pixels of a block.
-#[derive(Clone, Copy)]
-struct Edge<S: Lanes> {
-    at_first: i64,
-    in_block: S::I,
 }
 
 /// Blocks of a triangle so small that looking whether one is missed altogether
@@ -258,31 +298,34 @@ const FEW: i32 = 4;
 #[inline(always)]
 fn fill_plane<S: Lanes>(
     s: S,
-    mut plane: Plane,
+    plane: &mut Plane,
     record: &Record,
-    [bx0, bx1, by0, by1]: [i32; 4],
+    (bits, [bx0, bx1, by0, by1]): (u32, [i32; 4]),
     mut row: [S::I; 3],
     mut row_depth: f64,
     depth: impl Fn(f64) -> S::F,
 ) {
-    let block = BLOCK as i32;
     let (right, down) = (record.right, record.down);
     let zero = s.i(0);
     let id = s.i(record.triangle);
     let few = (bx1 - bx0 + 1) * (by1 - by0 + 1) <= FEW;
-    let step = triple!(|K| s.i(right[K] * block));
-    let step_down = triple!(|K| s.i(down[K] * block));
+    let step = triple!(|K| s.i(right[K] << bits));
+    let step_down = triple!(|K| s.i(down[K] << bits));
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
-    let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
+    let block_step = block_step(record, bits);
     for by in by0..=by1 {
         let mut e = row;
         let mut depth_here = row_depth;
         for bx in bx0..=bx1 {
             let outside = (e[0] | e[1] | e[2]).lt(zero);
             if few || outside.bits() != 0xffff {
-                let index = (by as usize * BLOCKS + bx as usize) % (BLOCKS * BLOCKS);
+                let index = ((by << (TILE_BITS - bits)) + bx) as usize;
+                let (Some(kept), Some(number)) =
+                    (plane.depth.get_mut(index), plane.triangle.get_mut(index))
+                else {
+                    return;
+                };
                 let z = depth(depth_here).max(low).min(high);
-                let (kept, number) = (&mut plane.depth[index], &mut plane.triangle[index]);
                 let old = s.load_f(kept);
                 let old_id = s.load_i(number);
                 // Equal depths go to the triangle drawn first.
@@ -290,10 +333,9 @@ fn fill_plane<S: Lanes>(
                 let pass = nearer & !outside;
                 pass.update_f(z, old).store(kept);
                 pass.update_i(id, old_id).store(number);
-                if let Some(windings) = &mut plane.winding {
-                    let winding = s.load_i(&windings[index]);
+                if let Some(winding) = plane.winding.get_mut(index) {
                     let added = outside.select_i(zero, s.i(record.winding));
-                    (winding + added).store(&mut windings[index]);
+                    (s.load_i(winding) + added).store(winding);
                 }
             }
             e = triple!(|K| e[K] + step[K]);
@@ -304,17 +346,33 @@ fn fill_plane<S: Lanes>(
     }
 }
 
+/// The change of depth from a block to the next, right and down.
+#[inline(always)]
+fn block_step(record: &Record, bits: u32) -> [f64; 2] {
+    record
+        .slope
+        .map(|slope| slope * f64::from(SUBPIXELS << bits))
+}
+
 /// Fills a whole plane, whose first sample is `start` sub-pixels from the
 /// record's first pixel. What is there does not matter if `fresh`.
 #[inline(always)]
-fn fill_whole<S: Lanes>(s: S, plane: Plane, record: &Record, start: [i32; 2], fresh: bool) {
+fn fill_whole<S: Lanes>(
+    s: S,
+    plane: &mut Plane,
+    record: &Record,
+    lattice: &Lattice,
+    start: [i32; 2],
+    fresh: bool,
+) {
     let (low, high) = (s.f(record.z_low), s.f(record.z_high));
-    let in_block = record.depth_in_block(s);
+    let in_block = record.depth_in_block(s, lattice);
     let mut row_depth = record.depth_at(start);
-    let block_step = record.slope.map(|slope| slope * BLOCK_STEP);
+    let block_step = block_step(record, lattice.bits);
     let id = s.i(record.triangle);
-    let rows = plane.depth.chunks_exact_mut(BLOCKS);
-    for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(BLOCKS)) {
+    let blocks = TILE >> lattice.bits;
+    let rows = plane.depth.chunks_exact_mut(blocks);
+    for (depths, triangles) in rows.zip(plane.triangle.chunks_exact_mut(blocks)) {
         let mut depth_here = row_depth;
         for (depth, triangle) in depths.iter_mut().zip(triangles) {
             let z = (s.f(depth_here as f32) + in_block).max(low).min(high);
@@ -332,8 +390,7 @@ fn fill_whole<S: Lanes>(s: S, plane: Plane, record: &Record, start: [i32; 2], fr
         }
         row_depth += block_step[1];
     }
-    let windings = plane.winding.map(|plane| plane.as_flattened_mut());
-    for winding in windings.into_iter().flatten() {
+    for winding in plane.winding.as_flattened_mut() {
         *winding += record.winding;
     }
 }

@@ -1,6 +1,6 @@
 //! Kernels that work on one tile: what a batch of triangles leaves in it.
 
-use crate::fill::{FillCounts, fill, fill_pixels};
+use crate::fill::{FillCounts, Lattice, fill, fill_pixels};
 use crate::geometry::Bins;
 use crate::simd::{Kernel, Lanes};
 use crate::tile::TileBuffer;
@@ -41,6 +41,7 @@ impl Kernel for FillTile<'_, '_> {
     #[inline(always)]
     fn run<S: Lanes>(self, s: S) -> FillCounts {
         let mut counts = FillCounts::default();
+        let lattices = Lattice::of(self.samples, self.tile.in_quads());
         for bins in self.bins {
             let pixels = &bins.pixels[self.index];
             if !pixels.is_empty() {
@@ -53,7 +54,7 @@ impl Kernel for FillTile<'_, '_> {
             for &entry in &bins.tiles[self.index] {
                 counts.any = true;
                 let record = &bins.records[entry as usize];
-                fill(s, self.tile, self.origin, record, self.samples, &mut counts);
+                fill(s, self.tile, self.origin, record, &lattices, &mut counts);
             }
             let transparent = &bins.transparent[self.index];
             if !transparent.is_empty() {

@@ -27,7 +27,7 @@ use crate::resolve::{ResolveTile, Scratch, tile_rows};
 use crate::shading::ShadeContext;
 use crate::simd::Level;
 use crate::stats::Stats;
-use crate::tile::{PlanePool, TILE, TileBuffer, Tiles};
+use crate::tile::{Layout, PlanePool, TILE, TileBuffer, Tiles};
 use crate::triad::draw_triad;
 
 /// What is drawn, and how large.
@@ -200,10 +200,15 @@ impl Renderer {
         let again = std::mem::replace(&mut self.shape, shape) == shape;
         let is_dense = self.order.len() >= FEW_CLUSTERS && !windings;
         let tile_by_tile = samples > 1 && !(again && is_dense);
-        let kept = if tile_by_tile { 1 } else { samples };
-        let counted = windings && !tile_by_tile;
-        self.tiles
-            .begin(columns * rows, kept, counted, context.transparent);
+        let layout = Layout {
+            samples: if tile_by_tile { 1 } else { samples },
+            winding: windings && !tile_by_tile,
+            transparent: context.transparent,
+            // Many triangles are small ones; of few, taking these blocks apart
+            // afterwards takes longer than is won.
+            in_quads: is_dense && !context.transparent,
+        };
+        self.tiles.begin(columns * rows, layout);
         let tasks = rayon::current_num_threads() * 4;
         self.bins.resize_with(tasks, Bins::default);
         let order = std::mem::take(&mut self.order);
@@ -378,6 +383,7 @@ impl Renderer {
                     } else {
                         resolve.run(level)
                     };
+                    tile.part_first_samples();
                     counts
                 };
                 if !(tile_by_tile && tile.has_planes()) {

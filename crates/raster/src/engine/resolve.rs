@@ -7,7 +7,9 @@ use crate::shading::ShadeContext;
 use crate::simd::math::linear_to_srgb_byte;
 use crate::simd::vector::{Triple, Triple16, load, splat};
 use crate::simd::{FloatLanes, IntLanes, Kernel, LANES, Lanes, Level, MaskLanes, triple};
-use crate::tile::{BLOCK, BLOCKS, NO_TRIANGLE, OfPixels, TILE, TileBuffer};
+use crate::tile::{
+    BLOCK, BLOCKS, MOST_SAMPLES, NO_TRIANGLE, OfPixels, TILE, TileBuffer, part_block,
+};
 
 /// Shades a tile into the pieces of the picture's rows that it covers.
 pub(crate) struct ResolveTile<'a, 'p> {
@@ -64,6 +66,7 @@ impl ResolveTile<'_, '_> {
             let blocks = &mut blocks[..width.div_ceil(BLOCK)];
             shaded += level.run(FindJobs {
                 numbers: self.tile.triangle,
+                in_quads: self.tile.in_quads(),
                 origin: self.origin,
                 by,
                 blocks,
@@ -87,8 +90,10 @@ impl ResolveTile<'_, '_> {
 
 /// Lists what is to be shaded in a row of blocks.
 pub(crate) struct FindJobs<'a> {
-    /// The triangles of the tile, a plane for each sample.
+    /// The triangles of the tile, a plane for each sample; or for four of them,
+    /// in blocks of 2x2 pixels.
     pub numbers: &'a [OfPixels<i32>],
+    pub in_quads: bool,
     pub origin: [usize; 2],
     /// Number of the row in the tile.
     pub by: usize,
@@ -109,7 +114,14 @@ impl Kernel for FindJobs<'_> {
                 self.origin[1] + self.by * BLOCK,
             ];
             let index = self.by * BLOCKS + bx;
-            *block = find_jobs(s, self.numbers, index, at, self.batch, self.shares);
+            let samples = self.numbers.len();
+            let (batch, shares) = (&mut *self.batch, &mut *self.shares);
+            *block = if self.in_quads {
+                let parted = part_block(s, self.numbers, index);
+                find_jobs(s, samples, |k| &parted[k % MOST_SAMPLES], at, batch, shares)
+            } else {
+                find_jobs(s, samples, |k| &self.numbers[k][index], at, batch, shares)
+            };
             shaded += u64::from(block.covered.count_ones());
         }
         shaded
@@ -164,21 +176,21 @@ fn copy_row(from: &[i32], to: &mut [[u8; 4]]) {
 /// Lists what is to be shaded in one block: one job where every pixel shows
 /// one triangle, up to one for each sample elsewhere.
 #[inline(always)]
-fn find_jobs<S: Lanes>(
+fn find_jobs<'a, S: Lanes>(
     s: S,
-    planes: &[OfPixels<i32>],
-    index: usize,
+    samples: usize,
+    numbers: impl Fn(usize) -> &'a [i32; LANES],
     at: [usize; 2],
     batch: &mut Batch,
     shares: &mut Vec<[f32; LANES]>,
 ) -> Block {
     let none = s.i(NO_TRIANGLE);
-    let first_lanes = &planes[0][index];
+    let first_lanes = numbers(0);
     let first = s.load_i(first_lanes);
     let mut alike = 0xffff;
     let mut covered = !first.eq(none).bits() & 0xffff;
-    for plane in &planes[1..] {
-        let other = s.load_i(&plane[index]);
+    for sample in 1..samples {
+        let other = s.load_i(numbers(sample));
         alike &= other.eq(first).bits();
         covered |= !other.eq(none).bits() & 0xffff;
     }
@@ -204,24 +216,24 @@ fn find_jobs<S: Lanes>(
     // Each triangle of a pixel is shaded once, and counts for as many samples
     // as show it.
     let zero = s.f(0.0);
-    let weight = s.f(1.0 / planes.len() as f32);
-    for (k, plane) in planes.iter().enumerate() {
-        let lanes = &plane[index];
+    let weight = s.f(1.0 / samples as f32);
+    for k in 0..samples {
+        let lanes = numbers(k);
         let triangle = s.load_i(lanes);
         let mut fresh = !triangle.eq(none).bits() & 0xffff;
-        let mut samples = zero;
-        for (other_k, other) in planes.iter().enumerate() {
-            let same = s.load_i(&other[index]).eq(triangle);
-            if other_k < k {
+        let mut shown = zero;
+        for other in 0..samples {
+            let same = s.load_i(numbers(other)).eq(triangle);
+            if other < k {
                 fresh &= !same.bits();
             }
-            samples = samples + same.select_f(weight, zero);
+            shown = shown + same.select_f(weight, zero);
         }
         if fresh == 0 {
             continue;
         }
         let mut share = [0.0; LANES];
-        s.mask(fresh).select_f(samples, zero).store(&mut share);
+        s.mask(fresh).select_f(shown, zero).store(&mut share);
         block.jobs += 1;
         batch.jobs.push(Job {
             triangles: *lanes,

@@ -3,7 +3,7 @@
 
 use std::sync::Mutex;
 
-use crate::simd::{FloatLanes, Lanes};
+use crate::simd::{FloatLanes, IntLanes, Lanes, MaskLanes};
 use crate::transparent::Fragment;
 
 /// Width and height of a tile in pixels.
@@ -61,15 +61,36 @@ pub(crate) struct Tiles {
     fragments: Vec<Vec<Fragment>>,
 }
 
+/// What the tiles of a frame keep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    /// Samples a pixel.
+    pub samples: usize,
+    /// Whether windings are counted.
+    pub winding: bool,
+    /// Whether anything is seen through.
+    pub transparent: bool,
+    /// Whether tiles of four samples or more are filled in blocks of 2x2 pixels.
+    pub in_quads: bool,
+}
+
 impl Tiles {
-    /// Makes room for so many tiles, none of them drawn; for windings and what
-    /// is seen through as well, where there are any.
-    pub fn begin(&mut self, tiles: usize, samples: usize, winding: bool, transparent: bool) {
+    /// Makes room for so many tiles, none of them drawn.
+    pub fn begin(&mut self, tiles: usize, layout: Layout) {
+        let Layout {
+            samples,
+            winding,
+            transparent,
+            in_quads,
+        } = layout;
         self.fragments.iter_mut().for_each(Vec::clear);
         let lists = if transparent { tiles } else { 0 };
         self.fragments.resize_with(lists, Vec::new);
         self.of_picture.clear();
-        self.of_picture.resize_with(tiles, Tile::default);
+        self.of_picture.resize_with(tiles, || Tile {
+            in_quads,
+            ..Tile::default()
+        });
         (self.samples, self.used) = (samples, 0);
         if self.depth.len() != tiles * samples {
             // Zeros from the system, which the threads that draw touch first.
@@ -138,6 +159,9 @@ impl Tiles {
 pub(crate) struct Tile {
     /// Where its planes are, once this frame may draw here.
     slot: Option<usize>,
+    /// Whether blocks are 2x2 pixels of four samples each, not 4x4 of one, as
+    /// long as the tile is filled.
+    in_quads: bool,
     /// Whether this frame drew here; if not, the planes hold old data.
     pub drawn: bool,
     /// A depth at or in front of which every sample of each 8x8 pixel square
@@ -154,6 +178,7 @@ impl Default for Tile {
     fn default() -> Self {
         Self {
             slot: None,
+            in_quads: false,
             drawn: false,
             farthest: [0.0; SQUARES * SQUARES],
             farthest_of_all: 0.0,
@@ -176,12 +201,16 @@ pub(crate) struct TileBuffer<'a> {
     pub fragments: Option<&'a mut Vec<Fragment>>,
 }
 
-/// One sample of each pixel of a tile.
+/// One sample of each pixel of a tile, or four, in blocks row by row.
 pub(crate) struct Plane<'a> {
-    pub depth: &'a mut OfPixels<f32>,
-    pub triangle: &'a mut OfPixels<i32>,
-    pub winding: Option<&'a mut OfPixels<i32>>,
+    pub depth: &'a mut [[f32; BLOCK_PIXELS]],
+    pub triangle: &'a mut [[i32; BLOCK_PIXELS]],
+    /// Nothing, where it is not counted.
+    pub winding: &'a mut [[i32; BLOCK_PIXELS]],
 }
+
+/// Samples of each pixel in blocks of 2x2 pixels.
+pub(crate) const SAMPLES_OF_QUAD: usize = 4;
 
 /// The planes of one tile, for each sample.
 #[derive(Debug, Default)]
@@ -283,33 +312,57 @@ impl TileBuffer<'_> {
         self.winding.as_flattened_mut().fill([0; BLOCK_PIXELS]);
         *self.tile = Tile {
             slot: self.tile.slot,
+            in_quads: self.tile.in_quads,
             drawn: true,
             ..Tile::default()
         };
     }
 
-    /// The planes, sample by sample.
+    /// Whether blocks are 2x2 pixels of four samples each, not 4x4 of one, as
+    /// long as the tile is filled.
+    pub fn in_quads(&self) -> bool {
+        self.tile.in_quads && self.depth.len() >= SAMPLES_OF_QUAD
+    }
+
+    /// The planes, of one sample or of four.
     #[inline(always)]
     pub fn planes(&mut self) -> impl Iterator<Item = Plane<'_>> {
-        let mut winding = self.winding.iter_mut();
-        let planes = self.depth.iter_mut().zip(self.triangle.iter_mut());
-        planes.map(move |(depth, triangle)| Plane {
-            depth,
-            triangle,
-            winding: winding.next(),
-        })
+        let group = if self.in_quads() { SAMPLES_OF_QUAD } else { 1 };
+        let mut winding = self.winding.chunks_mut(group);
+        let planes = self.depth.chunks_mut(group);
+        planes
+            .zip(self.triangle.chunks_mut(group))
+            .map(move |(depth, triangle)| Plane {
+                depth: depth.as_flattened_mut(),
+                triangle: triangle.as_flattened_mut(),
+                winding: winding.next().unwrap_or_default().as_flattened_mut(),
+            })
+    }
+
+    /// Leaves the first samples in the first plane, one of each pixel in blocks
+    /// of 4x4, where they were in blocks of 2x2. (The others are lost.)
+    pub fn part_first_samples(&mut self) {
+        if self.in_quads() {
+            part_first(self.depth.as_flattened_mut());
+            part_first(self.triangle.as_flattened_mut());
+        }
     }
 
     /// Brings the hierarchical depth up to date.
     #[inline(always)]
     pub fn update_farthest<S: Lanes>(&mut self, s: S) {
+        let quads = self.in_quads();
+        let (group, bits) = if quads { (SAMPLES_OF_QUAD, 2) } else { (1, 1) };
         for (square, farthest) in self.tile.farthest.iter_mut().enumerate() {
             let (sx, sy) = (square % SQUARES, square / SQUARES);
             let mut least = s.f(f32::INFINITY);
-            for plane in self.depth.iter() {
-                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    let block = &plane[(sy * 2 + dy) * BLOCKS + sx * 2 + dx];
-                    least = s.load_f(block).min(least);
+            for plane in self.depth.chunks(group) {
+                let plane = plane.as_flattened();
+                for dy in 0..1 << bits {
+                    let first = (((sy << bits) + dy) << (3 + bits)) + (sx << bits);
+                    for block in &plane[first..first + (1 << bits)] {
+                        least = s.load_f(block).min(least);
+                    }
                 }
             }
             let mut lanes = [0.0; BLOCK_PIXELS];
@@ -319,4 +372,72 @@ impl TileBuffer<'_> {
         let farthest = self.tile.farthest.iter().copied();
         self.tile.farthest_of_all = farthest.fold(f32::INFINITY, f32::min);
     }
+}
+
+/// Blocks of 2x2 pixels along a side of a tile.
+const QUADS: usize = TILE / 2;
+
+/// One of four samples of 4x4 pixels, from their blocks of 2x2.
+#[inline(always)]
+fn part<T: Copy + Default>(quads: [&[T; BLOCK_PIXELS]; 4], sample: usize) -> [T; BLOCK_PIXELS] {
+    let mut lanes = [T::default(); BLOCK_PIXELS];
+    for (k, pair) in lanes.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+        let (x, y) = (k % 2, k / 2);
+        let first = sample * 4 + y % 2 * 2;
+        pair.copy_from_slice(&quads[y / 2 * 2 + x][first..first + 2]);
+    }
+    lanes
+}
+
+/// The blocks of 2x2 pixels of a block of 4x4.
+#[inline(always)]
+fn quads_of<T>(quads: &[[T; BLOCK_PIXELS]], block: usize) -> Option<[&[T; BLOCK_PIXELS]; 4]> {
+    let first = block / BLOCKS * 2 * QUADS + block % BLOCKS * 2;
+    let (above, below) = (quads.get(first..)?, quads.get(first + QUADS..)?);
+    let ([a, b, ..], [c, d, ..]) = (above, below) else {
+        return None;
+    };
+    Some([a, b, c, d])
+}
+
+/// Writes the first samples to the first blocks. (None is read after that.)
+fn part_first<T: Copy + Default>(quads: &mut [[T; BLOCK_PIXELS]]) {
+    for block in 0..BLOCKS * BLOCKS {
+        if let Some(four) = quads_of(quads, block) {
+            quads[block] = part(four, 0);
+        }
+    }
+}
+
+/// Most samples of a pixel.
+pub(crate) const MOST_SAMPLES: usize = 8;
+
+/// The triangles of a block of 4x4 pixels, for each sample, from blocks of 2x2.
+#[inline(always)]
+pub(crate) fn part_block<S: Lanes>(
+    s: S,
+    planes: &[OfPixels<i32>],
+    block: usize,
+) -> [[i32; BLOCK_PIXELS]; MOST_SAMPLES] {
+    let mut parted = [[NO_TRIANGLE; BLOCK_PIXELS]; MOST_SAMPLES];
+    let groups = planes.chunks(SAMPLES_OF_QUAD);
+    for (group, parted) in groups.zip(parted.chunks_mut(SAMPLES_OF_QUAD)) {
+        let Some(four) = quads_of(group.as_flattened(), block) else {
+            continue;
+        };
+        // Mostly they show one triangle, or nothing.
+        let one = four[0][0];
+        let mut alike = 0xffff;
+        for quad in four {
+            alike &= s.load_i(quad).eq(s.i(one)).bits();
+        }
+        for (sample, to) in parted.iter_mut().enumerate() {
+            *to = if alike == 0xffff {
+                [one; BLOCK_PIXELS]
+            } else {
+                part(four, sample)
+            };
+        }
+    }
+    parted
 }

@@ -8,6 +8,8 @@
 //! then the second ones, and so on. Fragments count at their own sample only,
 //! so that outlines are as smooth as those of opaque parts.
 
+use std::cmp::Ordering;
+
 use crate::blend;
 use crate::deferred::{Job, shade};
 use crate::fill::Record;
@@ -22,17 +24,36 @@ use crate::tile::{BLOCK, BLOCK_PIXELS, BLOCKS, NO_TRIANGLE, OfPixels, TILE, Tile
 pub(crate) struct Fragment {
     /// Sixteen times its block in the tile, plus its lane in the block.
     pixel: u16,
-    sample: u16,
+    sample: u8,
+    /// What it adds to windings: 0 for a cap.
+    pub winding: i8,
     /// Reversed.
     depth: f32,
-    triangle: i32,
+    /// The number of the triangle, or of the cap.
+    pub triangle: i32,
 }
 
 impl Fragment {
-    /// The plane of its sample, the place in it, and the triangle's number.
-    pub fn place(&self) -> (usize, usize, i32) {
-        let [sample, pixel] = [self.sample, self.pixel].map(usize::from);
-        (sample, pixel, self.triangle)
+    /// The cap of a section at the place of another fragment.
+    pub fn cap(self, depth: f32, number: i32) -> Self {
+        Self {
+            winding: 0,
+            depth,
+            triangle: number,
+            ..self
+        }
+    }
+
+    /// The plane of its sample, and the place in it.
+    pub fn place(&self) -> (usize, usize) {
+        (usize::from(self.sample), usize::from(self.pixel))
+    }
+
+    /// By place, then from near to far; equal depths as they are drawn.
+    pub fn order(&self, other: &Self) -> Ordering {
+        let nearer = other.depth.total_cmp(&self.depth);
+        let place = self.place().cmp(&other.place());
+        place.then(nearer).then(self.triangle.cmp(&other.triangle))
     }
 }
 
@@ -71,7 +92,8 @@ pub(crate) fn collect<'a>(
                         let depth = record.depth_at(at) as f32;
                         fragments.push(Fragment {
                             pixel: (block * BLOCK_PIXELS + y % BLOCK * BLOCK + x % BLOCK) as u16,
-                            sample: k as u16,
+                            sample: k as u8,
+                            winding: record.winding as i8,
                             depth: depth.max(record.z_low).min(record.z_high),
                             triangle: record.triangle,
                         });
@@ -123,6 +145,7 @@ impl ResolveTile<'_, '_> {
                 batch.cache.clear();
                 level.run(FindJobs {
                     numbers,
+                    in_quads: false,
                     origin: self.origin,
                     by,
                     blocks: &mut blocks,
@@ -149,22 +172,19 @@ impl ResolveTile<'_, '_> {
     fn layers(&self, samples: usize) -> Vec<Vec<OfPixels<i32>>> {
         let mut fragments = self.tile.fragments.as_deref().cloned().unwrap_or_default();
         let kept = self.context.scene.kept_triangles;
-        // Equal depths show what was drawn first. Nothing is before a cap, up to
-        // rounding, which is opaque.
+        // Equal depths show what was drawn first. Nothing is before an opaque cap,
+        // up to rounding.
         fragments.retain(|f| {
-            let (plane, at, triangle) = f.place();
+            let (plane, at) = f.place();
             let depth = self.tile.depth[plane].as_flattened()[at];
             let number = self.tile.triangle[plane].as_flattened()[at];
-            let is_shown = (triangle as usize) < kept && decode(number).1.is_none();
-            is_shown && (f.depth > depth || (f.depth == depth && triangle < number))
+            let (triangle, section) = decode(f.triangle);
+            let is_shown = (section.is_some() || triangle < kept) && decode(number).1.is_none();
+            is_shown && (f.depth > depth || (f.depth == depth && f.triangle < number))
         });
-        fragments.sort_unstable_by(|a, b| {
-            let place = (a.sample, a.pixel).cmp(&(b.sample, b.pixel));
-            let nearer = b.depth.total_cmp(&a.depth);
-            place.then(nearer).then(a.triangle.cmp(&b.triangle))
-        });
+        fragments.sort_unstable_by(Fragment::order);
         let mut layers: Vec<Vec<OfPixels<i32>>> = Vec::new();
-        let groups = fragments.chunk_by(|a, b| (a.sample, a.pixel) == (b.sample, b.pixel));
+        let groups = fragments.chunk_by(|a, b| a.place() == b.place());
         for group in groups {
             for (rank, fragment) in group.iter().enumerate() {
                 if rank == layers.len() {
@@ -216,10 +236,7 @@ fn blend_job(
 ) {
     for lane in (0..LANES).filter(|lane| job.wanted >> lane & 1 != 0) {
         let number = job.triangles[lane];
-        let opacity = match decode(number) {
-            (triangle, None) => context.opacity(triangle).clamp(0.0, 1.0),
-            _ => 1.0,
-        };
+        let opacity = context.opacity(decode(number).0).clamp(0.0, 1.0);
         let at = block * BLOCK_PIXELS + lane;
         for (k, plane) in numbers.iter().enumerate() {
             let to = &mut blended[k * TILE * TILE + at];

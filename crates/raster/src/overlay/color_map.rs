@@ -7,7 +7,9 @@ use crate::dimension::written;
 use crate::image::Image;
 use crate::lettering::Lettering;
 use crate::prepared::Prepared;
+use crate::refine::{Piece, range, refine};
 use crate::resolve::encode;
+use crate::thickness::{INSET, Inside};
 
 /// What colours tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +24,8 @@ pub enum ColorBy {
     Draft,
     /// How much, in 1 / length, normals turn along a triangle's sides.
     Curvature,
-    /// How far it is from the middle of a triangle straight inwards to the next
-    /// one.
+    /// How far it is straight inwards to where the solid ends: told at points, not
+    /// of whole triangles.
     Thickness,
 }
 
@@ -77,7 +79,8 @@ pub fn name_color(number: usize) -> Color {
 impl ColorBy {
     /// Gives a mesh colours that tell what is asked for, and returns what they
     /// stand for. O(n) for n triangles; thickness O(n log n), or more where
-    /// triangles lie together.
+    /// triangles lie together, and n counts the parts that triangles are divided
+    /// into, so that each has one colour.
     pub fn apply(self, mesh: &mut Mesh) -> Legend {
         keep_feature_edges(mesh);
         match self {
@@ -91,8 +94,15 @@ impl ColorBy {
             }),
             Self::Curvature => by_value(mesh, "curvature", None, curvature),
             Self::Thickness => {
-                let rays = crate::thickness::Inside::new(mesh);
-                by_value(mesh, "thickness", None, |_, t| rays.thickness(t))
+                let rays = Inside::new(mesh);
+                let value = |piece: &Piece, corner, at| rays.thickness(piece, corner, at);
+                let pieces = refine(mesh, 1.0 / (STEPS - 1) as f64, value);
+                let [low, high] = range(&pieces);
+                // At the edge of a wedge it is 0.
+                let low = if low < high * 2.0 * INSET { 0.0 } else { low };
+                by_value(mesh, "thickness", Some([low, high]), |_, t| {
+                    pieces[t].mean()
+                })
             }
         }
     }

@@ -10,6 +10,7 @@ pub(crate) mod ground;
 pub(crate) mod lettering;
 pub(crate) mod line;
 pub(crate) mod occlusion;
+pub(crate) mod refine;
 pub(crate) mod silhouette;
 pub(crate) mod thickness;
 pub(crate) mod triad;

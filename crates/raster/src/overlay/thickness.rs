@@ -4,6 +4,11 @@
 use csg::Mesh;
 use glam::DVec3;
 
+use crate::refine::Piece;
+
+/// How far towards the middle of a triangle a corner's ray begins.
+pub(crate) const INSET: f64 = 1e-6;
+
 /// Most triangles of a box that is not divided.
 const LEAF: usize = 8;
 
@@ -77,12 +82,18 @@ impl Inside {
         self.build(first + half, count - half);
     }
 
-    /// The distance from the middle of a triangle straight inwards to the next
-    /// one; `None` for one without area, or where there is nothing.
-    pub fn thickness(&self, triangle: usize) -> Option<f64> {
+    /// The distance from a corner of a part of a triangle straight inwards to the
+    /// next triangle; `None` for one without area, or where there is nothing.
+    pub fn thickness(&self, piece: &Piece, corner: usize, at: [DVec3; 3]) -> Option<f64> {
+        let triangle = piece.parent;
         let [a, b, c] = (*self.corners.get(triangle)?)?;
-        let inwards = -(b - a).cross(c - a).try_normalize()?;
-        let origin = (a + b + c) / 3.0;
+        let flat = (b - a).cross(c - a).try_normalize()?;
+        let smooth = piece.normals.map(|normals| normals[corner].as_dvec3());
+        let outwards = smooth.and_then(DVec3::try_normalize).unwrap_or(flat);
+        let inwards = -outwards * outwards.dot(flat).signum();
+        // A little inside, where what lies at the other side of an edge is not met.
+        let middle = (at[0] + at[1] + at[2]) / 3.0;
+        let origin = at[corner].lerp(middle, INSET);
         let mut nearest = f64::INFINITY;
         let mut waiting = vec![0];
         while let Some(index) = waiting.pop() {
