@@ -1,4 +1,44 @@
-//! Solids as Boolean combinations of half-spaces.
+//! Solids as Boolean combinations of half-spaces, and what is made of them: exact boundaries,
+//! measures and meshes.
+//!
+//! ```
+//! use csg::{BoundaryOptions, Mesher, Program, Solid};
+//!
+//! // Author: a solid is an immutable tree, put together by operators. Lengths are in a unit of
+//! // your own, Z is up.
+//! let plate = Solid::cuboid([40.0, 20.0, 5.0]).named("plate");
+//! let hole = Solid::cylinder(3.0, -10.0..10.0).named("hole");
+//! let holes = hole.translate([-12.0, 0.0, 0.0]) | hole.translate([12.0, 0.0, 0.0]);
+//! let part = plate - holes;
+//!
+//! // Lower: distinct surfaces and one Boolean formula over the half-spaces that they bound.
+//! // Mistakes in the tree are found here, with the way to the node.
+//! let program = Program::lower(&part)?;
+//! assert!(program.contains([0.0, 0.0, 0.0]) && !program.contains([12.0, 0.0, 0.0]));
+//!
+//! // Boundary: faces on the surfaces, edges on their curves, exactly.
+//! let boundary = program.boundary(&BoundaryOptions::new())?;
+//! assert_eq!((boundary.faces().len(), boundary.edges().len()), (8, 16));
+//!
+//! // Measure: volume, area, centroid and moments, with bounds.
+//! let volume = boundary.measure().volume;
+//! let exact = 4000.0 - 2.0 * 45.0 * std::f64::consts::PI;
+//! assert!((volume.value - exact).abs() <= volume.error && volume.error < 1e-8);
+//!
+//! // Mesh: triangles that deviate by no more than a tolerance, proven.
+//! let meshed = Mesher::new().tolerance(0.01).mesh(&program)?;
+//! assert!(meshed.report.is_proven() && meshed.report.deviation <= Some(0.01));
+//! assert!(meshed.report.check.is_manifold());
+//! assert!((meshed.mesh.volume() - exact).abs() < 2.0);
+//!
+//! // Every triangle knows the primitive that it comes from.
+//! let names: Vec<_> = meshed.mesh.surfaces.iter().filter_map(|s| s.name.as_deref()).collect();
+//! assert!(names.contains(&"plate") && names.contains(&"hole"));
+//! # Ok::<(), csg::Error>(())
+//! ```
+//!
+//! What could not be done is in the report ([`Report`]) or an [`Error`] that says where and how to
+//! mend it; nothing is silently wrong. `ARCHITECTURE.md` in the repository tells how it works.
 
 mod adapt;
 pub mod brep;

@@ -9,7 +9,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use csg::{Meshed, Mesher, Program, Report, Solid};
+use csg::{BoundaryOptions, Mesh, Meshed, Mesher, Program, Report, Solid};
 use serde_json::{Value, json};
 use stereotomy::io::scene;
 
@@ -66,12 +66,14 @@ pub fn alone(class: Class, seed: u64, tolerance: f64) {
 
 fn outcome(solid: &Solid, seed: u64, tolerance: f64) -> Outcome {
     let start = cpu_time::ThreadTime::now();
-    let program = Program::lower(solid);
-    let made = program.and_then(|program| Mesher::new().tolerance(tolerance).mesh(&program));
+    let made = Program::lower(solid).and_then(|program| {
+        let meshed = Mesher::new().tolerance(tolerance).mesh(&program)?;
+        Ok((program, meshed))
+    });
     let seconds = start.elapsed().as_secs_f64();
     println!("{ANSWERED}");
-    let Meshed { mesh, report, .. } = match made {
-        Ok(meshed) => meshed,
+    let (program, Meshed { mesh, report, .. }) = match made {
+        Ok(made) => made,
         Err(error) => {
             let refused = is_seen(solid, seed).then(|| error.to_string());
             return Outcome {
@@ -89,6 +91,8 @@ fn outcome(solid: &Solid, seed: u64, tolerance: f64) -> Outcome {
         unseen: report.moved.map_or(0.0, |moved| 2.0 * moved.distance),
         seed,
     });
+    let mut faults = verdict.faults;
+    faults.extend(fault_of_boundary(&program, &mesh, &report));
     Outcome {
         seconds,
         reported: reported(&report, tolerance),
@@ -96,8 +100,29 @@ fn outcome(solid: &Solid, seed: u64, tolerance: f64) -> Outcome {
         moved: report.moved.is_some(),
         refused: None,
         ended: false,
-        faults: verdict.faults,
+        faults,
     }
+}
+
+/// What is wrong with the exact boundary of a solid, whose volume must be that of a mesh that is
+/// proven.
+fn fault_of_boundary(program: &Program, mesh: &Mesh, report: &Report) -> Option<String> {
+    let deviation = report.deviation.filter(|_| report.is_proven())?;
+    let measure = match program.boundary(&BoundaryOptions::new()) {
+        Ok(brep) => brep.measure(),
+        Err(error) => return Some(format!("no exact boundary: {error}")),
+    };
+    // A layer as thick as that all around, and as much again for its second order.
+    let most = 2.0 * deviation * measure.area.upper() + measure.volume.error;
+    let off = (mesh.volume() - measure.volume.value).abs();
+    // Not so of what is no number.
+    let is_right = off <= most && measure.volume.error <= 1e-3 * measure.area.value;
+    (!is_right).then(|| {
+        format!(
+            "the exact boundary's volume is {:?}, off {off}",
+            measure.volume
+        )
+    })
 }
 
 fn reported(report: &Report, tolerance: f64) -> Vec<String> {

@@ -32,10 +32,29 @@ pub(crate) struct Account {
     report: Option<ReportAccount>,
 }
 
+/// A box.
 #[derive(Debug, Serialize)]
-struct Bounds {
+pub(crate) struct Bounds {
     min: [f64; 3],
     max: [f64; 3],
+}
+
+impl Bounds {
+    pub(crate) fn new(min: DVec3, max: DVec3) -> Self {
+        Self {
+            min: min.to_array(),
+            max: max.to_array(),
+        }
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.min;
+        writeln!(f, "from        {x} {y} {z}")?;
+        let [x, y, z] = self.max;
+        write!(f, "to          {x} {y} {z}")
+    }
 }
 
 /// The mesher's report.
@@ -136,10 +155,7 @@ impl Account {
             closed: check.is_closed(),
             non_manifold_edges: check.non_manifold_edges,
             non_manifold_vertices: check.non_manifold_vertices,
-            bounds: mesh.bounds().map(|(min, max)| Bounds {
-                min: min.to_array(),
-                max: max.to_array(),
-            }),
+            bounds: mesh.bounds().map(|(min, max)| Bounds::new(min, max)),
             seconds,
             report: product.report.as_ref().map(ReportAccount::of),
         }
@@ -217,11 +233,8 @@ impl fmt::Display for Account {
         if let Some([x, y, z]) = self.centroid {
             writeln!(f, "centroid    {x} {y} {z}")?;
         }
-        if let Some(Bounds { min, max }) = &self.bounds {
-            let [x, y, z] = min;
-            writeln!(f, "from        {x} {y} {z}")?;
-            let [x, y, z] = max;
-            writeln!(f, "to          {x} {y} {z}")?;
+        if let Some(bounds) = &self.bounds {
+            writeln!(f, "{bounds}")?;
         }
         writeln!(f, "triangles   {}", self.triangles)?;
         writeln!(f, "vertices    {}", self.vertices)?;

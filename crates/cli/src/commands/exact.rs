@@ -6,7 +6,7 @@ use std::time::Instant;
 use csg::{BoundaryOptions, Program};
 use serde::Serialize;
 
-use super::account::MovedAccount;
+use super::account::{Bounds, MovedAccount};
 use super::figure::Figure;
 use crate::mesher::Unit;
 
@@ -20,6 +20,7 @@ pub(crate) struct ExactAccount {
     inertia: [[f64; 3]; 3],
     /// Bound on the error of each of its entries.
     inertia_error: f64,
+    bounds: Option<Bounds>,
     /// Connected parts of the boundary.
     components: usize,
     /// Summed over the components.
@@ -49,6 +50,9 @@ impl ExactAccount {
             centroid: measure.centroid.map(|centroid| centroid.map(Figure::from)),
             inertia: measure.inertia().to_cols_array_2d(),
             inertia_error: 2.0 * measure.second_moments_error,
+            bounds: brep
+                .bounds()
+                .map(|bounds| Bounds::new(bounds.min, bounds.max)),
             components: brep.shells().len(),
             genus: brep.shells().map(|shell| shell.genus()).sum(),
             faces: brep.faces().len(),
@@ -77,6 +81,9 @@ impl fmt::Display for ExactAccount {
             for (axis, figure) in ["x", "y", "z"].into_iter().zip(centroid) {
                 writeln!(f, "centroid {axis}  {figure} {unit}")?;
             }
+        }
+        if let Some(bounds) = &self.bounds {
+            writeln!(f, "{bounds}")?;
         }
         writeln!(f, "components  {}", self.components)?;
         writeln!(f, "genus       {}", self.genus)?;

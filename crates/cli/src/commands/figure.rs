@@ -55,7 +55,13 @@ impl fmt::Display for Figure {
         } else {
             format!("{:.decimals$}", rounded * unit)
         };
-        write!(f, "{:.decimals$} ± {bound}", self.value)
+        // Nothing has no sign.
+        let value = if self.value.abs() < error {
+            0.0
+        } else {
+            self.value
+        };
+        write!(f, "{value:.decimals$} ± {bound}")
     }
 }
 
@@ -72,6 +78,7 @@ mod tests {
         );
         assert_eq!(told(3.14159, Some(0.0123)), "3.14 ± 0.02");
         assert_eq!(told(1234.567, Some(37.0)), "1235 ± 40");
+        assert_eq!(told(-1e-17, Some(3e-13)), "0.0000000000000 ± 3e-13");
         assert_eq!(told(2.5, None), "2.5");
         assert_eq!(told(2.5, Some(f64::INFINITY)), "2.5");
         assert_eq!(told(0.0, Some(0.0)), "0");

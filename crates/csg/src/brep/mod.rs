@@ -23,6 +23,7 @@
 //! coordinates; integrals are taken over these.
 
 mod bounded;
+mod bounds;
 mod build;
 mod chart;
 mod curve;
@@ -32,8 +33,6 @@ mod loops;
 mod measure;
 mod patches;
 mod quadrature;
-#[cfg(test)]
-mod tests;
 mod view;
 
 pub use self::bounded::Bounded;
