@@ -1,6 +1,7 @@
 //! The exact boundary of solids, and measures from it, held against closed forms, identities
 //! of measures, and the program itself.
 
+mod models;
 #[path = "../meshing/random.rs"]
 #[allow(dead_code)]
 mod random;

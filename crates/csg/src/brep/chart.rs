@@ -86,10 +86,14 @@ impl<'a> Chart<'a> {
     }
 
     /// The outward normal of the patch at a point of it, as long as its area is to that of
-    /// x and y.
+    /// x and y. At an apex, which has none, zero.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         let gradient = self.surface.gradient(point);
         let along = gradient.dot(self.axes.z_axis).abs();
-        self.outward * self.determinant / along * gradient
+        if along > 0.0 {
+            self.outward * self.determinant / along * gradient
+        } else {
+            DVec3::ZERO
+        }
     }
 }

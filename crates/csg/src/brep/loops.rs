@@ -1,5 +1,7 @@
 //! Half-edges linked to edges and loops: seams, and where other parts touch, are passed over.
 
+use std::f64::consts::TAU;
+
 use crate::evaluation::{Arrangement, HalfEdge};
 
 /// No half-edge.
@@ -97,10 +99,16 @@ impl Links {
     }
 }
 
-/// Whether two half-edges that follow each other run along one curve the same way.
+/// Whether two half-edges that follow each other run on along one curve. Where this passes
+/// through itself they may not: then their places there differ.
 fn is_one_curve([one, other]: [&HalfEdge; 2]) -> bool {
+    /// Curves turn by no less from where they pass through a point to where they do so again,
+    /// and are known to more digits.
+    const SAME_PLACE: f64 = 1e-3;
     let grows = |half: &HalfEdge| half.places[1] > half.places[0];
-    one.curve == other.curve && grows(one) == grows(other)
+    let off = (other.places[0] - one.places[1]).rem_euclid(TAU);
+    let goes_on = one.is_line || off.min(TAU - off) < SAME_PLACE;
+    one.curve == other.curve && grows(one) == grows(other) && goes_on
 }
 
 /// The loops of faces.

@@ -23,6 +23,8 @@ pub(crate) struct HalfEdge {
     /// The patch of a surface that it bounds, which may have several parts.
     pub face: u32,
     pub curve: CurveId,
+    /// Whether that is a straight line; along others places are angles, or like these.
+    pub is_line: bool,
     /// Where on the curve it starts and ends; the second may be the lesser.
     pub places: [f64; 2],
 }
@@ -62,6 +64,7 @@ impl Arrangement {
                 next: number[half.next as usize],
                 face: half.face,
                 curve: piece.curve,
+                is_line: false,
                 places: if old % 2 == 0 { [from, to] } else { [to, from] },
             }
         };
@@ -95,6 +98,7 @@ impl Arrangement {
                 continue;
             };
             let ends = [from, self.half_edges[twin as usize].from];
+            self.half_edges[half].is_line = matches!(curve, Curve::Line { .. });
             let places = &mut self.half_edges[half].places;
             for (place, end) in places.iter_mut().zip(ends) {
                 let point = self.points[end as usize];
