@@ -44,6 +44,12 @@ fn reference_scenes_have_their_volumes_and_handles() {
         // which the arcs change, to fourteen digits (the constant has nine).
         ("S5-100", scenes::cheese(100), 7.829_200_306_932_09, vec![]),
         (
+            "S5-1000",
+            scenes::cheese(1000),
+            7.824_957_970_611_14,
+            vec![],
+        ),
+        (
             "S6",
             scenes::rotated_box(),
             scenes::ROTATED_BOX_VOLUME,

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::bounded::Bounded;
-use super::data::{Brep, Patch, range};
+use super::data::{Brep, Patch, Stretch, range};
 use super::quadrature::{self, Integrals, Sum, along};
 use super::view::{Edge, Face};
 
@@ -68,20 +68,19 @@ impl Brep {
         let mut sum = Sum::default();
         for stretch in &patch.stretches {
             let curve = &self.curves[stretch.curve as usize];
-            sum.add(&along(&chart, |t| curve.at(t), stretch.places, self.size));
-            // The strip between where it ends and where it should.
-            let strip = stretch.gap * self.size;
-            add_errors(&mut sum.errors, strip, self.size);
+            let Stretch { places, gap, .. } = *stretch;
+            sum.add(&along(&chart, |t| curve.at(t), places, gap, self.size));
         }
         sum
     }
 
     fn solid_measure(&self, sum: &Sum) -> SolidMeasure {
         let mut errors = sum.errors;
-        // Surfaces are where they should be but for rounding, and but for what moved them: the
-        // layer between, as a part of the boundary that is off by the size of the scene.
+        // Surfaces are where they should be but for rounding, and but for what moved them. The
+        // layer between counts as much as a part of the boundary of so much area, at the least:
+        // a form of degree k is 3 + k times its integral over the layer, within half the size.
         let off = self.rounding + self.moved.map_or(0.0, |moved| moved.distance);
-        let layer = off / self.size.max(f64::MIN_POSITIVE) * sum.values[10].abs();
+        let layer = 3.0 * off / self.size.max(f64::MIN_POSITIVE) * sum.values[10].abs();
         add_errors(&mut errors, layer, self.size);
         let moment = |k: usize| sum.values[k] / divisor(k);
         let error = |k: usize| errors[k] / divisor(k);

@@ -154,11 +154,13 @@ struct Along<'a, C> {
 }
 
 /// The part of integrals over a patch that one of its edges gives: a curve that runs from
-/// one place to another with the patch on its left, in a scene of some size.
+/// one place to another with the patch on its left, in a scene of some size. It ends no farther
+/// than `gap` from where it should.
 pub(super) fn along(
     chart: &Chart<'_>,
     curve: impl Fn(f64) -> DVec3,
     places: [f64; 2],
+    gap: f64,
     size: f64,
 ) -> Sum {
     let mut along = Along {
@@ -170,6 +172,14 @@ pub(super) fn along(
     };
     let once = along.strip(places, &COARSE);
     along.halve(places, &once.values, 0);
+    // The strips between where it ends and where it should.
+    for end in places {
+        let row = row(chart, chart.flatten((along.curve)(end)), &COARSE);
+        let width = chart.per_length() * gap;
+        for (error, value) in along.sum.errors.iter_mut().zip(row) {
+            *error += width * value.abs();
+        }
+    }
     along.sum
 }
 
