@@ -18,7 +18,7 @@ fn hard_models_have_boundaries() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");
     let files = fs::read_dir(folder).expect("the folder");
     let files: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
-    let found: Vec<String> = files.par_iter().filter_map(|file| fault(file)).collect();
+    let found: Vec<String> = files.par_iter().filter_map(fault).collect();
     assert!(files.len() > 60, "{}", files.len());
     assert!(found.is_empty(), "{found:#?}");
 }

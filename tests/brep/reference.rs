@@ -228,6 +228,16 @@ fn boxes_are_those_of_the_formulas() {
         turn * glam::DMat3::from_diagonal(glam::DVec3::new(1.0, 4.0, 9.0)) * turn.transpose();
     let half = [0, 1, 2].map(|k| squares.col(k)[k].sqrt());
     assert_box(&turned, half.map(|h| -h), half, "ellipsoid");
+    // A rod that lies askew, whose ends are discs: their seams are anywhere.
+    for k in 0..40 {
+        let (r, h, angle) = (0.7, 2.0, 0.1 * f64::from(k) + 0.03);
+        let rod = Solid::cylinder(r, -h..h).rotate_x(angle);
+        let [y, z] = [
+            h * angle.sin().abs() + r * angle.cos().abs(),
+            h * angle.cos().abs() + r * angle.sin().abs(),
+        ];
+        assert_box(&rod, [-r, -y, -z], [r, y, z], "askew");
+    }
     assert_box(
         &scenes::flange(),
         [-1.0, -1.0, 0.0],

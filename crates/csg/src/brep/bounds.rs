@@ -63,18 +63,25 @@ impl Brep {
 
 /// Hands on the ends of a stretch of a curve, and where a coordinate is extreme between.
 fn extremes(curve: impl Fn(f64) -> DVec3, [from, to]: [f64; 2], add: &mut impl FnMut(DVec3)) {
+    /// From its end a part that rises at first rises on so much of it.
+    const BESIDE: f64 = 1e-3;
     let step = (to - from) / f64::from(PARTS);
     let places: Vec<f64> = (0..=PARTS).map(|k| from + f64::from(k) * step).collect();
     let points: Vec<DVec3> = places.iter().map(|&t| curve(t)).collect();
     points.iter().for_each(|&point| add(point));
-    for (k, triple) in points.windows(3).enumerate() {
-        for axis in 0..3 {
-            let [a, b, c] = [0, 1, 2].map(|j| triple[j][axis]);
-            for sign in [1.0, -1.0] {
-                if sign * b > sign * a && sign * b >= sign * c {
-                    let off = |t: f64| sign * curve(t)[axis];
-                    add(curve(highest(off, [places[k], places[k + 2]])));
-                }
+    let beside = [from + BESIDE * step, to - BESIDE * step].map(&curve);
+    let ends = [[0, 1], [points.len() - 1, points.len() - 2]];
+    for direction in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        let far = |point: DVec3| point.dot(direction);
+        let mut search = |ends: [f64; 2]| add(curve(highest(|t| far(curve(t)), ends)));
+        for (triple, around) in points.windows(3).zip(places.windows(3)) {
+            if far(triple[1]) > far(triple[0]) && far(triple[1]) >= far(triple[2]) {
+                search([around[0], around[2]]);
+            }
+        }
+        for ([end, next], point) in ends.into_iter().zip(beside) {
+            if far(point) > far(points[end]) && far(points[end]) >= far(points[next]) {
+                search([places[end], places[next]]);
             }
         }
     }

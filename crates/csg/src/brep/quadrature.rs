@@ -223,21 +223,21 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
             let slopes = rule.derivatives[k].iter().zip(&points);
             let slope: f64 = slopes.map(|(d, p)| d * (p.y - about)).sum();
             let row = row(self.chart, *point, across);
-            for j in 0..row.len() {
-                let term = self.chart.turn() * rule.weights[k] * row[j];
+            for (j, value) in row.into_iter().enumerate() {
+                let term = self.chart.turn() * rule.weights[k] * value;
                 strip.values[j] += term * slope;
                 strip.noise[j] += ROUNDING * (term * slope).abs();
                 strip.least[j] += ROUNDING * (term * unit).abs();
             }
         }
-        for j in 0..strip.least.len() {
+        for (j, (least, noise)) in strip.least.iter_mut().zip(strip.noise).enumerate() {
             let power = match j {
                 0 => 3,
                 1..=3 => 4,
                 4..=9 => 5,
                 _ => 2,
             };
-            strip.least[j] += strip.noise[j] + CONVERGED * self.size.powi(power);
+            *least += noise + CONVERGED * self.size.powi(power);
         }
         strip
     }

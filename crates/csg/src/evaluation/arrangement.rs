@@ -140,7 +140,7 @@ fn nearest(curve: &Curve, mut place: f64, point: DVec3, rounding: f64) -> f64 {
         let next = place + (point - curve.at(place)).dot(direction) / direction.length_squared();
         let next_off = curve.at(next).distance(point);
         // Not so where it is singular.
-        if !(next_off < off) {
+        if next_off >= off || next_off.is_nan() {
             break;
         }
         (place, off) = (next, next_off);
