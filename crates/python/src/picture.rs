@@ -14,7 +14,7 @@ use raster::{
     Scene, StandardView, clear_view,
 };
 
-use crate::arguments::{AnyColor, word};
+use crate::arguments::{AnyColor, Place, word};
 use crate::arrays;
 use crate::errors::{invalid, of_model};
 use crate::mesh::PyMesh;
@@ -236,13 +236,12 @@ impl PyMesh {
         Ok(PyPicture(image.map_err(of_picture)?))
     }
 
-    /// The unit direction to look along that shows most.
-    fn _clear_view(&self) -> (f64, f64, f64) {
-        clear_view(&self.mesh, &[]).into()
-    }
-
-    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        self.render(py, None)?.png(py)
+    /// (Eye, target) of the camera of `render(size=size)`.
+    fn _camera(&self, size: (u32, u32)) -> PyResult<(Place, Place)> {
+        let mut options = PictureOptions::of(None)?;
+        options.render = options.render.size(size.0, size.1);
+        let camera = options.camera(&self.mesh).map_err(of_picture)?;
+        Ok((camera.eye.into(), camera.target.into()))
     }
 }
 
@@ -287,9 +286,5 @@ impl PySolid {
             options.draw(&Arc::new(meshed.mesh)).map_err(of_picture)
         })?;
         Ok(PyPicture(image?))
-    }
-
-    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        self.render(py, None)?.png(py)
     }
 }

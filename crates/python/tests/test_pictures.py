@@ -7,14 +7,25 @@ import struct
 
 import numpy as np
 import pytest
+import scenes
 
 import stereotomy as st
 
 
 def test_a_solid_shows_itself() -> None:
+    shown = st.sphere(1)._repr_mimebundle_()
+    assert "<canvas" in str(shown["text/html"])
     png = st.sphere(1)._repr_png_()
+    assert png is not None and png == shown["image/png"]
     assert png[:8] == b"\x89PNG\r\n\x1a\n"
     assert struct.unpack(">II", png[16:24]) == (640, 480)
+
+
+def test_what_cannot_be_seen_is_text() -> None:
+    for solid in (st.infinite_cylinder(1), st.empty()):
+        assert solid._repr_html_() is None and solid._repr_png_() is None
+        assert solid._repr_mimebundle_() == {}
+        assert repr(solid).startswith("<Solid ")
 
 
 def test_pictures_show_what_is_there(tmp_path: pathlib.Path) -> None:
@@ -60,7 +71,11 @@ def test_large_meshes_are_pictures_alone() -> None:
     mesh = st.sphere(1).mesh(cells=128)
     assert len(mesh.triangles) > 20_000
     html = mesh._repr_html_()
+    assert html is not None
     assert "<canvas" not in html and "data:image/png" in html
     # A solid is meshed so that it can be turned.
     fine = st.union(st.sphere(1).translate([2.5 * k, 0, 0]) for k in range(40))
-    assert "<canvas" in fine._repr_html_()
+    assert "<canvas" in fine.view()._repr_html_()
+    # Of flat faces no mesh has fewer triangles.
+    flat = scenes.menger(3)
+    assert "more than a view that turns shows" in flat.view()._repr_html_()

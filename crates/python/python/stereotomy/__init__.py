@@ -45,14 +45,18 @@ _added: dict[type, dict[str, Callable[..., object]]] = {
         "to_manifold": _adapters.mesh_to_manifold,
         "to_pyvista": _adapters.mesh_to_pyvista,
         "view": _view.mesh_view,
-        "_repr_html_": _view.mesh_html,
+        "_repr_html_": _view.repr_html,
+        "_repr_png_": _view.repr_png,
+        "_repr_mimebundle_": _view.repr_mimebundle,
     },
     Solid: {
         "to_trimesh": _adapters.solid_to_trimesh,
         "to_manifold": _adapters.solid_to_manifold,
         "to_pyvista": _adapters.solid_to_pyvista,
         "view": _view.solid_view,
-        "_repr_html_": _view.solid_html,
+        "_repr_html_": _view.repr_html,
+        "_repr_png_": _view.repr_png,
+        "_repr_mimebundle_": _view.repr_mimebundle,
     },
 }
 for _class, _methods in _added.items():

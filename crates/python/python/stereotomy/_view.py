@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from ._stereotomy import Mesh, Picture, Solid
 
 #: What a notebook should hold: 64 letters a triangle.
@@ -20,11 +23,15 @@ class View:
     not run, it is the picture.
     """
 
-    def __init__(self, html: str) -> None:
+    def __init__(self, html: str, png: bytes) -> None:
         self._html = html
+        self._png = png
 
     def _repr_html_(self) -> str:
         return self._html
+
+    def _repr_png_(self) -> bytes:
+        return self._png
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that needs no other file."""
@@ -35,9 +42,9 @@ class View:
         return f"<View of {len(self._html) / 1e3:.0f} kB>"
 
 
-def _corners(mesh: Mesh) -> bytes:
-    """For each corner of each triangle 16 bytes: the position (3 x int16, of the largest
-    extent), 2 nothing, the normal (3 x int8), 1 nothing, and the colour (4 x uint8).
+def _corners(mesh: Mesh, places: NDArray[np.float64]) -> bytes:
+    """For each corner of each triangle 16 bytes: the place (3 x int16), 2 nothing, the normal
+    (3 x int8), 1 nothing, and the colour (4 x uint8).
     """
     import numpy as np
 
@@ -45,13 +52,10 @@ def _corners(mesh: Mesh) -> bytes:
         (len(mesh.triangles), 3),
         dtype=[("p", "<i2", 4), ("n", "i1", 4), ("c", "u1", 4)],
     )
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    scaled = (mesh.vertices - (low + high) / 2) * (2 * 32767 / (high - low).max())
-    corners["p"][..., :3] = np.rint(scaled).astype("int16")[mesh.triangles]
-    if len(mesh.corner_normals):
-        normals = mesh.corner_normals
-    else:
-        a, b, c = (scaled[mesh.triangles[:, k]] for k in range(3))
+    corners["p"][..., :3] = np.rint(32767 * places).astype("int16")[mesh.triangles]
+    normals: NDArray[np.floating] = mesh.corner_normals
+    if not len(normals):
+        a, b, c = (places[mesh.triangles[:, k]] for k in range(3))
         across = np.cross(b - a, c - a)
         across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
         normals = np.repeat(across[:, None, :], 3, axis=1)
@@ -63,41 +67,46 @@ def _corners(mesh: Mesh) -> bytes:
     return corners.tobytes()
 
 
-def _lines(mesh: Mesh) -> bytes:
-    """The feature edges as pairs of positions, 8 bytes each."""
+def _lines(mesh: Mesh, places: NDArray[np.float64]) -> bytes:
+    """The feature edges as pairs of places, 8 bytes each."""
     import numpy as np
 
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    scaled = (mesh.vertices - (low + high) / 2) * (2 * 32767 / (high - low).max())
     pairs = [np.stack([edge[:-1], edge[1:]], axis=1).ravel() for edge in mesh.feature_edges]
     ends = np.concatenate(pairs) if pairs else np.zeros(0, dtype="uint32")
-    places = np.zeros((len(ends), 4), dtype="<i2")
-    places[:, :3] = np.rint(scaled[ends])
-    return places.tobytes()
+    lines = np.zeros((len(ends), 4), dtype="<i2")
+    lines[:, :3] = np.rint(32767 * places[ends])
+    return lines.tobytes()
 
 
 def _page(mesh: Mesh, picture: Picture) -> View:
+    import numpy as np
+
     width, height = picture.size
-    png = b64encode(picture.png()).decode()
+    png = picture.png()
     image = (
         f'<img alt="{escape(repr(mesh))}" width="{width}" height="{height}" '
-        f'src="data:image/png;base64,{png}">'
+        f'src="data:image/png;base64,{b64encode(png).decode()}">'
     )
     if len(mesh.triangles) > MOST_TRIANGLES:
         note = f"{len(mesh.triangles)} triangles: more than a view that turns shows"
-        return View(f"<div>{image}<br><small>{note}</small></div>")
+        return View(f"<div>{image}<br><small>{note}</small></div>", png)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    middle, half = (low + high) / 2, (high - low).max() / 2
+    places = (mesh.vertices - middle) / half
     page = Path(__file__).with_name("view.html").read_text(encoding="utf-8")
-    x, y, z = mesh._clear_view()
+    # As the picture has it, where the largest extent goes from -1 to 1.
+    eye, target = ((np.array(place) - middle) / half for place in mesh._camera(picture.size))
     for name, value in {
         "IMAGE": image,
         "WIDTH": str(width),
         "HEIGHT": str(height),
-        "TOWARDS": f"[{-x}, {-y}, {-z}]",
-        "CORNERS": b64encode(_corners(mesh)).decode(),
-        "LINES": b64encode(_lines(mesh)).decode(),
+        "EYE": str((eye - target).tolist()),
+        "TARGET": str(target.tolist()),
+        "CORNERS": b64encode(_corners(mesh, places)).decode(),
+        "LINES": b64encode(_lines(mesh, places)).decode(),
     }.items():
         page = page.replace(f"@{name}@", value)
-    return View(page)
+    return View(page, png)
 
 
 def mesh_view(self: Mesh, size: tuple[int, int] = (640, 480)) -> View:
@@ -106,7 +115,8 @@ def mesh_view(self: Mesh, size: tuple[int, int] = (640, 480)) -> View:
 
 
 def solid_view(self: Solid, size: tuple[int, int] = (640, 480)) -> View:
-    """A view that turns, of a mesh to a quarter of a pixel or of 20,000 triangles.
+    """A view that turns, of a mesh to a quarter of a pixel, or to a pixel or four where that
+    would take more than 20,000 triangles; a picture alone, if those do as well.
 
     >>> import stereotomy as st
     >>> "<canvas" in st.cube(1).view()._repr_html_()
@@ -115,21 +125,43 @@ def solid_view(self: Solid, size: tuple[int, int] = (640, 480)) -> View:
     bounds = self.bounds()
     if bounds is None:
         raise ValueError("there is nothing to show: the solid is empty")
-    longest = max(high - low for low, high in zip(*bounds, strict=True))
-    mesh = self.mesh(
-        tolerance=longest / (4 * max(size)),
-        feature_edges=30,
-        max_triangles=MOST_TRIANGLES,
-        partial=True,
-    )
-    return _page(mesh, mesh.render(size=size))
+    pixel = max(high - low for low, high in zip(*bounds, strict=True)) / max(size)
+    mesh = self.mesh(tolerance=pixel / 4, feature_edges=30)
+    picture = mesh.render(size=size)
+    for tolerance in (pixel, 4 * pixel):
+        # Of flat faces no mesh has fewer triangles.
+        is_flat = mesh.report is not None and mesh.report.method == "polyhedral"
+        if is_flat or len(mesh.triangles) <= MOST_TRIANGLES:
+            break
+        mesh = self.mesh(tolerance=tolerance, feature_edges=30)
+    return _page(mesh, picture)
 
 
-def mesh_html(self: Mesh) -> str:
-    """What a notebook shows."""
-    return self.view()._repr_html_()
+def _shown(self: Mesh | Solid) -> View | None:
+    """The view; without end, or empty, a solid is shown as text."""
+    try:
+        return self.view()
+    except ValueError:
+        return None
 
 
-def solid_html(self: Solid) -> str:
-    """What a notebook shows."""
-    return self.view()._repr_html_()
+def repr_html(self: Mesh | Solid) -> str | None:
+    """What a notebook shows, if there is anything to see."""
+    view = _shown(self)
+    return None if view is None else view._repr_html_()
+
+
+def repr_png(self: Mesh | Solid) -> bytes | None:
+    """What a notebook shows where there is no HTML."""
+    view = _shown(self)
+    return None if view is None else view._repr_png_()
+
+
+def repr_mimebundle(
+    self: Mesh | Solid, include: object = None, exclude: object = None
+) -> dict[str, str | bytes]:
+    """Both at once, of one mesh."""
+    view = _shown(self)
+    if view is None:
+        return {}
+    return {"text/html": view._repr_html_(), "image/png": view._repr_png_()}
