@@ -4,11 +4,12 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::thread;
 use std::time::Duration;
 
 use csg::CancelToken;
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// How often signals are looked at and progress is told.
 const TICK: Duration = Duration::from_millis(50);
@@ -48,7 +49,27 @@ impl Follow<'_> {
     }
 }
 
-/// Does the work in a thread of its own. An exception of the callback or of a signal's
+/// The threads that work is done by, of this process: those of a process that forked are
+/// not there in its child, and work for them would wait for ever.
+fn threads() -> PyResult<Arc<ThreadPool>> {
+    static THREADS: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    let mut threads = THREADS.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    match &*threads {
+        Some((of, pool)) if *of == process => Ok(Arc::clone(pool)),
+        _ => {
+            let pool = ThreadPoolBuilder::new().build().map_err(|error| {
+                PyRuntimeError::new_err(format!("no threads to work with: {error}"))
+            })?;
+            let pool = Arc::new(pool);
+            // The parent's cannot be ended from here.
+            std::mem::forget(threads.replace((process, Arc::clone(&pool))));
+            Ok(pool)
+        }
+    }
+}
+
+/// Does the work in another thread. An exception of the callback or of a signal's
 /// handler (`KeyboardInterrupt`) cancels it, waits for its end and goes on from there.
 pub(crate) fn wait<'py, T: Send>(
     py: Python<'py>,
@@ -57,8 +78,8 @@ pub(crate) fn wait<'py, T: Send>(
 ) -> PyResult<T> {
     let done = Mutex::new(None);
     let is_done = Condvar::new();
-    let result = thread::scope(|scope| {
-        scope.spawn(|| {
+    let result = threads()?.in_place_scope(|scope| {
+        scope.spawn(|_| {
             let result = catch_unwind(AssertUnwindSafe(work));
             *done.lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
             is_done.notify_one();

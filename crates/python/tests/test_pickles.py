@@ -94,7 +94,10 @@ def work(solid: st.Solid) -> st.Mesh:
     return solid.mesh(tolerance=0.01)
 
 
-def test_worker_processes() -> None:
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_worker_processes(method: str) -> None:
+    # Threads of this process are there, and not in forked ones.
+    work(PARTS["flange"])
+    with ProcessPoolExecutor(2, mp_context=get_context(method)) as pool:
         for solid, mesh in zip(PARTS.values(), pool.map(work, PARTS.values()), strict=True):
             assert same_mesh(mesh, work(solid))
