@@ -55,8 +55,9 @@ def drawn(view: st.View, folder: pathlib.Path, keys: list[str]) -> NDArray[np.bo
     )
     found = re.search(r"drawn ([01]+) image hidden error 0", done.stdout)
     assert found, done.stdout[-2000:] + done.stderr[-2000:]
-    pixels = np.frombuffer(found[1].encode(), dtype="uint8") == ord("1")
-    return pixels.reshape(240, 320)[::-1]
+    letters = np.frombuffer(found[1].encode(), dtype="uint8").reshape(240, 320)
+    shown: NDArray[np.bool_] = letters[::-1] == ord("1")
+    return shown
 
 
 def test_the_view_turns(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
