@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
-from base64 import b64encode
-from html import escape
-from pathlib import Path
-from typing import TYPE_CHECKING
-
+# Type checkers know the name; `typing` itself would be most of the time that an import takes.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import os
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -36,7 +34,8 @@ class View:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that needs no other file."""
         head = '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>Stereotomy</title>'
-        Path(path).write_text(f"{head}<body>{self._html}</body></html>", encoding="utf-8")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(f"{head}<body>{self._html}</body></html>")
 
     def __repr__(self) -> str:
         return f"<View of {len(self._html) / 1e3:.0f} kB>"
@@ -79,6 +78,10 @@ def _lines(mesh: Mesh, places: NDArray[np.float64]) -> bytes:
 
 
 def _page(mesh: Mesh, picture: Picture) -> View:
+    from base64 import b64encode
+    from html import escape
+    from pathlib import Path
+
     import numpy as np
 
     width, height = picture.size
