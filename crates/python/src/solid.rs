@@ -140,7 +140,8 @@ impl PySolid {
     /// check: check and measure what was made.
     /// max_cells, max_triangles, max_memory (bytes), max_seconds: limits; beyond them
     ///     LimitReached is raised, or with partial the mesh is what fits.
-    /// progress: called with the share of the work that is done, from 0 to 1.
+    /// progress: called with the share of the work that is done, from 0 to 1. (To a tolerance
+    ///     that is the share of finding the boundary: refining it comes after, and is not told.)
     ///
     /// Other threads go on meanwhile; Ctrl-C stops the work.
     ///

@@ -118,4 +118,4 @@ def test_the_notebook_runs() -> None:
     assert len(code) == 10
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
     shown = {kind for cell in code for out in cell.outputs for kind in out.get("data", {})}
-    assert {"image/png", "text/html", "text/plain"} <= shown
+    assert {"image/png", "image/svg+xml", "text/html", "text/plain"} <= shown

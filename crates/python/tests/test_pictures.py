@@ -47,6 +47,20 @@ def test_pictures_show_what_is_there(tmp_path: pathlib.Path) -> None:
     assert (near.pixels[..., 3] == 255).sum() > (far.pixels[..., 3] == 255).sum()
 
 
+def test_profiles_are_drawings() -> None:
+    from xml.etree import ElementTree
+
+    svg = (st.rectangle([4, 2]) - st.rectangle([1, 1])).translate([10, 5])._repr_svg_()
+    assert svg is not None
+    drawing = ElementTree.fromstring(svg)
+    x, y, width, height = (float(number) for number in drawing.attrib["viewBox"].split())
+    assert (x + width / 2, y + height / 2) == pytest.approx((10, -5))
+    assert (width, height) == pytest.approx((4.4, 2.4))
+    path = drawing[0].attrib["d"]
+    assert path.count("Z") == 2 and path.count("L") == 6
+    assert st.empty_profile()._repr_svg_() is None
+
+
 def test_views_are_pages_of_their_own(tmp_path: pathlib.Path) -> None:
     red = (st.cube(1.5).colored("#ff0000") & st.sphere(1)).view(size=(320, 240))
     html = red._repr_html_()

@@ -18,7 +18,7 @@ from collections.abc import Callable
 
 from . import _adapters, _view
 from ._stereotomy import *  # noqa: F403
-from ._stereotomy import Mesh, Solid
+from ._stereotomy import Mesh, Profile, Solid
 from ._view import View
 
 __all__ = [
@@ -49,6 +49,7 @@ _added: dict[type, dict[str, Callable[..., object]]] = {
         "_repr_png_": _view.repr_png,
         "_repr_mimebundle_": _view.repr_mimebundle,
     },
+    Profile: {"_repr_svg_": _view.profile_svg},
     Solid: {
         "to_trimesh": _adapters.solid_to_trimesh,
         "to_manifold": _adapters.solid_to_manifold,

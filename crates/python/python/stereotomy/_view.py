@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ._stereotomy import Mesh, Picture, Solid
+    from ._stereotomy import Mesh, Picture, Profile, Solid
 
 #: What a notebook should hold: 64 letters a triangle.
 MOST_TRIANGLES = 20_000
@@ -168,3 +168,27 @@ def repr_mimebundle(
     if view is None:
         return {}
     return {"text/html": view._repr_html_(), "image/png": view._repr_png_()}
+
+
+def profile_svg(self: Profile) -> str | None:
+    """What a notebook shows of a profile: its outlines, filled, the y axis upwards."""
+    bounds = self.bounds()
+    if bounds is None:
+        return None
+    (x0, y0), (x1, y1) = bounds
+    width, height = x1 - x0, y1 - y0
+    margin = 0.05 * max(width, height)
+    scale = 320 / max(width, height)
+    contours = self.contours(max(width, height) / 2000)
+    path = "".join(
+        "M" + "L".join(f"{x:.9g},{-y:.9g}" for x, y in contour.tolist()) + "Z"
+        for contour in contours
+    )
+    box = (x0 - margin, -y1 - margin, width + 2 * margin, height + 2 * margin)
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" '
+        f'width="{box[2] * scale:.0f}" height="{box[3] * scale:.0f}" '
+        f'viewBox="{" ".join(f"{number:.9g}" for number in box)}">'
+        f'<path d="{path}" fill="#a8adb8" stroke="#1a1a1f" stroke-width="{1 / scale:.3g}" '
+        'fill-rule="evenodd"/></svg>'
+    )
