@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 use numpy::ndarray::{ArrayView, Dimension, IntoDimension};
-use numpy::{Element, PyArray, PyArrayMethods, PyReadonlyArray};
+use numpy::{Element, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -30,52 +30,62 @@ where
     Ok(array)
 }
 
-/// Whatever NumPy makes rows of `N` numbers of, row by row.
-pub(crate) fn rows<T: Element + Copy, const N: usize>(
+/// The numbers of whatever NumPy makes an array of, and its shape. `wanted` says which
+/// numbers of which shape.
+fn numbers<T: Element + Copy>(
     name: &str,
     given: &Bound<'_, PyAny>,
-    dtype: &str,
-) -> PyResult<Vec<[T; N]>> {
-    let numpy = given.py().import("numpy")?;
-    let wrong = |found: String| {
-        invalid(format!(
-            "{name} must be an array of shape (n, {N}) of {dtype}: {found}"
-        ))
-    };
-    // Large numbers do not become small ones on the way.
+    wanted: &str,
+) -> PyResult<(Vec<usize>, Vec<T>)> {
+    let wrong = |found: String| invalid(format!("{name} must be an array {wanted}: {found}"));
+    let py = given.py();
+    let numpy = py.import("numpy")?;
     let array = numpy
         .call_method1("asarray", (given,))
         .map_err(|error| wrong(error.to_string()))?;
     let shape: Vec<usize> = array.getattr("shape")?.extract()?;
-    if shape.iter().product::<usize>() == 0 && matches!(shape.as_slice(), [0] | [0, _]) {
-        return Ok(Vec::new());
-    }
-    if shape.len() != 2 || shape[1] != N {
-        return Err(wrong(format!("its shape is {shape:?}")));
-    }
-    let casting = if dtype.starts_with("uint") {
-        let signed = numpy.call_method1("issubdtype", (array.getattr("dtype")?, "int"))?;
-        let unsigned = array.getattr("dtype")?.getattr("kind")?;
-        if !signed.is_truthy()? && !unsigned.eq("u")? {
-            return Err(wrong(format!("it has {}", array.getattr("dtype")?)));
+    let kind = T::get_dtype(py);
+    if shape.iter().product::<usize>() > 0 && kind.kind() == b'u' {
+        // Neither shares nor negative numbers become others on the way.
+        let given = array.getattr("dtype")?;
+        if !"iu".contains(&given.getattr("kind")?.extract::<String>()?) {
+            return Err(wrong(format!("it has numbers of type {given}")));
         }
         let (least, most) = (array.call_method0("min")?, array.call_method0("max")?);
         if least.lt(0)? || most.gt(u32::MAX)? {
             return Err(wrong(format!("it has numbers from {least} to {most}")));
         }
-        "unsafe"
-    } else {
-        "same_kind"
-    };
-    let keywords = pyo3::types::PyDict::new(given.py());
-    keywords.set_item("casting", casting)?;
-    let array = array
-        .call_method("astype", (dtype,), Some(&keywords))
+    }
+    let array = numpy
+        .call_method1("ascontiguousarray", (array, kind))
         .map_err(|error| wrong(error.to_string()))?;
-    let array: PyReadonlyArray<'_, T, numpy::Ix2> = array.extract()?;
-    let array = array.as_array();
-    let rows = array.outer_iter();
-    Ok(rows
-        .map(|row| std::array::from_fn(|column| row[column]))
-        .collect())
+    let array: PyReadonlyArrayDyn<'_, T> = array.extract()?;
+    Ok((shape, array.as_slice()?.to_vec()))
+}
+
+/// Rows of `N` numbers.
+pub(crate) fn rows<T: Element + Copy, const N: usize>(
+    name: &str,
+    given: &Bound<'_, PyAny>,
+) -> PyResult<Vec<[T; N]>> {
+    let wanted = format!("of shape (n, {N})");
+    let (shape, numbers) = numbers(name, given, &wanted)?;
+    match shape.as_slice() {
+        [_, columns] if *columns == N => Ok(numbers.as_chunks().0.to_vec()),
+        [0] => Ok(Vec::new()),
+        _ => Err(invalid(format!(
+            "{name} must be an array {wanted}: its shape is {shape:?}"
+        ))),
+    }
+}
+
+/// One row of numbers.
+pub(crate) fn row<T: Element + Copy>(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<T>> {
+    let (shape, numbers) = numbers(name, given, "of one dimension")?;
+    match shape.as_slice() {
+        [_] => Ok(numbers),
+        _ => Err(invalid(format!(
+            "{name} must be an array of one dimension: its shape is {shape:?}"
+        ))),
+    }
 }

@@ -57,14 +57,14 @@ impl PyMesh {
     fn new(
         vertices: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
-        triangle_surfaces: Option<Vec<u32>>,
+        triangle_surfaces: Option<&Bound<'_, PyAny>>,
         surfaces: Option<Vec<PySurface>>,
         corner_normals: Option<&Bound<'_, PyAny>>,
-        feature_edges: Option<Vec<Vec<u32>>>,
+        feature_edges: Option<Vec<Bound<'_, PyAny>>>,
         unit: &str,
     ) -> PyResult<Self> {
-        let vertices: Vec<[f64; 3]> = arrays::rows("vertices", vertices, "float64")?;
-        let triangles: Vec<[u32; 3]> = arrays::rows("triangles", triangles, "uint32")?;
+        let vertices: Vec<[f64; 3]> = arrays::rows("vertices", vertices)?;
+        let triangles: Vec<[u32; 3]> = arrays::rows("triangles", triangles)?;
         let in_range = |index: u32| (index as usize) < vertices.len();
         if let Some(at) = triangles
             .iter()
@@ -78,7 +78,10 @@ impl PyMesh {
         }
         let mut mesh = Mesh::new(vertices.into_iter().map(Into::into).collect(), triangles);
         let surfaces = surfaces.unwrap_or_default();
-        let of_triangles = triangle_surfaces.unwrap_or_default();
+        let of_triangles: Vec<u32> = match triangle_surfaces {
+            Some(given) => arrays::row("triangle_surfaces", given)?,
+            None => Vec::new(),
+        };
         if !of_triangles.is_empty() && of_triangles.len() != mesh.triangles.len()
             || of_triangles.iter().any(|&s| s as usize >= surfaces.len())
         {
@@ -91,8 +94,9 @@ impl PyMesh {
         mesh.triangle_surfaces = of_triangles;
         mesh.surfaces = surfaces.into_iter().map(|surface| surface.0).collect();
         if let Some(normals) = corner_normals {
-            let flat = normals.call_method1("reshape", ((-1, 3),))?;
-            let normals: Vec<[f32; 3]> = arrays::rows("corner_normals", &flat, "float32")?;
+            let numpy = normals.py().import("numpy")?;
+            let flat = numpy.call_method1("reshape", (normals, (-1, 3)))?;
+            let normals: Vec<[f32; 3]> = arrays::rows("corner_normals", &flat)?;
             if normals.len() != 3 * mesh.triangles.len() {
                 return Err(invalid(format!(
                     "corner_normals must have the shape ({}, 3, 3)",
@@ -104,7 +108,10 @@ impl PyMesh {
                 .map(|corner| std::array::from_fn(|k| corner[k].into()))
                 .collect();
         }
-        mesh.feature_edges = feature_edges.unwrap_or_default();
+        for edge in feature_edges.into_iter().flatten() {
+            mesh.feature_edges
+                .push(arrays::row("feature_edges", &edge)?);
+        }
         let count = mesh.positions.len();
         let mut along_edges = mesh.feature_edges.iter().flatten();
         if let Some(vertex) = along_edges.find(|&&vertex| vertex as usize >= count) {
@@ -243,10 +250,10 @@ impl PyMesh {
         let py = slf.py();
         let mesh = slf.get();
         let keywords = PyDict::new(py);
-        keywords.set_item("triangle_surfaces", mesh.mesh.triangle_surfaces.clone())?;
+        keywords.set_item("triangle_surfaces", Self::triangle_surfaces(slf)?)?;
         keywords.set_item("surfaces", mesh.surfaces())?;
         keywords.set_item("corner_normals", Self::corner_normals(slf)?)?;
-        keywords.set_item("feature_edges", mesh.mesh.feature_edges.clone())?;
+        keywords.set_item("feature_edges", Self::feature_edges(slf)?)?;
         keywords.set_item("unit", mesh.unit())?;
         let arrays = (Self::vertices(slf)?, Self::triangles(slf)?);
         Ok((arrays.into_pyobject(py)?, keywords))

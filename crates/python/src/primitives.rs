@@ -315,7 +315,7 @@ fn prism(polygon: Vec<[f64; 2]>, z: Extent) -> PyResult<PySolid> {
 /// 1.0
 #[pyfunction]
 fn polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32>>) -> PyResult<PySolid> {
-    let vertices: Vec<[f64; 3]> = arrays::rows("vertices", vertices, "float64")?;
+    let vertices: Vec<[f64; 3]> = arrays::rows("vertices", vertices)?;
     checked_whole(
         Solid::polyhedron(vertices.iter().copied(), &faces),
         call!("polyhedron", vertices, faces),
@@ -330,7 +330,7 @@ fn polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32>>) -> PyResult<PyS
 /// 1.0
 #[pyfunction]
 fn hull(points: &Bound<'_, PyAny>) -> PyResult<PySolid> {
-    let points: Vec<[f64; 3]> = arrays::rows("points", points, "float64")?;
+    let points: Vec<[f64; 3]> = arrays::rows("points", points)?;
     checked_whole(Solid::hull(points.iter().copied()), call!("hull", points))
 }
 
@@ -341,7 +341,7 @@ fn hull(points: &Bound<'_, PyAny>) -> PyResult<PySolid> {
 /// True
 #[pyfunction]
 fn hull_of_balls(centers: &Bound<'_, PyAny>, radius: f64) -> PyResult<PySolid> {
-    let centers: Vec<[f64; 3]> = arrays::rows("centers", centers, "float64")?;
+    let centers: Vec<[f64; 3]> = arrays::rows("centers", centers)?;
     let points: Vec<_> = centers.iter().copied().map(Into::into).collect();
     let call = call!("hull_of_balls", centers, radius);
     match Solid::hull_of_balls(&points, radius) {

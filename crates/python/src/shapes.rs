@@ -117,7 +117,7 @@ fn slot_profile(length: f64, radius: f64) -> PyResult<PyProfile> {
 /// 1.0
 #[pyfunction]
 fn polygon(corners: &Bound<'_, PyAny>) -> PyResult<PyProfile> {
-    let corners: Vec<[f64; 2]> = arrays::rows("corners", corners, "float64")?;
+    let corners: Vec<[f64; 2]> = arrays::rows("corners", corners)?;
     checked_profile(
         Profile::polygon(corners.iter().copied()),
         call!("polygon", corners),
@@ -141,7 +141,7 @@ fn polygons(contours: &Bound<'_, PyAny>, rule: &str) -> PyResult<PyProfile> {
     let mut all: Vec<Vec<[f64; 2]>> = Vec::new();
     for (index, contour) in contours.try_iter()?.enumerate() {
         let name = format!("contours[{index}]");
-        all.push(arrays::rows(&name, &contour?, "float64")?);
+        all.push(arrays::rows(&name, &contour?)?);
     }
     let made = all.iter().map(|contour| contour.iter().copied());
     checked_profile(Profile::polygons_of(made, rule), call!("polygons", all))
@@ -154,7 +154,7 @@ fn polygons(contours: &Bound<'_, PyAny>, rule: &str) -> PyResult<PyProfile> {
 /// 1.0
 #[pyfunction]
 fn hull_profile(points: &Bound<'_, PyAny>) -> PyResult<PyProfile> {
-    let points: Vec<[f64; 2]> = arrays::rows("points", points, "float64")?;
+    let points: Vec<[f64; 2]> = arrays::rows("points", points)?;
     checked_profile(
         Profile::hull_of(points.iter().copied()),
         call!("hull_profile", points),

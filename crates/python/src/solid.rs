@@ -22,7 +22,10 @@ use crate::waiting::{Follow, wait, wait_out};
 /// >>> import stereotomy as st
 /// >>> bore = st.infinite_cylinder(radius=0.5)
 /// >>> blank = st.cube(1.5) & st.sphere(1)
-/// >>> drilled = blank - bore - bore.rotate_x(90) - bore.rotate_y(90)
+/// >>> drilled = blank - bore
+/// >>> drilled
+/// <Solid difference(intersection(cuboid, sphere), infinite_cylinder)>
+/// >>> drilled = drilled - bore.rotate_x(90) - bore.rotate_y(90)
 /// >>> drilled.contains([0.6, 0.6, 0.4])
 /// True
 /// >>> round(drilled.measure(tolerance=1e-4).volume, 3)
@@ -98,7 +101,7 @@ impl PySolid {
     }
 
     fn __repr__(&self) -> String {
-        format!("<Solid {:?}>", self.0)
+        format!("<Solid {}>", outline(&self.0, 3))
     }
 
     /// The same solid under a name, which its faces carry unless a name further in
@@ -186,7 +189,7 @@ impl PySolid {
             let inside = program.contains(point).into_pyobject(py)?;
             return Ok(inside.to_owned().into_any());
         }
-        let points: Vec<[f64; 3]> = arrays::rows("points", points, "float64")?;
+        let points: Vec<[f64; 3]> = arrays::rows("points", points)?;
         let inside: Vec<bool> = wait_out(py, || {
             let points = points.par_iter().with_min_len(256);
             points.map(|&point| program.contains(point)).collect()
@@ -288,6 +291,28 @@ impl PySolid {
         mesh.report
             .ok_or_else(|| invalid("a mesh without a report"))
     }
+}
+
+/// The tree in the words of the functions, down to some levels.
+fn outline(solid: &Solid, levels: usize) -> String {
+    const MOST: usize = 6;
+    let node = solid.node();
+    let operands = node.operands();
+    let kind = match node {
+        // What a function made of other shapes is its own affair.
+        Node::Primitive(_) | Node::Made(_) => return node.kind().to_owned(),
+        Node::Named(name, _) => format!("named {name:?}"),
+        _ => node.kind().to_owned(),
+    };
+    if levels == 0 {
+        return format!("{kind}(...)");
+    }
+    let shown = operands.iter().take(MOST);
+    let mut shown: Vec<String> = shown.map(|operand| outline(operand, levels - 1)).collect();
+    if operands.len() > MOST {
+        shown.push(format!("{} more", operands.len() - MOST));
+    }
+    format!("{kind}({})", shown.join(", "))
 }
 
 /// A frame whose z axis is along the normal.

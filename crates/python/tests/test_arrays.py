@@ -84,7 +84,7 @@ def test_meshes_from_arrays() -> None:
     # Whatever NumPy makes numbers of.
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    for kind in ("int64", "uint8", "uint32"):
+    for kind in ("int64", "int32", "int8", "uint8", "uint32", "uint64"):
         assert st.Mesh(corners, faces.astype(kind)).volume == pytest.approx(1 / 6)
     assert st.Mesh(np.asfortranarray(corners, dtype="float32"), faces).volume > 0
     assert len(st.Mesh([], []).vertices) == 0
@@ -96,8 +96,9 @@ def test_meshes_from_arrays() -> None:
         ([[0, 0]], [], r"vertices must be an array of shape \(n, 3\)"),
         ([[0, 0, "x"]], [], "vertices must be"),
         ([[0, 0, 0]], [[0, 0, 1]], r"triangles\[0\] is \[0, 0, 1\]: there are 1 vertices"),
-        ([[0, 0, 0]], [[0, 0, -1]], "triangles must be .* from -1 to 0"),
-        ([[0, 0, 0]], [[0, 0, 0.5]], "triangles must be .* float64"),
+        ([[0, 0, 0]], [[0, 0, -1]], "triangles must be .* numbers from -1 to 0"),
+        ([[0, 0, 0]], [[0, 0, 2**40]], "triangles must be .* numbers from 0 to 1099511627776"),
+        ([[0, 0, 0]], [[0, 0, 0.5]], "triangles must be .* type float64"),
     ],
 )
 def test_wrong_arrays_are_refused(vertices: object, triangles: object, message: str) -> None:
