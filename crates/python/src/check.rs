@@ -1,8 +1,11 @@
 //! The classes `Check` and `Measure`: whether a mesh is sound, and how large it is.
 
+use csg::brep::SolidMeasure;
 use csg::{MeshCheck, MeshMeasure};
 use glam::DMat3;
 use pyo3::prelude::*;
+
+use crate::arguments::Place;
 
 /// Whether a mesh is closed, oriented and manifold, in numbers.
 #[pyclass(frozen, name = "Check", module = "stereotomy")]
@@ -71,9 +74,16 @@ impl PyCheck {
     }
 }
 
-/// Volume, area, centroid and moments, in the model's unit.
+/// Volume, area, centroid and moments, in the model's unit: of a solid's exact boundary, with
+/// bounds on their errors, or of a mesh.
 #[pyclass(frozen, name = "Measure", module = "stereotomy")]
-pub(crate) struct PyMeasure(pub(crate) MeshMeasure);
+pub(crate) struct PyMeasure(pub(crate) Measured);
+
+/// What was measured.
+pub(crate) enum Measured {
+    Solid(SolidMeasure),
+    Mesh(MeshMeasure),
+}
 
 /// Rows of a matrix.
 type Rows = [[f64; 3]; 3];
@@ -84,37 +94,77 @@ fn rows(matrix: DMat3) -> Rows {
 
 #[pymethods]
 impl PyMeasure {
-    /// The enclosed volume.
+    /// The volume.
     #[getter]
-    fn volume(&self) -> f64 {
-        self.0.volume
+    pub(crate) fn volume(&self) -> f64 {
+        match &self.0 {
+            Measured::Solid(measure) => measure.volume.value,
+            Measured::Mesh(measure) => measure.volume,
+        }
     }
 
-    /// The area of all triangles.
+    /// A bound on how far the volume is off; None of a mesh.
     #[getter]
-    fn area(&self) -> f64 {
-        self.0.area
+    fn volume_error(&self) -> Option<f64> {
+        match &self.0 {
+            Measured::Solid(measure) => Some(measure.volume.error),
+            Measured::Mesh(_) => None,
+        }
+    }
+
+    /// The area of the boundary.
+    #[getter]
+    pub(crate) fn area(&self) -> f64 {
+        match &self.0 {
+            Measured::Solid(measure) => measure.area.value,
+            Measured::Mesh(measure) => measure.area,
+        }
+    }
+
+    /// A bound on how far the area is off; None of a mesh.
+    #[getter]
+    fn area_error(&self) -> Option<f64> {
+        match &self.0 {
+            Measured::Solid(measure) => Some(measure.area.error),
+            Measured::Mesh(_) => None,
+        }
     }
 
     /// The centroid of the volume; None if that is zero.
     #[getter]
-    fn centroid(&self) -> Option<(f64, f64, f64)> {
-        self.0.centroid.map(Into::into)
+    fn centroid(&self) -> Option<Place> {
+        match &self.0 {
+            Measured::Solid(measure) => measure.centroid.map(|c| c.map(|x| x.value).into()),
+            Measured::Mesh(measure) => measure.centroid.map(Into::into),
+        }
     }
 
     /// The second moments about the centroid, as rows: the integral of (x - c)(x - c)ᵀ.
     #[getter]
     fn second_moments(&self) -> Rows {
-        rows(self.0.second_moments)
+        rows(match &self.0 {
+            Measured::Solid(measure) => measure.second_moments,
+            Measured::Mesh(measure) => measure.second_moments,
+        })
     }
 
     /// The inertia tensor about the centroid at density 1, as rows.
     #[getter]
     fn inertia(&self) -> Rows {
-        rows(self.0.inertia())
+        rows(match &self.0 {
+            Measured::Solid(measure) => measure.inertia(),
+            Measured::Mesh(measure) => measure.inertia(),
+        })
     }
 
     fn __repr__(&self) -> String {
-        format!("<Measure: volume {}, area {}>", self.0.volume, self.0.area)
+        let within = |error: Option<f64>| error.map_or(String::new(), |e| format!(" ± {e:.0e}"));
+        format!(
+            "<Measure: volume {}{}, area {}{}>",
+            self.volume(),
+            within(self.volume_error()),
+            self.area(),
+            within(self.area_error())
+        )
     }
 }

@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::arguments::{Corners, Place};
 use crate::arrays;
-use crate::check::{PyCheck, PyMeasure};
+use crate::check::{Measured, PyCheck, PyMeasure};
 use crate::errors::invalid;
 use crate::report::PyReport;
 use crate::solid::PySolid;
@@ -190,19 +190,19 @@ impl PyMesh {
     /// The enclosed volume.
     #[getter]
     fn volume(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(self.measure(py)?.0.volume)
+        Ok(self.measure(py)?.volume())
     }
 
     /// The area of all triangles.
     #[getter]
     fn area(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(self.measure(py)?.0.area)
+        Ok(self.measure(py)?.area())
     }
 
     /// Volume, area, centroid and moments, in one pass.
     pub(crate) fn measure(&self, py: Python<'_>) -> PyResult<PyMeasure> {
         let measure = wait_out(py, || self.mesh.measure())?;
-        Ok(PyMeasure(measure))
+        Ok(PyMeasure(Measured::Mesh(measure)))
     }
 
     /// Whether the mesh is closed, oriented and manifold.
