@@ -60,7 +60,10 @@ fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> boo
 
 #[test]
 fn random_trees_agree() {
-    let mut script = Script::start(&python());
+    let mut script = Script::start(&python(
+        "manifold3d",
+        include_str!("manifold3d/requirements.txt"),
+    ));
     let folder = tempfile::tempdir().expect("a folder");
     let mut manifold = 0;
     let mut not_empty = 0;
@@ -85,7 +88,10 @@ fn random_trees_agree() {
 
 #[test]
 fn reference_scenes_agree() {
-    let mut script = Script::start(&python());
+    let mut script = Script::start(&python(
+        "manifold3d",
+        include_str!("manifold3d/requirements.txt"),
+    ));
     let folder = tempfile::tempdir().expect("a folder");
     for (name, solid) in [
         ("sphere", scenes::sphere()),

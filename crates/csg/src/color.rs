@@ -1,8 +1,10 @@
 //! Colours: linear RGBA inside, sRGB only where a name says so.
 
+use serde::{Deserialize, Serialize};
+
 /// A colour in linear RGB with straight (not premultiplied) opacity; every
 /// component in 0..=1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Color {
     /// Linear red, green and blue.
     pub rgb: [f32; 3],

@@ -4,10 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The half-space `normal · p <= offset`; `normal` points out of it and need
 /// not have unit length.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plane {
     /// Outward normal, of any positive length.
     pub normal: DVec3,
@@ -30,7 +31,7 @@ impl Plane {
 
 /// A leaf of a solid's tree, in its own coordinates: axes along z, centres at
 /// the origin, moved into place by the transforms above it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Primitive {
     /// No point.

@@ -154,6 +154,12 @@ impl Solid {
             .clone()
     }
 
+    /// What a function made, for those who read trees that were stored.
+    #[must_use]
+    pub fn from_made(made: Made) -> Self {
+        Self::from_node(Node::Made(made))
+    }
+
     /// The root of the tree, for those who walk it (writers, translators).
     #[must_use]
     pub fn node(&self) -> &Node {

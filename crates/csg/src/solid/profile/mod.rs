@@ -18,6 +18,7 @@ mod path;
 mod plane_set;
 mod polygon;
 mod shapes;
+mod stored;
 mod turn;
 
 #[cfg(test)]
@@ -27,6 +28,7 @@ use std::ops::{Add, BitAnd, BitOr, Sub};
 use std::sync::Arc;
 
 use glam::{DAffine2, DMat2, DVec2};
+use serde::{Deserialize, Serialize};
 
 use crate::error::ProfileFault;
 
@@ -41,7 +43,7 @@ pub(crate) use self::polygon::doubled_area;
 use crate::numeric::tolerance::MAPPED;
 
 /// Which points closed contours enclose, by how often these wind around them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum FillRule {
     /// Those around which the contours wind an odd number of times: a contour
     /// within another is a hole, whichever way round it runs.
@@ -62,7 +64,7 @@ impl FillRule {
 }
 
 /// A corner of a contour, and how the side that starts there bends.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Corner {
     pub point: DVec2,
     /// The tangent of a quarter of the angle that the arc to the next corner
@@ -99,29 +101,32 @@ pub(crate) type Contour = Vec<Corner>;
 /// assert!(program.contains([0.0, 0.0, 2.0]) && !program.contains([20.0, 0.0, 2.0]));
 /// # Ok::<(), csg::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<Step>", into = "Vec<Step>")]
 pub struct Profile {
     /// In postfix order; one value is left at the end.
     steps: Vec<Step>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Step {
     Shape(Shape, DAffine2),
     /// Combines the last so many values.
     Combine(Combination, usize),
+    /// Nobody stores what is wrong.
+    #[serde(skip)]
     Fault(ProfileFault),
 }
 
 /// A leaf in its own coordinates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Shape {
     /// The disc of radius 1 around the origin.
     Disc,
     Contours(Arc<[Contour]>, FillRule),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Combination {
     Union,
     Intersection,
@@ -140,6 +145,16 @@ impl Profile {
         Self {
             steps: vec![Step::Fault(fault)],
         }
+    }
+
+    /// The first thing that is wrong with what the profile was made from, as far as
+    /// that can be told without going through its contours.
+    #[must_use]
+    pub fn fault(&self) -> Option<&ProfileFault> {
+        self.steps.iter().find_map(|step| match step {
+            Step::Fault(fault) => Some(fault),
+            _ => None,
+        })
     }
 
     fn of(result: Result<Self, ProfileFault>) -> Self {

@@ -1,0 +1,147 @@
+//! Files: meshes and scenes, in and out.
+
+use std::ffi::CString;
+use std::path::PathBuf;
+
+use io::scene::{ReadOptions, Scene};
+use io::{MeshFormat, WriteOptions};
+use pyo3::exceptions::PyUserWarning;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::{FileError, of_file, of_scene};
+use crate::mesh::PyMesh;
+use crate::solid::PySolid;
+use crate::waiting::wait_out;
+
+pub(crate) fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(load, module)?)?;
+    module.add_function(wrap_pyfunction!(read_solid, module)?)?;
+    module.add_function(wrap_pyfunction!(load_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(from_csg, module)?)
+}
+
+fn is_scene(path: &std::path::Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("csg"))
+}
+
+/// The solid; warnings become Python's.
+fn warned(py: Python<'_>, scene: Scene) -> PyResult<PySolid> {
+    for warning in &scene.warnings {
+        let text = CString::new(warning.to_string().replace('\0', " "))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+    }
+    Ok(PySolid(scene.solid))
+}
+
+/// The solid of a file: an OpenSCAD tree (.csg), or a mesh that bounds it (.stl, .obj, .ply,
+/// .off, .glb, .gltf: see `read_solid`). With `faceted` circles of a tree are the polygons
+/// that OpenSCAD makes of them. A file may name others in its own folder or below only,
+/// unless `any_folder` is said.
+///
+/// >>> import stereotomy as st
+/// >>> st.load("nowhere.csg")
+/// Traceback (most recent call last):
+/// FileNotFoundError: [Errno 2] nowhere.csg: No such file or directory (os error 2)
+#[pyfunction]
+#[pyo3(signature = (path, *, faceted=false, any_folder=false))]
+fn load(py: Python<'_>, path: PathBuf, faceted: bool, any_folder: bool) -> PyResult<PySolid> {
+    if !is_scene(&path) {
+        return read_solid(py, path);
+    }
+    let options = ReadOptions::default()
+        .faceted(faceted)
+        .any_folder(any_folder);
+    let scene = wait_out(py, move || io::scene::read_file(path, &options))?;
+    warned(py, scene.map_err(of_scene)?)
+}
+
+/// The solid that a mesh file bounds, by its extension (.stl, .obj, .ply, .off, .glb or
+/// .gltf), to be combined with others. All that is wrong with the mesh is an error with
+/// places.
+#[pyfunction]
+fn read_solid(py: Python<'_>, path: PathBuf) -> PyResult<PySolid> {
+    let solid = wait_out(py, move || io::read_solid(path))?;
+    Ok(PySolid(solid.map_err(of_file)?))
+}
+
+/// The mesh of a file, by its extension (.stl, .obj, .ply, .off, .glb or .gltf).
+#[pyfunction]
+#[pyo3(signature = (path, *, any_folder=false))]
+fn load_mesh(py: Python<'_>, path: PathBuf, any_folder: bool) -> PyResult<PyMesh> {
+    let options = io::ReadOptions::default().any_folder(any_folder);
+    let mesh = wait_out(py, move || io::read_mesh_with(path, &options))?;
+    Ok(PyMesh::without_report(mesh.map_err(of_file)?))
+}
+
+/// The solid of an OpenSCAD tree as text.
+///
+/// >>> import stereotomy as st
+/// >>> st.from_csg("cube(size = [1, 2, 3], center = true);").contains([0, 0, 1.4])
+/// True
+/// >>> st.from_csg("cube(")
+/// Traceback (most recent call last):
+/// stereotomy.FileError: line 1, column 6: found the end of the text, not a value
+#[pyfunction]
+#[pyo3(signature = (text, *, faceted=false))]
+fn from_csg(py: Python<'_>, text: String, faceted: bool) -> PyResult<PySolid> {
+    let options = ReadOptions::default().faceted(faceted);
+    let scene = wait_out(py, move || io::scene::read(&text, &options))?;
+    warned(py, scene.map_err(of_scene)?)
+}
+
+#[pymethods]
+impl PySolid {
+    /// The solid as text of an OpenSCAD tree (.csg).
+    ///
+    /// >>> import stereotomy as st
+    /// >>> print(st.sphere(2).to_csg().strip())
+    /// sphere($fn = 0, $fa = 12, $fs = 2, r = 2);
+    fn to_csg(&self, py: Python<'_>) -> PyResult<String> {
+        let text = wait_out(py, || io::scene::write(&self.0))?;
+        text.map_err(|error| FileError::new_err(error.to_string()))
+    }
+
+    /// Writes the solid to a file, by its extension: an OpenSCAD tree (.csg), or the mesh
+    /// that the options of `mesh` give (.glb, .gltf, .obj, .stl, .ply, .off, .3mf). The file
+    /// is replaced whole or not at all.
+    #[pyo3(signature = (path, **options))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        if is_scene(&path) {
+            if let Some(name) = options.into_iter().flatten().map(|(name, _)| name).next() {
+                return Err(FileError::new_err(format!(
+                    "{}: a tree is not meshed: leave out {name}",
+                    path.display()
+                )));
+            }
+            let text = self.to_csg(py)?;
+            return wait_out(py, move || {
+                let mut file = io::AtomicFile::create(&path)?;
+                std::io::Write::write_all(&mut file, text.as_bytes())?;
+                file.commit()
+            })?
+            .map_err(of_file);
+        }
+        // Before minutes of meshing.
+        MeshFormat::from_path(&path).map_err(of_file)?;
+        self.mesh(py, options)?.save(py, path, false)
+    }
+}
+
+#[pymethods]
+impl PyMesh {
+    /// Writes the mesh to a file, by its extension: .glb, .gltf, .obj, .stl, .ply, .off or
+    /// .3mf; with `text` an STL file as text. The file is replaced whole or not at all.
+    #[pyo3(signature = (path, *, text=false))]
+    pub(crate) fn save(&self, py: Python<'_>, path: PathBuf, text: bool) -> PyResult<()> {
+        let mut options = WriteOptions::default();
+        options.text = text;
+        wait_out(py, || io::write_mesh(path, &self.mesh, &options))?.map_err(of_file)
+    }
+}

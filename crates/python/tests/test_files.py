@@ -1,0 +1,83 @@
+"""Files in every format, in and out."""
+
+import pathlib
+
+import pytest
+import scenes
+
+import stereotomy as st
+
+
+@pytest.mark.parametrize("extension", ["glb", "gltf", "obj", "stl", "ply", "off"])
+def test_meshes_come_back(tmp_path: pathlib.Path, extension: str) -> None:
+    path = tmp_path / f"flange.{extension}"
+    solid = scenes.flange().named("flange").colored("#c8482c")
+    solid.save(path, tolerance=1e-3, unit="m")
+    mesh = solid.mesh(tolerance=1e-3)
+    again = st.load_mesh(path)
+    assert len(again.triangles) == len(mesh.triangles)
+    assert again.volume == pytest.approx(mesh.volume, rel=1e-6)
+    assert again.check().is_manifold
+
+
+def test_3mf_is_written(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "flange.3mf"
+    st.cube(1).save(str(path))
+    assert path.read_bytes()[:2] == b"PK"
+    with pytest.raises(st.FileError, match="written but not read"):
+        st.load_mesh(path)
+
+
+def test_scenes_come_back(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "drilled.csg"
+    scenes.drilled().save(path)
+    again = st.load(path)
+    assert again.measure(tolerance=1e-4).volume == pytest.approx(0.988789557199477, abs=1e-3)
+    # Without parts that have no end the text says the same again.
+    part = (st.cube(1.5) & st.sphere(1)) - st.cylinder(0.3, z=(-2, 2)).rotate_x(30)
+    part.save(path)
+    assert st.load(path).to_csg() == path.read_text() == part.to_csg()
+
+
+def test_a_mesh_file_is_a_solid(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "cube.stl"
+    st.cube(2).save(path)
+    for solid in (st.load(path), st.read_solid(path)):
+        assert (solid - st.sphere(1.2)).contains([0.9, 0.9, 0.9])
+    st.cube(2).mesh().save(path, text=True)
+    assert path.read_bytes().startswith(b"solid")
+    assert st.load(path).mesh().volume == pytest.approx(8)
+
+
+def test_faceted_circles() -> None:
+    text = "cylinder($fn = 64, $fa = 12, $fs = 2, h = 1, r1 = 1, r2 = 1, center = false);"
+    assert st.from_csg(text).mesh().report.method == "boundary"  # type: ignore[union-attr]
+    assert st.from_csg(text, faceted=True).mesh().report.method == "polyhedral"  # type: ignore[union-attr]
+
+
+def test_warnings_are_pythons() -> None:
+    with pytest.warns(UserWarning, match="line 1, column 1: sphere"):
+        st.from_csg("sphere($fn = 0, $fa = 12, $fs = 2, r = -1); cube(size = [1, 1, 1], center = true);")
+
+
+def test_what_cannot_be_read_or_written(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(FileNotFoundError, match="nowhere.csg"):
+        st.load(tmp_path / "nowhere.csg")
+    with pytest.raises(FileNotFoundError, match="nowhere.stl"):
+        st.load_mesh(tmp_path / "nowhere.stl")
+    with pytest.raises(st.FileError, match="no mesh format has this extension"):
+        st.cube(1).save(tmp_path / "cube.xyz")
+    with pytest.raises(st.FileError, match="leave out tolerance"):
+        st.cube(1).save(tmp_path / "cube.csg", tolerance=1)
+    with pytest.raises(FileNotFoundError):
+        st.cube(1).save(tmp_path / "no" / "such" / "folder.stl")
+    with pytest.raises(st.FileError, match="no triangles"):
+        st.empty().save(tmp_path / "empty.stl")
+    (tmp_path / "bad.csg").write_text("cube(\n  size = ")
+    with pytest.raises(st.FileError, match="bad.csg:2:"):
+        st.load(tmp_path / "bad.csg")
+    (tmp_path / "bad.stl").write_text("nothing")
+    with pytest.raises(st.FileError, match="bad.stl"):
+        st.load_mesh(tmp_path / "bad.stl")
+    # Nothing is left half written.
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.csg", "bad.stl"]

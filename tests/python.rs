@@ -1,0 +1,62 @@
+//! The Python package as its users have it: built by maturin, installed by pip, tested by
+//! pytest.
+#![allow(missing_docs, reason = "a test")]
+
+#[path = "manifold3d/python.rs"]
+mod environment;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+fn run(command: &mut Command) {
+    let status = command
+        .status()
+        .unwrap_or_else(|error| panic!("{command:?} does not run: {error}"));
+    assert!(status.success(), "{command:?} failed: see its words above");
+}
+
+#[test]
+fn the_package_passes_its_tests() {
+    let requirements = include_str!("../crates/python/tests/requirements.txt");
+    let python = environment::python("python", requirements);
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/python");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python");
+    let wheels = folder.join("wheels");
+    // None of an older version may be left.
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels).expect("a folder that can be removed");
+    }
+    // By the profile that the other tests have: a release takes minutes.
+    run(Command::new(&python)
+        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
+        .arg("--interpreter")
+        .arg(&python)
+        .arg("--manifest-path")
+        .arg(package.join("Cargo.toml"))
+        .arg("--out")
+        .arg(&wheels));
+    let wheel = fs::read_dir(&wheels)
+        .expect("a folder of wheels")
+        .next()
+        .expect("a wheel")
+        .expect("its name")
+        .path();
+    run(Command::new(&python)
+        .args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+        ])
+        .args(["--no-deps", "--force-reinstall"])
+        .arg(wheel));
+    run(Command::new(&python)
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+        .arg(package.join("tests"))
+        .current_dir(&package)
+        // Nothing is left in the source tree.
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("MYPY_CACHE_DIR", folder.join("mypy")));
+}
