@@ -118,6 +118,10 @@ impl<'a> Shell<'a> {
     pub fn genus(&self) -> usize {
         self.brep.shells[self.id.index()].genus as usize
     }
+
+    pub(super) fn brep(&self) -> &'a Brep {
+        self.brep
+    }
 }
 
 impl<'a> Face<'a> {
