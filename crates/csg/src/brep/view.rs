@@ -99,6 +99,12 @@ impl Brep {
         self.moved
     }
 
+    /// Whether its faces were cut at seams ([`crate::BoundaryOptions::cut_at_seams`]).
+    #[must_use]
+    pub fn is_cut_at_seams(&self) -> bool {
+        self.is_cut_at_seams
+    }
+
     /// Whether there is no boundary: the solid is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
