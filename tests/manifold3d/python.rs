@@ -4,12 +4,10 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const REQUIREMENTS: &str = include_str!("requirements.txt");
-
-/// The Python of an environment with exactly the required packages, made
-/// under `target/` if it is not there yet. Several processes may ask at once.
-pub fn python() -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("manifold3d");
+/// The Python of an environment of that name with exactly the required packages,
+/// made under `target/` if it is not there yet. Several processes may ask at once.
+pub fn python(name: &str, requirements: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).expect("a folder under target/");
     let lock = File::create(folder.join("lock")).expect("a lock file");
     lock.lock().expect("the lock");
@@ -17,7 +15,7 @@ pub fn python() -> PathBuf {
     let stamp = environment.join("requirements.txt");
     let python = environment.join("bin/python");
     // Written last, so that an environment with the stamp is whole.
-    if fs::read_to_string(&stamp).is_ok_and(|found| found == REQUIREMENTS) {
+    if fs::read_to_string(&stamp).is_ok_and(|found| found == requirements) {
         return python;
     }
     let run = |command: &mut Command| {
@@ -35,7 +33,7 @@ pub fn python() -> PathBuf {
         .args(["-m", "venv", "--clear"])
         .arg(&environment));
     let required = folder.join("requirements.txt");
-    fs::write(&required, REQUIREMENTS).expect("a file");
+    fs::write(&required, requirements).expect("a file");
     run(Command::new(&python)
         .args([
             "-m",
@@ -46,6 +44,6 @@ pub fn python() -> PathBuf {
             "-r",
         ])
         .arg(&required));
-    fs::write(&stamp, REQUIREMENTS).expect("a file");
+    fs::write(&stamp, requirements).expect("a file");
     python
 }

@@ -86,10 +86,13 @@ impl<'a> Chart<'a> {
     }
 
     /// The outward normal of the patch at a point of it, as long as its area is to that of
-    /// x and y.
+    /// x and y; none at an apex.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         let gradient = self.surface.gradient(point);
         let along = gradient.dot(self.axes.z_axis).abs();
+        if along == 0.0 {
+            return DVec3::ZERO;
+        }
         self.outward * self.determinant / along * gradient
     }
 }

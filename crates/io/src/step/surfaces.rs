@@ -3,9 +3,9 @@
 //! Poles and seams of the file's surfaces are put where the face is not: opposite of the
 //! direction from which it is seen.
 
-use csg::brep::Face;
+use csg::brep::{Edge, Face};
 use csg::{Placement, SurfaceShape};
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::text::{Entities, Flag, Id, List, Real, Reals};
 
@@ -199,21 +199,44 @@ impl Scaled {
         DVec3::new(off.dot(x), off.dot(y), off.dot(z)) / DVec3::from(self.scales)
     }
 
+    /// The coordinates of points around a face.
+    fn samples(&self, face: &Face<'_>) -> Vec<DVec3> {
+        const SAMPLES: u32 = 16;
+        let along = |edge: Edge<'_>| {
+            let [from, to] = edge.range();
+            let share = |k: u32| f64::from(k) / f64::from(SAMPLES);
+            let point = |k: u32| self.coordinates(edge.at(from + share(k) * (to - from)));
+            (0..=SAMPLES).map(point).collect::<Vec<_>>()
+        };
+        face.edges().flat_map(along).collect()
+    }
+
     /// What a function of coordinates takes for values on a face, and somewhat more.
     fn range(&self, face: &Face<'_>, value: impl Fn(DVec3) -> f64) -> [f64; 2] {
-        const SAMPLES: u32 = 16;
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for edge in face.edges() {
-            let [from, to] = edge.range();
-            for k in 0..=SAMPLES {
-                let t = from + f64::from(k) / f64::from(SAMPLES) * (to - from);
-                let value = value(self.coordinates(edge.at(t)));
-                (low, high) = (low.min(value), high.max(value));
-            }
-        }
-        let margin = 0.05 * (high - low);
-        [low - margin, high + margin]
+        wider(self.samples(face).into_iter().map(value))
     }
+
+    /// From which angle around z to which a face goes, and somewhat more: less than a half
+    /// turn, as seams are at right angles, as coordinates see them.
+    fn sector(&self, face: &Face<'_>) -> [f64; 2] {
+        let samples = self.samples(face);
+        let sum: DVec3 = samples.iter().sum();
+        let ahead = DVec2::new(sum.x, sum.y);
+        let farthest = samples.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
+        // On the axis there is no angle.
+        let off_axis = samples.iter().filter(|p| p.x.hypot(p.y) > 1e-6 * farthest);
+        let turns = off_axis.map(|p| ahead.angle_to(DVec2::new(p.x, p.y)));
+        wider(turns).map(|turn| ahead.to_angle() + turn)
+    }
+}
+
+/// The least and the greatest of some values, and a twentieth beyond.
+fn wider(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    let margin = 0.05 * (high - low);
+    [low - margin, high + margin]
 }
 
 /// A circle of unit radius from one angle to another as a rational polynomial of degree two:
@@ -229,12 +252,7 @@ fn arc([from, to]: [f64; 2]) -> [[f64; 3]; 3] {
 
 /// A profile, by radius, height and weight, turned around the axis as far as the face goes.
 fn revolved(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, profile: &[[f64; 3]]) -> Written {
-    let view = scaled.coordinates(scaled.placement.origin + face.view());
-    let ahead = view.y.atan2(view.x);
-    // Seams are at right angles, as coordinates see them: a sixth of a turn to both sides is
-    // more than enough.
-    let limit = std::f64::consts::FRAC_PI_3;
-    let arc = arc([ahead - limit, ahead + limit]);
+    let arc = arc(scaled.sector(face));
     let net: Vec<Vec<DVec4>> = arc
         .iter()
         .map(|[cos, sin, weight]| {
