@@ -144,7 +144,7 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
     let (mut topology, mut styles) = (Topology::default(), Styles::new());
     let mut bodies = Vec::new();
     for shells in brep.bodies() {
-        let faces = || shells.iter().flat_map(|shell| shell.faces());
+        let faces = || shells.iter().flat_map(csg::brep::Shell::faces);
         let mut names = faces().map(|face| face.origin().name.as_deref());
         let first = names.next().flatten();
         let name = first.filter(|_| names.all(|name| name == first));

@@ -92,7 +92,7 @@ static DIFFERENCES: LazyLock<Differences> = LazyLock::new(|| {
     let nodes: [f64; DEGREE + 1] = std::array::from_fn(|k| (0.5 * angle(k)).sin().powi(2));
     let weight = |k: usize| {
         let end = if k == 0 || k == DEGREE { 2.0 } else { 1.0 };
-        if k % 2 == 0 { end } else { -end }
+        if k.is_multiple_of(2) { end } else { -end }
     };
     // x_i - x_j without cancellation.
     let gap = |i: usize, j: usize| {
