@@ -117,6 +117,10 @@ def read(path):
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(main).GetFreeShapes(roots)
     colors = XCAFDoc_DocumentTool.ColorTool_s(main)
+    # Asking for a face's takes as long as there are faces.
+    known = Sequence_TDF_Label()
+    colors.GetColors(known)
+    has_colors = known.Length() > 0
     names = []
     for label in roots:
         name = TDataStd_Name()
@@ -126,12 +130,12 @@ def read(path):
         {
             "name": written(reader, solid),
             "shells": len(list(all_of(solid, TopAbs_SHELL))),
-            "color": color_of(colors, solid),
+            "color": color_of(colors, solid) if has_colors else None,
         }
         for solid in all_of(shape, TopAbs_SOLID)
     ]
     faces = [
-        {"name": written(reader, face), "color": color_of(colors, face)}
+        {"name": written(reader, face), "color": color_of(colors, face) if has_colors else None}
         for face in all_of(shape, TopAbs_FACE)
     ]
     closed = [BRep_Tool.IsClosed_s(shell) for shell in all_of(shape, TopAbs_SHELL)]

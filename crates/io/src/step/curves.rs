@@ -54,18 +54,20 @@ pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Optio
             let conic = Conic { point, a, b, l, k };
             rational(to, &conic.control(edge.range()))
         }
-        _ => {
-            let ends = edge.vertices().map(|ends| ends.map(|end| end.point()));
-            let range = edge.range();
-            let at = |t: f64| match ends {
-                Some([from, _]) if t == range[0] => from,
-                Some([_, to]) if t == range[1] => to,
-                _ => edge.at(t),
-            };
-            let spline = spline::fit(at, range, tolerance)?;
-            quintic(to, &spline)
-        }
+        _ => quintic(to, &quartic(edge, tolerance)?),
     })
+}
+
+/// A curve of degree four from vertex to vertex.
+fn quartic(edge: &Edge<'_>, tolerance: f64) -> Option<Spline> {
+    let ends = edge.vertices().map(|ends| ends.map(|end| end.point()));
+    let range = edge.range();
+    let at = |t: f64| match ends {
+        Some([from, _]) if t == range[0] => from,
+        Some([_, to]) if t == range[1] => to,
+        _ => edge.at(t),
+    };
+    spline::fit(at, range, tolerance)
 }
 
 /// Coordinates with x and y along half axes.
@@ -121,4 +123,51 @@ fn quintic(to: &mut Entities, spline: &Spline) -> Id {
         "B_SPLINE_CURVE_WITH_KNOTS('',5,{points},.UNSPECIFIED.,.F.,.F.,\
          {multiplicities},{knots},.UNSPECIFIED.)"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use csg::{BoundaryOptions, Program, Solid};
+
+    use super::*;
+
+    /// Between the points that they were made from, too.
+    #[test]
+    fn splines_of_quartics_are_on_both_surfaces() {
+        let bore = Solid::cylinder(0.4, -3.0..3.0).rotate_x(1.3);
+        let solids = [
+            Solid::cylinder(1.0, -1.5..1.5) - bore.translate([0.1, 0.0, 0.2]),
+            Solid::sphere(1.0) & Solid::cylinder(0.5, -2.0..2.0).translate([0.5, 0.0, 0.0]),
+            Solid::cone(1.0, -1.0..1.0) - Solid::ellipsoid([0.3, 2.0, 0.4]),
+            Solid::hyperboloid_one_sheet([0.4, 0.5, 0.6]) & Solid::sphere(1.2).translate([0.2; 3]),
+        ];
+        let tolerance = 1e-9;
+        for (k, solid) in solids.iter().enumerate() {
+            let program = Program::lower(solid).expect("valid");
+            let options = BoundaryOptions::new().cut_at_seams();
+            let brep = program.boundary(&options).expect("a boundary");
+            let quartics = brep
+                .edges()
+                .filter(|e| matches!(e.curve(), CurveShape::Quartic));
+            let mut count = 0;
+            for edge in quartics {
+                count += 1;
+                let spline = quartic(&edge, tolerance).expect("a spline");
+                let [from, to] = edge.range();
+                for step in 0..=777 {
+                    let u = f64::from(step) / 777.0;
+                    let point = spline::tests::value(&spline, u);
+                    let off = point.distance(edge.at(from + u * (to - from)));
+                    assert!(off < 1.5 * tolerance, "{k}: {off} at {u}");
+                    for face in edge.faces() {
+                        let surface = face.surface();
+                        let slope = surface.gradient(point).length();
+                        let off = surface.value(point).abs() / slope;
+                        assert!(off < 1.5 * tolerance, "{k}: {off} off {surface}");
+                    }
+                }
+            }
+            assert!(count >= 4, "{k}: {count} quartics");
+        }
+    }
 }

@@ -173,11 +173,11 @@ fn joined_points(knots: &[f64], spans: &[[DVec3; 6]]) -> Vec<DVec3> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// By de Boor's algorithm.
-    fn value(spline: &Spline, u: f64) -> DVec3 {
+    pub fn value(spline: &Spline, u: f64) -> DVec3 {
         let last = spline.knots.len() - 1;
         let mut knots = Vec::new();
         for (k, &knot) in spline.knots.iter().enumerate() {
