@@ -19,6 +19,11 @@ use stereotomy::scenes;
 /// Segments of manifold3d's circles.
 const SEGMENTS: u32 = 96;
 
+fn start() -> Script {
+    let required = include_str!("manifold3d/requirements.txt");
+    Script::start(&python("manifold3d", required))
+}
+
 /// Meshes a solid at three resolutions: the finest mesh, and the spread of
 /// the volumes, which estimates its error. An error that falls with the cells
 /// leaves the coarser ones that much farther off.
@@ -60,10 +65,7 @@ fn compare(script: &mut Script, folder: &Path, name: &str, solid: &Solid) -> boo
 
 #[test]
 fn random_trees_agree() {
-    let mut script = Script::start(&python(
-        "manifold3d",
-        include_str!("manifold3d/requirements.txt"),
-    ));
+    let mut script = start();
     let folder = tempfile::tempdir().expect("a folder");
     let mut manifold = 0;
     let mut not_empty = 0;
@@ -88,10 +90,7 @@ fn random_trees_agree() {
 
 #[test]
 fn reference_scenes_agree() {
-    let mut script = Script::start(&python(
-        "manifold3d",
-        include_str!("manifold3d/requirements.txt"),
-    ));
+    let mut script = start();
     let folder = tempfile::tempdir().expect("a folder");
     for (name, solid) in [
         ("sphere", scenes::sphere()),

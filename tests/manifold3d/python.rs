@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The Python of an environment of that name with exactly the required packages, made
-/// under `target/` if it is not there yet. Several processes may ask at once.
+/// The Python of an environment of that name with exactly the required packages,
+/// made under `target/` if it is not there yet. Several processes may ask at once.
 pub fn python(name: &str, requirements: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).expect("a folder under target/");

@@ -1,11 +1,12 @@
-//! What comes out: mesh files, pictures and JSON, `-` being standard output.
+//! What comes out: mesh and STEP files, pictures and JSON, `-` being standard output.
 
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use csg::Mesh;
+use csg::{BoundaryOptions, LengthUnit, Mesh, Program};
+use io::step::StepOptions;
 use io::{AtomicFile, MeshFormat, WriteOptions};
 
 use crate::failure::{Failure, exit_codes};
@@ -41,7 +42,8 @@ pub(crate) fn check(meshes: &[PathBuf], json: Option<&Path>) -> Result<(), Failu
         let cause = "they would come out mixed: send all but one to files";
         return Err(Failure::new(exit_codes::USAGE, context, cause));
     }
-    for path in meshes.iter().filter(|path| !is_stream(path)) {
+    let is_mesh = |path: &&PathBuf| !is_stream(path) && !io::step::is_step(path);
+    for path in meshes.iter().filter(is_mesh) {
         MeshFormat::from_path(path)
             .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))?;
     }
@@ -63,6 +65,15 @@ pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Resu
     }
     .map_err(|error| Failure::output(STANDARD_OUTPUT, error))?;
     print(&bytes)
+}
+
+/// Writes the exact boundary of a solid to a STEP file; the product's name is the file's.
+pub(crate) fn write_step(path: &Path, program: &Program, unit: LengthUnit) -> Result<(), Failure> {
+    let brep = program.boundary(&BoundaryOptions::new().cut_at_seams())?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let options = StepOptions::default().name(name).unit(unit);
+    io::step::write_step_file(path, &brep, &options)
+        .map_err(|error| Failure::output(&path.display().to_string(), error))
 }
 
 /// Writes bytes to a file, whole or not at all, or to standard output.

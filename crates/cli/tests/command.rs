@@ -144,6 +144,29 @@ fn mesh_writes_every_format_and_json() {
 }
 
 #[test]
+fn step_has_the_exact_surfaces_and_needs_a_solid() {
+    let folder = Folder::new();
+    succeeded(&folder.run("mesh in.csg -o part.step -o part.STP -o part.stl --unit in"));
+    assert_eq!(folder.files(), ["part.STP", "part.step", "part.stl"]);
+    let text = fs::read_to_string(folder.file("part.step")).expect("a file");
+    assert_eq!(
+        text,
+        fs::read_to_string(folder.file("part.STP")).expect("a file")
+    );
+    assert_eq!(text.lines().next(), Some("ISO-10303-21;"));
+    assert_eq!(text.matches("MANIFOLD_SOLID_BREP('part'").count(), 1);
+    assert!(text.contains("SPHERICAL_SURFACE") && text.contains("CONVERSION_BASED_UNIT('INCH'"));
+    let said = failed(&folder.run("mesh part.stl -o other.step"), 5);
+    assert!(
+        said.contains("from the exact boundary of a solid, not from a mesh"),
+        "{said}"
+    );
+    let said = failed(&folder.run("measure part.step"), 3);
+    assert!(said.contains("cannot read part.step"), "{said}");
+    assert_eq!(folder.files(), ["part.STP", "part.step", "part.stl"]);
+}
+
+#[test]
 fn streams_carry_the_scene_the_mesh_and_the_json() {
     let folder = Folder::new();
     let output = folder.run_with_input("mesh - -o - --format stl --cells 32", DRILLED);

@@ -77,7 +77,7 @@ pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
-pub use program::{Bounds, Program, Surface};
+pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
 pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};

@@ -68,6 +68,25 @@ pub enum Error {
         /// What does not fit, and what would.
         problem: String,
     },
+    /// The solid has no boundary.
+    #[error("the solid is empty, so there is nothing to write")]
+    EmptySolid,
+    /// A boundary cannot be written as STEP.
+    #[error("STEP cannot hold this solid: {problem}")]
+    NotInStep {
+        /// What does not fit, and how to mend it.
+        problem: String,
+    },
+    /// A STEP file was asked for, but only a mesh was given, or one was to be read.
+    #[error(
+        "{}: STEP files are written from the exact boundary of a solid, not from a mesh, \
+         and are not read; name a scene, or a mesh format: one of {}",
+        path.display(), MeshFormat::extensions()
+    )]
+    StepOfMesh {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file is damaged, or uses what this reader does not know.
     #[error("{place}: {problem}")]
     Malformed {
@@ -107,7 +126,10 @@ impl Error {
     /// Says in which file it happened, unless the error does already.
     pub(crate) fn in_file(self, path: &Path) -> Self {
         match self {
-            Self::File { .. } | Self::InFile { .. } | Self::UnknownFormat { .. } => self,
+            Self::File { .. }
+            | Self::InFile { .. }
+            | Self::UnknownFormat { .. }
+            | Self::StepOfMesh { .. } => self,
             other => Self::InFile {
                 path: path.to_owned(),
                 source: Box::new(other),

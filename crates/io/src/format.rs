@@ -9,7 +9,7 @@ use csg::{Mesh, MeshSurface};
 
 use crate::atomic::AtomicFile;
 use crate::contents::Contents;
-use crate::{Error, gltf, obj, off, ply, stl, threemf};
+use crate::{Error, gltf, obj, off, ply, step, stl, threemf};
 
 /// The mesh formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,13 +69,18 @@ impl MeshFormat {
     /// The format of a file by its name's extension.
     ///
     /// # Errors
-    /// [`Error::UnknownFormat`], which lists the known ones.
+    /// [`Error::UnknownFormat`], which lists the known ones; [`Error::StepOfMesh`].
     pub fn from_path(path: &Path) -> Result<Self, Error> {
         path.extension()
             .and_then(OsStr::to_str)
             .and_then(Self::from_extension)
-            .ok_or_else(|| Error::UnknownFormat {
-                path: path.to_owned(),
+            .ok_or_else(|| {
+                let path = path.to_owned();
+                if step::is_step(&path) {
+                    Error::StepOfMesh { path }
+                } else {
+                    Error::UnknownFormat { path }
+                }
             })
     }
 

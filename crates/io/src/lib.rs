@@ -14,6 +14,7 @@ pub mod ply;
 mod rows;
 pub mod scene;
 mod solid;
+pub mod step;
 pub mod stl;
 pub mod threemf;
 mod units;

@@ -1,4 +1,4 @@
-//! `mesh`: write mesh files.
+//! `mesh`: write mesh files, and STEP.
 
 use std::path::PathBuf;
 
@@ -12,8 +12,9 @@ use crate::progress::Progress;
 /// Options of `mesh`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
-    /// Where to write the mesh: .glb .gltf .obj .stl .ply .3mf by extension,
-    /// or `-` for standard output; may be given more than once
+    /// Where to write: a mesh (.glb .gltf .obj .stl .ply .off .3mf), or the solid with
+    /// its exact surfaces, for CAD systems (.step .stp), by extension; or `-` for a mesh
+    /// on standard output; may be given more than once
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     outputs: Vec<PathBuf>,
     /// The format on standard output
@@ -37,7 +38,12 @@ pub(crate) fn run(
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();
-        outputs.try_for_each(|path| output::write_mesh(path, &product.mesh, options.format))
+        outputs.try_for_each(|path| match &product.program {
+            Some(program) if io::step::is_step(path) => {
+                output::write_step(path, program, product.mesh.unit)
+            }
+            _ => output::write_mesh(path, &product.mesh, options.format),
+        })
     })?;
     drop(progress);
     let account = Account::of(&mut product);

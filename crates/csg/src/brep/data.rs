@@ -83,6 +83,7 @@ pub struct Brep {
     /// By how much rounding may move points.
     pub(super) rounding: f64,
     pub(super) size: f64,
+    pub(super) is_cut_at_seams: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -162,6 +163,7 @@ impl Brep {
             moved: None,
             rounding: 0.0,
             size: 0.0,
+            is_cut_at_seams: false,
         }
     }
 }

@@ -146,6 +146,7 @@ fn evaluated(
         origins,
         rounding: arrangement.rounding,
         size,
+        is_cut_at_seams: options.cut_at_seams,
         ..Brep::empty()
     };
     let built = build(brep, arrangement, options.cut_at_seams);

@@ -53,7 +53,7 @@ impl Brep {
         self.solid_measure(&sum)
     }
 
-    fn sum(&self, patches: &[Patch]) -> Sum {
+    pub(super) fn sum(&self, patches: &[Patch]) -> Sum {
         let sums: Vec<Sum> = patches.par_iter().map(|patch| self.sum_of(patch)).collect();
         let mut sum = Sum::default();
         for part in &sums {

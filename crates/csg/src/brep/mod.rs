@@ -22,6 +22,7 @@
 //! Inside, faces are cut along *seams* into patches, each of which is a graph in some
 //! coordinates; integrals are taken over these.
 
+mod bodies;
 mod bounded;
 mod bounds;
 mod build;

@@ -99,6 +99,12 @@ impl Brep {
         self.moved
     }
 
+    /// Whether its faces were cut at seams ([`crate::BoundaryOptions::cut_at_seams`]).
+    #[must_use]
+    pub fn is_cut_at_seams(&self) -> bool {
+        self.is_cut_at_seams
+    }
+
     /// Whether there is no boundary: the solid is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -117,6 +123,10 @@ impl<'a> Shell<'a> {
     #[must_use]
     pub fn genus(&self) -> usize {
         self.brep.shells[self.id.index()].genus as usize
+    }
+
+    pub(super) fn brep(&self) -> &'a Brep {
+        self.brep
     }
 }
 

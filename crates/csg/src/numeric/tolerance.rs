@@ -162,6 +162,12 @@ pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
 /// by ten coefficients depends on it.
 pub(crate) const NO_VALUE: f64 = 1e-12;
 
+/// Are two values of a quadric's form one, of the larger: is it round, and no ellipse?
+///
+/// Above rounding: the same as [`NO_VALUE`], as values come from the same coefficients. What is
+/// taken to be round is by half as much of its radius off.
+pub(crate) const ROUND: f64 = NO_VALUE;
+
 /// Is a sum of terms nothing, of their sizes: a coefficient of a combination of surfaces, or of
 /// a polynomial along a curve?
 ///

@@ -23,7 +23,7 @@ pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
 pub(crate) use settle::Settled;
 
-pub use crate::surface::{Bounds, Side, Surface};
+pub use crate::surface::{Bounds, Placement, Side, Surface, SurfaceShape};
 pub(crate) use crate::surface::{Kind, StandardForm, roots_between};
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
 

@@ -5,6 +5,7 @@ mod kind;
 mod precise;
 mod principal;
 mod quadric;
+mod shape;
 pub(crate) mod solve;
 mod standard_form;
 
@@ -16,6 +17,7 @@ pub use self::bounds::Bounds;
 pub(crate) use self::bounds::half_space_bounds;
 pub(crate) use self::kind::Kind;
 pub(crate) use self::quadric::from_coefficients;
+pub use self::shape::{Placement, SurfaceShape};
 pub(crate) use self::standard_form::StandardForm;
 use crate::numeric::tolerance::VALUE;
 

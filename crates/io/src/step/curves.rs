@@ -1,0 +1,173 @@
+//! The curves of edges.
+
+use csg::brep::{CurveShape, Edge};
+use glam::{DVec3, DVec4};
+
+use super::spline::{self, Spline};
+use super::text::{Entities, Id, List, Real, Reals};
+
+/// Two half axes are one, of the larger: as many digits as conics of round surfaces keep.
+const ROUND: f64 = 1e-12;
+
+/// Writes the curve of an edge, which runs the way its parameter grows; none if no B-spline
+/// is found within the tolerance.
+pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Option<Id> {
+    Some(match edge.curve() {
+        CurveShape::Line { point, direction } => {
+            let point = to.point(point);
+            let direction = to.direction(direction);
+            let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
+            to.share(format_args!("LINE('',{point},{vector})"))
+        }
+        CurveShape::Ellipse { center, a, b } => {
+            // cos t a + sin t b = cos(t - turn) p + sin(t - turn) q.
+            let turn = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
+            let (sin, cos) = turn.sin_cos();
+            let [p, q] = [cos * a + sin * b, cos * b - sin * a];
+            let (long, short) = (p.length(), q.length());
+            let placement = placed(to, center, p, q);
+            if long - short <= ROUND * long {
+                let radius = Real(0.5 * (long + short));
+                to.share(format_args!("CIRCLE('',{placement},{radius})"))
+            } else {
+                let (long, short) = (Real(long), Real(short));
+                to.share(format_args!("ELLIPSE('',{placement},{long},{short})"))
+            }
+        }
+        CurveShape::Hyperbola { center, a, b } => {
+            // cosh t a + sinh t b = cosh(t - turn) p + sinh(t - turn) q.
+            let squares = a.length_squared() + b.length_squared();
+            let turn = 0.5 * (-2.0 * a.dot(b) / squares).atanh();
+            let (sinh, cosh) = (turn.sinh(), turn.cosh());
+            let [p, q] = [cosh * a + sinh * b, sinh * a + cosh * b];
+            let placement = placed(to, center, p, q);
+            let [p, q] = [p, q].map(|half| Real(half.length()));
+            to.share(format_args!("HYPERBOLA('',{placement},{p},{q})"))
+        }
+        // The vertex is where t is 0.
+        CurveShape::Conic { point, a, b, l, k } if l == 0.0 && k == 0.0 => {
+            let placement = placed(to, point, b, a);
+            let focus = Real(0.25 * a.length_squared() / b.length());
+            to.share(format_args!("PARABOLA('',{placement},{focus})"))
+        }
+        CurveShape::Conic { point, a, b, l, k } => {
+            let conic = Conic { point, a, b, l, k };
+            rational(to, &conic.control(edge.range()))
+        }
+        _ => quintic(to, &quartic(edge, tolerance)?),
+    })
+}
+
+/// A curve of degree four from vertex to vertex.
+fn quartic(edge: &Edge<'_>, tolerance: f64) -> Option<Spline> {
+    let ends = edge.vertices().map(|ends| ends.map(|end| end.point()));
+    let range = edge.range();
+    let at = |t: f64| match ends {
+        Some([from, _]) if t == range[0] => from,
+        Some([_, to]) if t == range[1] => to,
+        _ => edge.at(t),
+    };
+    spline::fit(at, range, tolerance)
+}
+
+/// Coordinates with x and y along half axes.
+fn placed(to: &mut Entities, center: DVec3, x: DVec3, y: DVec3) -> Id {
+    let x = x.normalize_or_zero();
+    to.placement(center, [x.cross(y).normalize_or_zero(), x])
+}
+
+/// point + (t a + t² b) / (1 + l t + k t²).
+struct Conic {
+    point: DVec3,
+    a: DVec3,
+    b: DVec3,
+    l: f64,
+    k: f64,
+}
+
+impl Conic {
+    /// Control points of a piece as a rational polynomial of degree two, with weights: values
+    /// of its polar form.
+    fn control(&self, [from, to]: [f64; 2]) -> [DVec4; 3] {
+        let polar = |s: f64, t: f64| {
+            let (mean, product) = (0.5 * (s + t), s * t);
+            let weight = 1.0 + self.l * mean + self.k * product;
+            let point = weight * self.point + mean * self.a + product * self.b;
+            point.extend(weight)
+        };
+        [polar(from, from), polar(from, to), polar(to, to)]
+    }
+}
+
+/// A rational curve of degree two, by points times their weights, and weights.
+fn rational(to: &mut Entities, control: &[DVec4; 3]) -> Id {
+    let points = control.map(|point| to.point(point.truncate() / point.w));
+    let weights = control.map(|point| point.w / control[0].w);
+    let (points, weights) = (List(&points), Reals(&weights));
+    to.add(format_args!(
+        "(BOUNDED_CURVE()B_SPLINE_CURVE(2,{points},.UNSPECIFIED.,.F.,.F.)\
+         B_SPLINE_CURVE_WITH_KNOTS((3,3),(0.,1.),.UNSPECIFIED.)CURVE()\
+         GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE({weights})\
+         REPRESENTATION_ITEM(''))"
+    ))
+}
+
+fn quintic(to: &mut Entities, spline: &Spline) -> Id {
+    let points: Vec<Id> = spline.points.iter().map(|&point| to.point(point)).collect();
+    let mut multiplicities = vec![3; spline.knots.len()];
+    multiplicities[0] = 6;
+    multiplicities[spline.knots.len() - 1] = 6;
+    let (points, multiplicities) = (List(&points), List(&multiplicities));
+    let knots = Reals(&spline.knots);
+    to.add(format_args!(
+        "B_SPLINE_CURVE_WITH_KNOTS('',5,{points},.UNSPECIFIED.,.F.,.F.,\
+         {multiplicities},{knots},.UNSPECIFIED.)"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use csg::{BoundaryOptions, Program, Solid};
+
+    use super::*;
+
+    /// Between the points that they were made from, too.
+    #[test]
+    fn splines_of_quartics_are_on_both_surfaces() {
+        let bore = Solid::cylinder(0.4, -3.0..3.0).rotate_x(1.3);
+        let solids = [
+            Solid::cylinder(1.0, -1.5..1.5) - bore.translate([0.1, 0.0, 0.2]),
+            Solid::sphere(1.0) & Solid::cylinder(0.5, -2.0..2.0).translate([0.5, 0.0, 0.0]),
+            Solid::cone(1.0, -1.0..1.0) - Solid::ellipsoid([0.3, 2.0, 0.4]),
+            Solid::hyperboloid_one_sheet([0.4, 0.5, 0.6]) & Solid::sphere(1.2).translate([0.2; 3]),
+        ];
+        let tolerance = 1e-9;
+        for (k, solid) in solids.iter().enumerate() {
+            let program = Program::lower(solid).expect("valid");
+            let options = BoundaryOptions::new().cut_at_seams();
+            let brep = program.boundary(&options).expect("a boundary");
+            let quartics = brep
+                .edges()
+                .filter(|e| matches!(e.curve(), CurveShape::Quartic));
+            let mut count = 0;
+            for edge in quartics {
+                count += 1;
+                let spline = quartic(&edge, tolerance).expect("a spline");
+                let [from, to] = edge.range();
+                for step in 0..=777 {
+                    let u = f64::from(step) / 777.0;
+                    let point = spline::tests::value(&spline, u);
+                    let off = point.distance(edge.at(from + u * (to - from)));
+                    assert!(off < 1.5 * tolerance, "{k}: {off} at {u}");
+                    for face in edge.faces() {
+                        let surface = face.surface();
+                        let slope = surface.gradient(point).length();
+                        let off = surface.value(point).abs() / slope;
+                        assert!(off < 1.5 * tolerance, "{k}: {off} off {surface}");
+                    }
+                }
+            }
+            assert!(count >= 4, "{k}: {count} quartics");
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! STEP (ISO 10303): solids with exact surfaces, for other CAD systems. Written only.
+//!
+//! Planes, spheres, cylinders and cones, lines and conics are what they are. Ellipsoids,
+//! paraboloids, hyperboloids, elliptic cylinders and cones are rational B-splines, which have
+//! the same points. Curves of degree four, in which two of them meet, are B-splines that stray
+//! from both by no more than [`StepOptions::tolerance`].
+//!
+//! Faces are those of a boundary that was cut at seams
+//! ([`csg::BoundaryOptions::cut_at_seams`]): so none closes on itself, and none has a pole
+//! inside.
+
+mod curves;
+mod product;
+mod spline;
+mod surfaces;
+mod text;
+mod topology;
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::Path;
+
+use csg::{Brep, LengthUnit};
+use glam::DVec3;
+
+use self::product::Styles;
+use self::text::Entities;
+use self::topology::Topology;
+use crate::{AtomicFile, Error};
+
+/// Which part of the standard a file follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StepSchema {
+    /// AP242, managed model based 3D engineering.
+    #[default]
+    Ap242,
+    /// AP214, automotive design, for older programs.
+    Ap214,
+}
+
+/// Choices in writing.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StepOptions {
+    /// The product's name.
+    pub name: String,
+    /// The unit of the model's lengths.
+    pub unit: LengthUnit,
+    /// The schema.
+    pub schema: StepSchema,
+    /// How far B-splines may stray from curves of degree four, in the model's unit:
+    /// 1e-9 of the diagonal of a box around the solid unless given.
+    pub tolerance: Option<f64>,
+}
+
+impl Default for StepOptions {
+    fn default() -> Self {
+        Self {
+            name: "part".to_owned(),
+            unit: LengthUnit::default(),
+            schema: StepSchema::default(),
+            tolerance: None,
+        }
+    }
+}
+
+impl StepOptions {
+    /// The same options with another name of the product.
+    #[must_use]
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The same options with another unit.
+    #[must_use]
+    pub fn unit(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// The same options with another schema.
+    #[must_use]
+    pub fn schema(mut self, schema: StepSchema) -> Self {
+        self.schema = schema;
+        self
+    }
+
+    /// The same options with another tolerance.
+    #[must_use]
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.tolerance = Some(tolerance);
+        self
+    }
+}
+
+/// How far B-splines stray from curves unless said otherwise, of the solid's size.
+const TOLERANCE: f64 = 1e-9;
+
+/// Writes a boundary that was cut at seams: one product, one solid for each body, with the
+/// voids in it. Faces are named and coloured as the primitives that they come from; a body
+/// whose faces have one name or colour has it, too.
+///
+/// ```
+/// use csg::{BoundaryOptions, Program, Solid};
+/// use io::step::{StepOptions, write_step};
+///
+/// let solid = Solid::cube(2.0) - Solid::cylinder(0.5, -2.0..2.0);
+/// let options = BoundaryOptions::new().cut_at_seams();
+/// let brep = Program::lower(&solid)?.boundary(&options)?;
+/// let mut file = Vec::new();
+/// write_step(&brep, &StepOptions::default().name("block"), &mut file)?;
+/// let text = String::from_utf8(file)?;
+/// assert_eq!(text.matches("CYLINDRICAL_SURFACE").count(), 4);
+/// assert_eq!(text.matches("MANIFOLD_SOLID_BREP").count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Error::EmptySolid`]; [`Error::NotInStep`] for a boundary that was not cut at seams, a
+/// tolerance that is not above 0 or cannot be kept; failed writing.
+pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> Result<(), Error> {
+    if brep.is_empty() {
+        return Err(Error::EmptySolid);
+    }
+    if !brep.is_cut_at_seams() {
+        return Err(Error::NotInStep {
+            problem: "its faces close on themselves: evaluate it with \
+                      BoundaryOptions::cut_at_seams"
+                .to_owned(),
+        });
+    }
+    let size = size(brep);
+    let tolerance = options.tolerance.unwrap_or(TOLERANCE * size);
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return Err(Error::NotInStep {
+            problem: format!("the tolerance is {tolerance}: give one above 0"),
+        });
+    }
+    let mut entities = Entities::default();
+    let to = &mut entities;
+    let context = product::context(to, options.unit, tolerance.max(1e-7 * size));
+    let (mut topology, mut styles) = (Topology::default(), Styles::new());
+    let mut bodies = Vec::new();
+    for shells in brep.bodies() {
+        let faces = || shells.iter().flat_map(csg::brep::Shell::faces);
+        let mut names = faces().map(|face| face.origin().name.as_deref());
+        let first = names.next().flatten();
+        let name = first.filter(|_| names.all(|name| name == first));
+        let name = name.unwrap_or(&options.name);
+        let body = topology.body(to, (name, &shells), tolerance)?;
+        let faces: Vec<_> = faces()
+            .map(|face| (topology.faces[&face.id().index()], face))
+            .collect();
+        styles.paint(to, body, &faces);
+        bodies.push(body);
+    }
+    product::product(to, options, &bodies, context);
+    styles.finish(to, context);
+    write!(
+        out,
+        "ISO-10303-21;\n{}DATA;\n{}ENDSEC;\nEND-ISO-10303-21;\n",
+        product::header(options),
+        entities.into_text()
+    )?;
+    Ok(())
+}
+
+/// Writes a file of a boundary that was cut at seams, replaced whole or not at all
+/// ([`AtomicFile`]): see [`write_step`].
+///
+/// # Errors
+/// As [`write_step`], with the file's name; what the operating system refuses.
+pub fn write_step_file(
+    path: impl AsRef<Path>,
+    brep: &Brep,
+    options: &StepOptions,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let write = || {
+        let mut file = AtomicFile::create(path)?;
+        write_step(brep, options, &mut file)?;
+        file.commit()
+    };
+    write().map_err(|error| error.in_file(path))
+}
+
+/// Whether a file's name says that it is a STEP file: `.step` or `.stp`.
+#[must_use]
+pub fn is_step(path: impl AsRef<Path>) -> bool {
+    let extension = path.as_ref().extension().and_then(OsStr::to_str);
+    let is = |known: &str| extension.is_some_and(|found| found.eq_ignore_ascii_case(known));
+    is("step") || is("stp")
+}
+
+/// The diagonal of a box around points of all edges.
+fn size(brep: &Brep) -> f64 {
+    let points = brep.edges().flat_map(|edge| {
+        let [from, to] = edge.range();
+        [from, 0.5 * (from + to), to].map(|t| edge.at(t))
+    });
+    let (low, high) = points.fold(
+        (DVec3::INFINITY, DVec3::NEG_INFINITY),
+        |(low, high), point| (low.min(point), high.max(point)),
+    );
+    low.distance(high)
+}

@@ -1,0 +1,238 @@
+//! Curves without a short equation, as B-splines.
+
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use glam::DVec3;
+
+/// A B-spline of degree five whose second derivative goes on and on.
+#[derive(Clone, Debug)]
+pub(super) struct Spline {
+    /// From 0 to 1; the first and the last are six times there, the others three times.
+    pub knots: Vec<f64>,
+    pub points: Vec<DVec3>,
+}
+
+/// A point of a curve and its first two derivatives.
+type Jet = [DVec3; 3];
+
+/// No curve is cut into more spans.
+const MOST_SPANS: usize = 4096;
+
+/// A spline through points of a curve, from its first end to its last, that strays from it by
+/// no more than a tolerance; none if none is found.
+///
+/// Each span has the curve's point and first two derivatives at its ends (Hermite), so its
+/// error falls with the sixth power of its length. Derivatives are those of the polynomial
+/// through points of Chebyshev's on each span. Spans are halved until points between these
+/// are near enough.
+pub(super) fn fit(
+    at: impl Fn(f64) -> DVec3,
+    [from, to]: [f64; 2],
+    tolerance: f64,
+) -> Option<Spline> {
+    let at = |u: f64| at(from + u * (to - from));
+    let mut knots = vec![0.0, 0.25, 0.5, 0.75, 1.0];
+    while knots.len() <= MOST_SPANS {
+        let spans: Vec<[f64; 2]> = knots.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        let jets: Vec<[Jet; 2]> = spans.iter().map(|&span| jets(&at, span)).collect();
+        let mut joined = vec![jets[0][0]];
+        for pair in jets.windows(2) {
+            let (before, after) = (pair[0][1], pair[1][0]);
+            joined.push(std::array::from_fn(|k| 0.5 * (before[k] + after[k])));
+        }
+        joined.push(jets[jets.len() - 1][1]);
+        let spans: Vec<[DVec3; 6]> = spans
+            .iter()
+            .zip(joined.windows(2))
+            .map(|(span, jets)| bezier(span[1] - span[0], [jets[0], jets[1]]))
+            .collect();
+        let mut finer = vec![0.0];
+        for (pair, span) in knots.windows(2).zip(&spans) {
+            let [a, b] = [pair[0], pair[1]];
+            let is_near = CHECKED.iter().all(|&share| {
+                let off = at(a + share * (b - a)).distance(point(span, share));
+                off <= tolerance
+            });
+            if !is_near {
+                finer.push(0.5 * (a + b));
+            }
+            finer.push(b);
+        }
+        if finer.len() == knots.len() {
+            return Some(Spline {
+                points: joined_points(&knots, &spans),
+                knots,
+            });
+        }
+        knots = finer;
+    }
+    None
+}
+
+/// Where spans are held against the curve: between the points that they were made from.
+const CHECKED: [f64; 6] = [0.06, 0.22, 0.4, 0.57, 0.81, 0.95];
+
+/// The degree of the polynomials that give derivatives.
+const DEGREE: usize = 14;
+
+/// A polynomial's derivatives at the begin of the interval from 0 to 1.
+struct Differences {
+    /// Chebyshev's extreme points, from 0 to 1.
+    nodes: [f64; DEGREE + 1],
+    /// How much each of them adds to the first derivative, and to the second.
+    first: [f64; DEGREE + 1],
+    second: [f64; DEGREE + 1],
+}
+
+/// By the matrix of derivatives at these points (Trefethen, *Spectral Methods in MATLAB*, 6),
+/// whose square is that of second ones.
+static DIFFERENCES: LazyLock<Differences> = LazyLock::new(|| {
+    let angle = |k: usize| PI * k as f64 / DEGREE as f64;
+    let nodes: [f64; DEGREE + 1] = std::array::from_fn(|k| (0.5 * angle(k)).sin().powi(2));
+    let weight = |k: usize| {
+        let end = if k == 0 || k == DEGREE { 2.0 } else { 1.0 };
+        if k.is_multiple_of(2) { end } else { -end }
+    };
+    // x_i - x_j without cancellation.
+    let gap = |i: usize, j: usize| {
+        (0.5 * (angle(i) + angle(j))).sin() * (0.5 * (angle(i) - angle(j))).sin()
+    };
+    let mut matrix = [[0.0; DEGREE + 1]; DEGREE + 1];
+    for (i, row) in matrix.iter_mut().enumerate() {
+        for j in (0..=DEGREE).filter(|&j| j != i) {
+            row[j] = weight(i) / weight(j) / gap(i, j);
+        }
+        row[i] = -row.iter().sum::<f64>();
+    }
+    let second = |j: usize| (0..=DEGREE).map(|k| matrix[0][k] * matrix[k][j]).sum();
+    Differences {
+        nodes,
+        first: matrix[0],
+        second: std::array::from_fn(second),
+    }
+});
+
+/// The point and derivatives of a curve at both ends of a span.
+fn jets(at: &impl Fn(f64) -> DVec3, [a, b]: [f64; 2]) -> [Jet; 2] {
+    let rule = &*DIFFERENCES;
+    let length = b - a;
+    let points = rule.nodes.map(|node| at(a + node * length));
+    let jet = |points: [DVec3; DEGREE + 1], length: f64| {
+        let about = points[0];
+        let sum = |weights: &[f64]| -> DVec3 {
+            let terms = weights.iter().zip(&points);
+            terms
+                .map(|(&weight, &point)| weight * (point - about))
+                .sum()
+        };
+        [
+            about,
+            sum(&rule.first) / length,
+            sum(&rule.second) / (length * length),
+        ]
+    };
+    let mut back = points;
+    back.reverse();
+    [jet(points, length), jet(back, -length)]
+}
+
+/// The control points of the polynomial of degree five with given ends.
+fn bezier(length: f64, [a, b]: [Jet; 2]) -> [DVec3; 6] {
+    let [from, to] = [(a, length), (b, -length)].map(|(jet, h)| {
+        let [point, first, second] = jet;
+        let next = point + 0.2 * h * first;
+        [point, next, next + 0.2 * h * first + 0.05 * h * h * second]
+    });
+    [from[0], from[1], from[2], to[2], to[1], to[0]]
+}
+
+/// The point of a polynomial, by de Casteljau's algorithm.
+fn point(control: &[DVec3; 6], share: f64) -> DVec3 {
+    let mut points = *control;
+    for count in (1..points.len()).rev() {
+        for k in 0..count {
+            points[k] = points[k].lerp(points[k + 1], share);
+        }
+    }
+    points[0]
+}
+
+/// The control points of spans joined at triple knots: of the seven about a knot b between a
+/// and c the third and fifth, and between them the value of the polar form at (a, b, b, b, c)
+/// (Ramshaw, *Blossoms are polar forms*, 1989).
+fn joined_points(knots: &[f64], spans: &[[DVec3; 6]]) -> Vec<DVec3> {
+    let mut points = spans[0][..3].to_vec();
+    for (k, pair) in spans.windows(2).enumerate() {
+        let (before, after) = (&pair[0], &pair[1]);
+        let share = (knots[k + 2] - knots[k]) / (knots[k + 1] - knots[k]);
+        points.extend([before[3], before[3].lerp(before[4], share), after[2]]);
+    }
+    points.extend(&spans[spans.len() - 1][3..]);
+    points
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// By de Boor's algorithm.
+    pub fn value(spline: &Spline, u: f64) -> DVec3 {
+        let last = spline.knots.len() - 1;
+        let mut knots = Vec::new();
+        for (k, &knot) in spline.knots.iter().enumerate() {
+            knots.extend(vec![knot; if k == 0 || k == last { 6 } else { 3 }]);
+        }
+        let k = (5..spline.points.len())
+            .rfind(|&k| knots[k] <= u)
+            .unwrap_or(5);
+        let mut d: Vec<DVec3> = spline.points[k - 5..=k].to_vec();
+        for r in 1..=5 {
+            for j in (r..=5).rev() {
+                let (a, b) = (knots[j + k - 5], knots[j + 1 + k - r]);
+                d[j] = d[j - 1].lerp(d[j], (u - a) / (b - a));
+            }
+        }
+        d[5]
+    }
+
+    type Curve<'a> = &'a dyn Fn(f64) -> DVec3;
+
+    #[test]
+    fn splines_are_where_their_curves_are() {
+        // Viviani's curve, a sharp bend, and polynomials, which are met exactly.
+        let viviani = |t: f64| DVec3::new(t.cos().powi(2), t.cos() * t.sin(), t.sin());
+        let bend = |t: f64| DVec3::new(t, (1e-4 + t * t).sqrt(), 0.0);
+        let quintic = |t: f64| DVec3::new(t, t * t * t, t.powi(5) - t);
+        let curves: [(Curve<'_>, [f64; 2]); 3] = [
+            (&viviani, [0.0, 6.0]),
+            (&bend, [-1.0, 2.0]),
+            (&quintic, [-1.0, 1.0]),
+        ];
+        for (k, (curve, range)) in curves.into_iter().enumerate() {
+            let mut spans = Vec::new();
+            for tolerance in [1e-6, 1e-9] {
+                let spline = fit(curve, range, tolerance).expect("a spline");
+                assert_eq!(spline.points.len(), 3 * spline.knots.len());
+                for step in 0..=5000 {
+                    let u = f64::from(step) / 5000.0;
+                    let exact = curve(range[0] + u * (range[1] - range[0]));
+                    let off = value(&spline, u).distance(exact);
+                    assert!(off < 1.5 * tolerance, "{k}: {off} at {u}");
+                }
+                spans.push(spline.knots.len() - 1);
+            }
+            match k {
+                2 => assert_eq!(spans, [4, 4]),
+                // A thousandth of the error takes about three times as many.
+                _ => assert!(spans[1] < 5 * spans[0], "{spans:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn what_no_spline_follows_is_told() {
+        let noise = |t: f64| DVec3::splat((1e9 * t).sin());
+        assert!(fit(noise, [0.0, 1.0], 1e-9).is_none());
+    }
+}

@@ -1,0 +1,356 @@
+//! The surfaces of faces that were cut at seams.
+//!
+//! Poles and seams of the file's surfaces are put where the face is not: opposite of the
+//! direction from which it is seen.
+
+use csg::brep::{Edge, Face};
+use csg::{Placement, SurfaceShape};
+use glam::{DVec2, DVec3, DVec4};
+
+use super::text::{Entities, Flag, Id, List, Real, Reals};
+
+/// A surface, and whether its normal points out of the solid.
+pub(super) struct Written {
+    pub surface: Id,
+    pub is_outward: bool,
+}
+
+/// Writes the surface of a face; none if there is no way to.
+pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
+    let view = face.view();
+    Some(match face.surface().shape() {
+        SurfaceShape::Plane { point, .. } => {
+            let normal = face.normal(point);
+            let placement = to.placement(point, [normal, normal.any_orthonormal_vector()]);
+            Written {
+                surface: to.share(format_args!("PLANE('',{placement})")),
+                is_outward: true,
+            }
+        }
+        SurfaceShape::Sphere { center, radius } => {
+            let placement = to.placement(center, [view.any_orthonormal_vector(), -view]);
+            let radius = Real(radius);
+            Written {
+                surface: to.share(format_args!("SPHERICAL_SURFACE('',{placement},{radius})")),
+                is_outward: is_away(face, |p| p - center),
+            }
+        }
+        SurfaceShape::Cylinder {
+            point,
+            axis,
+            radius,
+        } => {
+            let placement = to.placement(point, [axis, -across(view, axis)]);
+            let radius = Real(radius);
+            Written {
+                surface: to.share(format_args!("CYLINDRICAL_SURFACE('',{placement},{radius})")),
+                is_outward: is_away(face, |p| (p - point).reject_from(axis)),
+            }
+        }
+        SurfaceShape::Cone {
+            point,
+            mut axis,
+            mut radius,
+            slope,
+        } => {
+            // Of both halves the one on which the face is has the positive radius.
+            let middle = 0.5
+                * face
+                    .points()
+                    .iter()
+                    .map(|p| radius + slope * (*p - point).dot(axis))
+                    .sum::<f64>();
+            if middle < 0.0 {
+                (axis, radius) = (-axis, -radius);
+            }
+            let mut origin = point;
+            if radius < 0.0 {
+                origin -= 2.0 * radius / slope * axis;
+                radius = -radius;
+            }
+            let placement = to.placement(origin, [axis, -across(view, axis)]);
+            let (radius, angle) = (Real(radius), Real(slope.atan()));
+            Written {
+                surface: to.share(format_args!(
+                    "CONICAL_SURFACE('',{placement},{radius},{angle})"
+                )),
+                is_outward: is_away(face, |p| (p - point).reject_from(axis)),
+            }
+        }
+        SurfaceShape::Ellipsoid { placement, radii } => stereographic(
+            to,
+            face,
+            &Scaled {
+                placement,
+                scales: radii,
+            },
+        ),
+        SurfaceShape::EllipticParaboloid { placement, bends } => paraboloid(
+            to,
+            face,
+            &Scaled {
+                placement,
+                scales: [1.0; 3],
+            },
+            bends,
+        ),
+        SurfaceShape::EllipticCylinder {
+            placement,
+            radii: [a, b],
+        } => {
+            let scaled = Scaled {
+                placement,
+                scales: [a, b, 1.0],
+            };
+            let [low, high] = scaled.range(face, |p| p.z);
+            let profile = [[1.0, low, 1.0], [1.0, high, 1.0]];
+            revolved(to, face, &scaled, &profile)
+        }
+        SurfaceShape::EllipticCone {
+            placement,
+            slopes: [a, b],
+        } => {
+            let scaled = Scaled {
+                placement,
+                scales: [a, b, 1.0],
+            };
+            let [low, high] = scaled.range(face, |p| p.z);
+            // One half of it, from the apex at most.
+            let [near, far] = if high > -low {
+                [low.max(0.0), high]
+            } else {
+                [high.min(0.0), low]
+            };
+            let profile = [near, far].map(|z| [z.abs(), z, 1.0]);
+            revolved(to, face, &scaled, &profile)
+        }
+        SurfaceShape::HyperboloidOneSheet { placement, radii } => {
+            let scaled = Scaled {
+                placement,
+                scales: radii,
+            };
+            let [low, high] = scaled.range(face, |p| p.z.asinh());
+            let [half, middle] = [0.5 * (high - low), 0.5 * (low + high)];
+            let profile = [
+                [low.cosh(), low.sinh(), 1.0],
+                [middle.cosh(), middle.sinh(), half.cosh()],
+                [high.cosh(), high.sinh(), 1.0],
+            ];
+            revolved(to, face, &scaled, &profile)
+        }
+        SurfaceShape::HyperboloidTwoSheets { placement, radii } => {
+            let scaled = Scaled {
+                placement,
+                scales: radii,
+            };
+            let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
+            let [_, high] = scaled.range(face, |p| p.z.abs().max(1.0).acosh());
+            let profile = [
+                [0.0, sign, 1.0],
+                [
+                    (0.5 * high).sinh(),
+                    sign * (0.5 * high).cosh(),
+                    (0.5 * high).cosh(),
+                ],
+                [high.sinh(), sign * high.cosh(), 1.0],
+            ];
+            revolved(to, face, &scaled, &profile)
+        }
+        _ => return None,
+    })
+}
+
+/// The part of a direction across an axis, of unit length.
+fn across(direction: DVec3, axis: DVec3) -> DVec3 {
+    let across = direction.reject_from(axis);
+    across
+        .try_normalize()
+        .unwrap_or_else(|| axis.any_orthonormal_vector())
+}
+
+/// Whether a vector leads out of the solid, where it is not 0, at points of a face.
+fn is_away(face: &Face<'_>, vector: impl Fn(DVec3) -> DVec3) -> bool {
+    let points = face.points().into_iter();
+    let along = points.map(|point| vector(point).dot(face.normal(point)));
+    along.sum::<f64>() > 0.0
+}
+
+/// Coordinates about a placement in which a surface has unit radii.
+struct Scaled {
+    placement: Placement,
+    scales: [f64; 3],
+}
+
+impl Scaled {
+    fn point(&self, p: DVec3) -> DVec3 {
+        let axes = self
+            .placement
+            .axes
+            .iter()
+            .zip(self.scales)
+            .zip(p.to_array());
+        let off: DVec3 = axes.map(|((&axis, scale), x)| x * scale * axis).sum();
+        self.placement.origin + off
+    }
+
+    fn coordinates(&self, point: DVec3) -> DVec3 {
+        let off = point - self.placement.origin;
+        let [x, y, z] = self.placement.axes;
+        DVec3::new(off.dot(x), off.dot(y), off.dot(z)) / DVec3::from(self.scales)
+    }
+
+    /// The coordinates of points around a face.
+    fn samples(&self, face: &Face<'_>) -> Vec<DVec3> {
+        const SAMPLES: u32 = 16;
+        let along = |edge: Edge<'_>| {
+            let [from, to] = edge.range();
+            let share = |k: u32| f64::from(k) / f64::from(SAMPLES);
+            let point = |k: u32| self.coordinates(edge.at(from + share(k) * (to - from)));
+            (0..=SAMPLES).map(point).collect::<Vec<_>>()
+        };
+        face.edges().flat_map(along).collect()
+    }
+
+    /// What a function of coordinates takes for values on a face, and somewhat more.
+    fn range(&self, face: &Face<'_>, value: impl Fn(DVec3) -> f64) -> [f64; 2] {
+        wider(self.samples(face).into_iter().map(value))
+    }
+
+    /// From which angle around z to which a face goes, and somewhat more: less than a half
+    /// turn, as seams are at right angles, as coordinates see them.
+    fn sector(&self, face: &Face<'_>) -> [f64; 2] {
+        let samples = self.samples(face);
+        let sum: DVec3 = samples.iter().sum();
+        let ahead = DVec2::new(sum.x, sum.y);
+        let farthest = samples.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
+        // On the axis there is no angle.
+        let off_axis = samples.iter().filter(|p| p.x.hypot(p.y) > 1e-6 * farthest);
+        let turns = off_axis.map(|p| ahead.angle_to(DVec2::new(p.x, p.y)));
+        wider(turns).map(|turn| ahead.to_angle() + turn)
+    }
+}
+
+/// The least and the greatest of some values, and a twentieth beyond.
+fn wider(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    let margin = 0.05 * (high - low);
+    [low - margin, high + margin]
+}
+
+/// A circle of unit radius from one angle to another as a rational polynomial of degree two:
+/// points times weights, and weights.
+fn arc([from, to]: [f64; 2]) -> [[f64; 3]; 3] {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    [
+        [from.cos(), from.sin(), 1.0],
+        [middle.cos(), middle.sin(), half.cos()],
+        [to.cos(), to.sin(), 1.0],
+    ]
+}
+
+/// A profile, by radius, height and weight, turned around the axis as far as the face goes.
+fn revolved(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, profile: &[[f64; 3]]) -> Written {
+    let arc = arc(scaled.sector(face));
+    let net: Vec<Vec<DVec4>> = arc
+        .iter()
+        .map(|[cos, sin, weight]| {
+            let row = profile.iter().map(|[radius, height, w]| {
+                DVec4::new(radius * cos, radius * sin, height * weight, w * weight)
+            });
+            row.collect()
+        })
+        .collect();
+    bezier(to, face, scaled, &net)
+}
+
+/// A part of a unit sphere, seen from the point opposite of the face's middle.
+fn stereographic(to: &mut Entities, face: &Face<'_>, scaled: &Scaled) -> Written {
+    let view = scaled
+        .coordinates(scaled.placement.origin + face.view())
+        .normalize_or_zero();
+    let (u, v) = view.any_orthonormal_pair();
+    let flat = |p: DVec3, axis: DVec3| p.dot(axis) / (1.0 + p.dot(view));
+    let [x0, x1] = scaled.range(face, |p| flat(p, u));
+    let [y0, y1] = scaled.range(face, |p| flat(p, v));
+    // Polar values of 2x u + 2y v + (1 - x² - y²) view over 1 + x² + y².
+    let net: Vec<Vec<DVec4>> = steps(x0, x1)
+        .iter()
+        .map(|&(x, xx)| {
+            let row = steps(y0, y1);
+            let row = row.iter().map(|&(y, yy)| {
+                let point = 2.0 * x * u + 2.0 * y * v + (1.0 - xx - yy) * view;
+                point.extend(1.0 + xx + yy)
+            });
+            row.collect()
+        })
+        .collect();
+    bezier(to, face, scaled, &net)
+}
+
+/// z = a x² + b y², whose x and y are its parameters.
+fn paraboloid(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, [a, b]: [f64; 2]) -> Written {
+    let [x0, x1] = scaled.range(face, |p| p.x);
+    let [y0, y1] = scaled.range(face, |p| p.y);
+    let net: Vec<Vec<DVec4>> = steps(x0, x1)
+        .iter()
+        .map(|&(x, xx)| {
+            let row = steps(y0, y1);
+            let row = row
+                .iter()
+                .map(|&(y, yy)| DVec4::new(x, y, a * xx + b * yy, 1.0));
+            row.collect()
+        })
+        .collect();
+    bezier(to, face, scaled, &net)
+}
+
+/// The polar values of x and x² between two places.
+fn steps(from: f64, to: f64) -> [(f64, f64); 3] {
+    [
+        (from, from * from),
+        (0.5 * (from + to), from * to),
+        (to, to * to),
+    ]
+}
+
+/// A rational polynomial surface, by points times weights, and weights.
+fn bezier(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, net: &[Vec<DVec4>]) -> Written {
+    let place = |p: &DVec4| scaled.point(p.truncate() / p.w);
+    let at: Vec<Vec<DVec3>> = net
+        .iter()
+        .map(|row| row.iter().map(place).collect())
+        .collect();
+    let (us, vs) = (net.len() - 1, net[0].len() - 1);
+    // At the corner without a pole, if there is one.
+    let (last, before) = (at[0][vs], at[0][vs - 1]);
+    let normal = (at[1][vs] - last).cross(last - before);
+    let rows: Vec<String> = at
+        .iter()
+        .map(|row| {
+            let ids: Vec<Id> = row.iter().map(|&point| to.point(point)).collect();
+            List(&ids).to_string()
+        })
+        .collect();
+    let weights: Vec<String> = net
+        .iter()
+        .map(|row| {
+            let weights: Vec<f64> = row.iter().map(|p| p.w).collect();
+            Reals(&weights).to_string()
+        })
+        .collect();
+    let (rows, weights) = (List(&rows), List(&weights));
+    let (u, v) = (us + 1, vs + 1);
+    let no = Flag(false);
+    let surface = to.add(format_args!(
+        "(BOUNDED_SURFACE()B_SPLINE_SURFACE({us},{vs},{rows},.UNSPECIFIED.,{no},{no},{no})\
+         B_SPLINE_SURFACE_WITH_KNOTS(({u},{u}),({v},{v}),(0.,1.),(0.,1.),.UNSPECIFIED.)\
+         GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE({weights})\
+         REPRESENTATION_ITEM('')SURFACE())"
+    ));
+    Written {
+        surface,
+        is_outward: normal.dot(face.normal(last)) > 0.0,
+    }
+}

@@ -1,0 +1,117 @@
+//! Shells, faces, loops, edges and vertices.
+
+use csg::brep::{Coedge, Edge, Face, Shell, Vertex};
+use rustc_hash::FxHashMap;
+
+use super::text::{Entities, Flag, Id, List, Quoted};
+use super::{curves, surfaces};
+use crate::Error;
+
+/// What was written of a boundary so far.
+#[derive(Debug, Default)]
+pub(super) struct Topology {
+    /// By the number of the vertex, edge or face.
+    vertices: FxHashMap<usize, Id>,
+    edges: FxHashMap<usize, Id>,
+    pub faces: FxHashMap<usize, Id>,
+}
+
+impl Topology {
+    /// The body within an outer shell and those of its voids.
+    pub fn body(
+        &mut self,
+        to: &mut Entities,
+        (name, shells): (&str, &[Shell<'_>]),
+        tolerance: f64,
+    ) -> Result<Id, Error> {
+        let mut written = Vec::new();
+        for shell in shells {
+            let mut faces = Vec::new();
+            for face in shell.faces() {
+                let id = self.face(to, &face, tolerance)?;
+                self.faces.insert(face.id().index(), id);
+                faces.push(id);
+            }
+            written.push(to.add(format_args!("CLOSED_SHELL('',{})", List(&faces))));
+        }
+        let (name, outer) = (Quoted(name), written[0]);
+        if written.len() == 1 {
+            return Ok(to.add(format_args!("MANIFOLD_SOLID_BREP({name},{outer})")));
+        }
+        let voids: Vec<Id> = written[1..]
+            .iter()
+            .map(|shell| to.add(format_args!("ORIENTED_CLOSED_SHELL('',*,{shell},.T.)")))
+            .collect();
+        let voids = List(&voids);
+        Ok(to.add(format_args!("BREP_WITH_VOIDS({name},{outer},{voids})")))
+    }
+
+    fn face(&mut self, to: &mut Entities, face: &Face<'_>, tolerance: f64) -> Result<Id, Error> {
+        let surface = surfaces::write(to, face).ok_or_else(|| Error::NotInStep {
+            problem: format!(
+                "no way to write the surface {} is known; it comes from {}",
+                face.surface(),
+                face.origin().kind
+            ),
+        })?;
+        let mut bounds = Vec::new();
+        for (index, around) in face.loops().enumerate() {
+            let mut sides = Vec::new();
+            for coedge in around.coedges() {
+                let edge = self.edge(to, &coedge, tolerance)?;
+                let along = Flag(coedge.is_forward());
+                sides.push(to.add(format_args!("ORIENTED_EDGE('',*,*,{edge},{along})")));
+            }
+            let around = to.add(format_args!("EDGE_LOOP('',{})", List(&sides)));
+            let kind = if index == 0 {
+                "FACE_OUTER_BOUND"
+            } else {
+                "FACE_BOUND"
+            };
+            bounds.push(to.add(format_args!("{kind}('',{around},.T.)")));
+        }
+        let name = Quoted(face.origin().name.as_deref().unwrap_or_default()).to_string();
+        let (bounds, surface, same) = (List(&bounds), surface.surface, Flag(surface.is_outward));
+        Ok(to.add(format_args!(
+            "ADVANCED_FACE({name},{bounds},{surface},{same})"
+        )))
+    }
+
+    fn edge(&mut self, to: &mut Entities, side: &Coedge<'_>, tolerance: f64) -> Result<Id, Error> {
+        let edge = side.edge();
+        if let Some(&id) = self.edges.get(&edge.id().index()) {
+            return Ok(id);
+        }
+        let curve = curves::write(to, &edge, tolerance).ok_or_else(|| {
+            let [from, until] = edge.range();
+            let at = edge.at(0.5 * (from + until));
+            Error::NotInStep {
+                problem: format!(
+                    "no B-spline within {tolerance} of the edge around {at} was found: \
+                     allow a larger tolerance"
+                ),
+            }
+        })?;
+        let [from, until] = match edge.vertices() {
+            Some(ends) => ends.map(|end| self.vertex(to, &end)),
+            None => {
+                let point = to.point(start(&edge));
+                [to.add(format_args!("VERTEX_POINT('',{point})")); 2]
+            }
+        };
+        let id = to.add(format_args!("EDGE_CURVE('',{from},{until},{curve},.T.)"));
+        self.edges.insert(edge.id().index(), id);
+        Ok(id)
+    }
+
+    fn vertex(&mut self, to: &mut Entities, vertex: &Vertex<'_>) -> Id {
+        *self.vertices.entry(vertex.id().index()).or_insert_with(|| {
+            let point = to.point(vertex.point());
+            to.add(format_args!("VERTEX_POINT('',{point})"))
+        })
+    }
+}
+
+fn start(edge: &Edge<'_>) -> glam::DVec3 {
+    edge.at(edge.range()[0])
+}

@@ -1,0 +1,226 @@
+//! STEP files as Open CASCADE, an independent program, reads them: shapes are valid and
+//! closed, as many solids as there are bodies, and their volume is the boundary's own.
+#![allow(missing_docs, reason = "a test")]
+
+#[path = "manifold3d/python.rs"]
+mod python;
+mod step {
+    pub mod script;
+}
+#[path = "meshing/random.rs"]
+#[allow(dead_code, reason = "shared")]
+mod random;
+
+use std::path::{Path, PathBuf};
+
+use python::python;
+use step::script::{Read, Script};
+use stereotomy::csg::brep::CurveShape;
+use stereotomy::csg::glam::{DVec3, dvec3};
+use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Program, Solid};
+use stereotomy::io::scene::{self, read_file};
+use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
+
+/// Shapes that Open CASCADE does not call valid, and why. All else holds of them, too.
+const NOT_VALID: [(&str, &str); 2] = [
+    (
+        "prism-out-of-a-cylinder",
+        "walls touch along lines within a face, which is slit there: both sides of a slit \
+         are edges at the same place",
+    ),
+    (
+        "slit-kinked-by-rounding",
+        "the same: surfaces touch along a curve within a face",
+    ),
+];
+
+fn start() -> Script {
+    let required = include_str!("step/requirements.txt");
+    Script::start(&python("open_cascade", required))
+}
+
+fn boundary(solid: &Solid) -> Brep {
+    let program = Program::lower(solid).expect("a valid solid");
+    let options = BoundaryOptions::new().cut_at_seams();
+    program.boundary(&options).expect("a boundary")
+}
+
+/// Writes a boundary to a file and reads it back.
+fn read_back(script: &mut Script, brep: &Brep, options: &StepOptions) -> Read {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.step");
+    write_step_file(&path, brep, options).unwrap_or_else(|e| panic!("{}: {e}", options.name));
+    script.read(&path)
+}
+
+/// Whether a boundary is not empty and read back as it is.
+fn check(script: &mut Script, name: &str, solid: &Solid) -> bool {
+    let brep = boundary(solid);
+    if brep.is_empty() {
+        return false;
+    }
+    let found = read_back(script, &brep, &StepOptions::default().name(name));
+    let is_known = NOT_VALID.iter().any(|(known, _)| *known == name);
+    assert_eq!(found.is_valid, !is_known, "{name}: valid");
+    assert!(found.is_closed, "{name}: not closed");
+    let mut shells: Vec<usize> = brep.bodies().iter().map(Vec::len).collect();
+    let mut found_shells: Vec<usize> = found.solids.iter().map(|s| s.shells).collect();
+    shells.sort_unstable();
+    found_shells.sort_unstable();
+    assert_eq!(found_shells, shells, "{name}: shells of solids");
+    assert_eq!(found.faces.len(), brep.faces().len(), "{name}: faces");
+    assert_eq!(found.products, [name]);
+    let measure = brep.measure();
+    let volume = measure.volume.value;
+    let is_quartic = |shape: CurveShape| matches!(shape, CurveShape::Quartic);
+    let has_quartics = brep.edges().any(|edge| is_quartic(edge.curve()));
+    // B-splines stray from curves by 1e-9 of the solid's size at most.
+    let points = || brep.vertices().map(|vertex| vertex.point());
+    let low = points().reduce(DVec3::min).expect("a vertex");
+    let high = points().reduce(DVec3::max).expect("a vertex");
+    let stray = 1e-9 * low.distance(high) * measure.area.value;
+    let off = (found.volume - volume).abs();
+    let allowed = 1e-9 * volume + if has_quartics { stray } else { 0.0 };
+    assert!(
+        off <= allowed,
+        "{name}: volume {volume}, read back {}: {off:e} off",
+        found.volume
+    );
+    println!(
+        "{name:40} valid {:5} quartics {has_quartics:5} volume off by {:.1e} of it",
+        found.is_valid,
+        off / volume
+    );
+    true
+}
+
+fn scenes(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let mut paths: Vec<PathBuf> = paths
+        .filter(|path| path.extension().is_some_and(|e| e == "csg"))
+        .collect();
+    paths.sort();
+    paths
+}
+
+#[test]
+fn models_are_read_back() {
+    let mut script = start();
+    let paths = [scenes("models"), scenes("models/hard")].concat();
+    assert!(paths.len() > 60);
+    for path in paths {
+        let name = path.file_stem().expect("a name").to_string_lossy();
+        let read = read_file(&path, &scene::ReadOptions::default()).expect("a scene");
+        assert!(check(&mut script, &name, &read.solid), "{name} is empty");
+    }
+}
+
+#[test]
+fn random_solids_are_read_back() {
+    let mut script = start();
+    let solids = (0..60).map(|seed| (seed, random::Random::new(seed).solid()));
+    let read = solids.filter(|(seed, solid)| check(&mut script, &format!("random-{seed}"), solid));
+    assert!(read.count() >= 50);
+}
+
+/// One of each surface that is no plane, turned and cut by a plane.
+#[test]
+fn every_kind_of_surface_is_read_back() {
+    let mut script = start();
+    let within = || Solid::cuboid([1.9, 2.1, 1.8]);
+    let solids = [
+        ("ellipsoid", Solid::ellipsoid([0.7, 0.8, 0.9])),
+        ("spheroid", Solid::ellipsoid([0.8, 0.8, 0.4])),
+        (
+            "elliptic cylinder",
+            Solid::elliptic_cylinder([0.5, 0.9], -2.0..2.0),
+        ),
+        (
+            "elliptic cone",
+            Solid::infinite_cone(0.5).scale_xyz([1.0, 1.5, 1.0]) & within(),
+        ),
+        (
+            "hyperboloid of one sheet",
+            Solid::hyperboloid_one_sheet([0.4, 0.6, 0.5]) & within(),
+        ),
+        (
+            "hyperboloid of two sheets",
+            Solid::hyperboloid_two_sheets([0.4, 0.6, 0.5]) & within(),
+        ),
+        ("paraboloid", Solid::paraboloid([0.8, 1.1]) & within()),
+        ("cone", Solid::cone(0.8, -0.7..0.9)),
+        ("frustum", Solid::frustum(0.8, 0.4, -0.7..0.9)),
+    ];
+    for (name, solid) in solids {
+        let turned = solid.rotate_xyz(0.4, 0.5, 0.6).translate([0.1, 0.2, 0.3]);
+        assert!(
+            check(&mut script, name, &(turned.clone() & within())),
+            "{name}"
+        );
+        assert!(check(&mut script, name, &(within() - turned)), "{name}");
+    }
+}
+
+#[test]
+fn names_and_colors_are_read_back() {
+    let mut script = start();
+    let steel = Color::from_srgb([0.5, 0.25, 0.75]);
+    let brass = Color::from_srgb([1.0, 0.5, 0.0]).with_alpha(0.5);
+    let block = Solid::cube(2.0).named("block").colored(steel);
+    let bore = Solid::cylinder(0.5, -2.0..2.0)
+        .named("bore's wall")
+        .colored(brass);
+    let ball = Solid::sphere(0.5).named("ball").colored(brass);
+    let brep = boundary(&((block - bore) | ball.translate([3.0, 0.0, 0.0])));
+    for schema in [StepSchema::Ap242, StepSchema::Ap214] {
+        let options = StepOptions::default()
+            .name("It's a Müll\\er 🔩")
+            .schema(schema);
+        let found = read_back(&mut script, &brep, &options);
+        assert_eq!(found.products, [options.name.as_str()]);
+        let mut solids: Vec<_> = found.solids.iter().map(|s| s.name.as_str()).collect();
+        solids.sort_unstable();
+        assert_eq!(solids.len(), 2);
+        assert!(solids.contains(&"ball"));
+        let close = |found: Option<[f64; 3]>, color: Color| {
+            let wanted = color.to_srgb().map(f64::from);
+            found.is_some_and(|found| {
+                let off = found.iter().zip(wanted).map(|(a, b)| (a - b).abs());
+                off.fold(0.0, f64::max) < 1e-5
+            })
+        };
+        let ball = found.solids.iter().find(|solid| solid.name == "ball");
+        assert!(close(ball.expect("the ball").color, brass));
+        let count = |name: &str, color| {
+            let of = |face: &&step::script::Face| face.name == name && close(face.color, color);
+            found.faces.iter().filter(of).count()
+        };
+        assert_eq!(count("block", steel), 6);
+        assert_eq!(count("bore's wall", brass), 4);
+    }
+}
+
+#[test]
+fn units_are_read_back() {
+    let mut script = start();
+    let solid = Solid::cuboid_between([0.0; 3], dvec3(1.0, 2.0, 3.0));
+    let brep = boundary(&solid);
+    for (unit, millimetres) in [
+        (LengthUnit::Micrometre, 1e-3),
+        (LengthUnit::Millimetre, 1.0),
+        (LengthUnit::Centimetre, 10.0),
+        (LengthUnit::Metre, 1e3),
+        (LengthUnit::Inch, 25.4),
+        (LengthUnit::Foot, 304.8),
+    ] {
+        let found = read_back(&mut script, &brep, &StepOptions::default().unit(unit));
+        let wanted = 6.0 * f64::powi(millimetres, 3);
+        assert!(
+            (found.volume - wanted).abs() < 1e-12 * wanted,
+            "{unit:?}: {}",
+            found.volume
+        );
+    }
+}

@@ -1,0 +1,103 @@
+//! Questions to Open CASCADE.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use serde_json::{Value, json};
+
+/// What was read of a STEP file.
+pub struct Read {
+    pub is_valid: bool,
+    pub is_closed: bool,
+    pub products: Vec<String>,
+    pub solids: Vec<Body>,
+    pub faces: Vec<Face>,
+    /// With images of edges on surfaces through more points than the reader's own.
+    pub volume: f64,
+}
+
+pub struct Body {
+    pub name: String,
+    pub shells: usize,
+    pub color: Option<[f64; 3]>,
+}
+
+pub struct Face {
+    pub name: String,
+    pub color: Option<[f64; 3]>,
+}
+
+/// `occ.py`, running: it answers one line of JSON by another.
+pub struct Script {
+    child: Child,
+    questions: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Script {
+    /// By a Python with the packages of `requirements.txt`.
+    pub fn start(python: &Path) -> Self {
+        let mut child = Command::new(python)
+            .args(["-c", include_str!("occ.py")])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::inherit())
+            .spawn()
+            .unwrap_or_else(|error| panic!("{} does not run: {error}", python.display()));
+        Self {
+            questions: child.stdin.take().expect("its input"),
+            answers: BufReader::new(child.stdout.take().expect("its output")),
+            child,
+        }
+    }
+
+    /// Reads a STEP file.
+    pub fn read(&mut self, path: &Path) -> Read {
+        writeln!(self.questions, "{}", json!({ "path": path })).expect("the script reads");
+        let mut line = String::new();
+        self.answers
+            .read_line(&mut line)
+            .expect("the script writes");
+        let said: Value = serde_json::from_str(&line)
+            .unwrap_or_else(|_| panic!("the script gave up on {}", path.display()));
+        assert!(said["problem"].is_null(), "{}", said["problem"]);
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let all = |name: &str| said[name].as_array().expect("a list").clone();
+        Read {
+            is_valid: said["valid"].as_bool().expect("a verdict"),
+            is_closed: said["closed"].as_bool().expect("a verdict"),
+            products: all("products").iter().map(text).collect(),
+            solids: all("solids")
+                .iter()
+                .map(|solid| Body {
+                    name: text(&solid["name"]),
+                    shells: solid["shells"].as_u64().expect("a number") as usize,
+                    color: color(&solid["color"]),
+                })
+                .collect(),
+            faces: all("faces")
+                .iter()
+                .map(|face| Face {
+                    name: text(&face["name"]),
+                    color: color(&face["color"]),
+                })
+                .collect(),
+            volume: said["volume"].as_f64().expect("a number"),
+        }
+    }
+}
+
+fn color(value: &Value) -> Option<[f64; 3]> {
+    let rgb = value.as_array()?;
+    let rgb: Vec<f64> = rgb.iter().filter_map(Value::as_f64).collect();
+    rgb.try_into().ok()
+}
+
+impl Drop for Script {
+    fn drop(&mut self) {
+        // It only waits for more questions.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
