@@ -50,7 +50,7 @@ fn read_back(script: &mut Script, brep: &Brep, options: &StepOptions) -> Read {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("part.step");
     write_step_file(&path, brep, options).unwrap_or_else(|e| panic!("{}: {e}", options.name));
-    script.read(&path)
+    script.read(&path, brep.faces().len() < 100)
 }
 
 /// Whether a boundary is not empty and read back as it is.

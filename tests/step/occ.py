@@ -102,7 +102,8 @@ def color_of(colors, shape):
     return list(color.Values(Quantity_TOC_sRGB))
 
 
-def read(path):
+def read(path, of_faces):
+    """What is in a file. To find a face's name and colour takes as long as there are faces."""
     document = TDocStd_Document(TCollection_ExtendedString("MDTV-XCAF"))
     with_colors = STEPCAFControl_Reader()
     with_colors.SetNameMode(True)
@@ -117,10 +118,6 @@ def read(path):
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(main).GetFreeShapes(roots)
     colors = XCAFDoc_DocumentTool.ColorTool_s(main)
-    # Asking for a face's takes as long as there are faces.
-    known = Sequence_TDF_Label()
-    colors.GetColors(known)
-    has_colors = known.Length() > 0
     names = []
     for label in roots:
         name = TDataStd_Name()
@@ -130,12 +127,12 @@ def read(path):
         {
             "name": written(reader, solid),
             "shells": len(list(all_of(solid, TopAbs_SHELL))),
-            "color": color_of(colors, solid) if has_colors else None,
+            "color": color_of(colors, solid),
         }
         for solid in all_of(shape, TopAbs_SOLID)
     ]
     faces = [
-        {"name": written(reader, face), "color": color_of(colors, face) if has_colors else None}
+        {"name": written(reader, face), "color": color_of(colors, face)} if of_faces else {}
         for face in all_of(shape, TopAbs_FACE)
     ]
     closed = [BRep_Tool.IsClosed_s(shell) for shell in all_of(shape, TopAbs_SHELL)]
@@ -155,4 +152,4 @@ def read(path):
 answers = os.fdopen(os.dup(1), "w")
 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 for line in sys.stdin:
-    print(json.dumps(read(json.loads(line)["path"])), file=answers, flush=True)
+    print(json.dumps(read(**json.loads(line))), file=answers, flush=True)

@@ -52,9 +52,10 @@ impl Script {
         }
     }
 
-    /// Reads a STEP file.
-    pub fn read(&mut self, path: &Path) -> Read {
-        writeln!(self.questions, "{}", json!({ "path": path })).expect("the script reads");
+    /// Reads a STEP file, and the names and colours of faces if asked to.
+    pub fn read(&mut self, path: &Path, of_faces: bool) -> Read {
+        let question = json!({ "path": path, "of_faces": of_faces });
+        writeln!(self.questions, "{question}").expect("the script reads");
         let mut line = String::new();
         self.answers
             .read_line(&mut line)
