@@ -3,16 +3,19 @@
 use std::ffi::CString;
 use std::path::PathBuf;
 
+use csg::{BoundaryOptions, Program};
 use io::scene::{ReadOptions, Scene};
+use io::step::StepOptions;
 use io::{MeshFormat, WriteOptions};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::{FileError, of_file, of_scene};
+use crate::errors::{FileError, of_file, of_model, of_scene};
 use crate::mesh::PyMesh;
 use crate::solid::PySolid;
-use crate::waiting::wait_out;
+use crate::unit;
+use crate::waiting::{Follow, wait, wait_out};
 
 pub(crate) fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(load, module)?)?;
@@ -103,9 +106,10 @@ impl PySolid {
         text.map_err(|error| FileError::new_err(error.to_string()))
     }
 
-    /// Writes the solid to a file, by its extension: an OpenSCAD tree (.csg), or the mesh
-    /// that the options of `mesh` give (.glb, .gltf, .obj, .stl, .ply, .off, .3mf). The file
-    /// is replaced whole or not at all.
+    /// Writes the solid to a file, by its extension: an OpenSCAD tree (.csg), its exact
+    /// boundary for CAD systems (.step, .stp; of the options `unit` alone), or the mesh that
+    /// the options of `mesh` give (.glb, .gltf, .obj, .stl, .ply, .off, .3mf). The file is
+    /// replaced whole or not at all.
     #[pyo3(signature = (path, **options))]
     fn save(
         &self,
@@ -128,9 +132,44 @@ impl PySolid {
             })?
             .map_err(of_file);
         }
+        if io::step::is_step(&path) {
+            return self.save_step(py, path, options);
+        }
         // Before minutes of meshing.
         MeshFormat::from_path(&path).map_err(of_file)?;
         self.mesh(py, options)?.save(py, path, false)
+    }
+}
+
+impl PySolid {
+    /// Writes a STEP file; the product's name is the file's.
+    fn save_step(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let mut step = StepOptions::default().name(name);
+        for (name, value) in options.into_iter().flatten() {
+            if name.extract::<&str>()? != "unit" {
+                return Err(FileError::new_err(format!(
+                    "{}: an exact boundary is not meshed: leave out {name}",
+                    path.display()
+                )));
+            }
+            step = step.unit(unit::named(value.extract()?)?);
+        }
+        let follow = Follow::default();
+        let boundary = BoundaryOptions::new()
+            .cut_at_seams()
+            .cancel_token(follow.cancel.clone());
+        let solid = self.0.clone();
+        let brep = wait(py, &follow, move || {
+            Program::lower(&solid)?.boundary(&boundary)
+        })?;
+        let brep = brep.map_err(of_model)?;
+        wait_out(py, move || io::step::write_step_file(path, &brep, &step))?.map_err(of_file)
     }
 }
 

@@ -28,6 +28,17 @@ def test_3mf_is_written(tmp_path: pathlib.Path) -> None:
         st.load_mesh(path)
 
 
+def test_step_has_the_exact_boundary(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "flange.step"
+    scenes.flange().save(path, unit="in")
+    text = path.read_text()
+    assert text.startswith("ISO-10303-21;") and "CYLINDRICAL_SURFACE" in text
+    assert "MANIFOLD_SOLID_BREP('flange'" in text and "'INCH'" in text
+    with pytest.raises(st.FileError, match="not meshed: leave out tolerance"):
+        scenes.flange().save(path, tolerance=1e-3)
+    assert path.read_text() == text
+
+
 def test_scenes_come_back(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "drilled.csg"
     scenes.drilled().save(path)
