@@ -27,17 +27,17 @@ macro_rules! ids {
 }
 
 ids! {
-    /// Names a [`Shell`] of a [`Brep`].
+    /// Names a [`crate::brep::Shell`] of a [`Brep`].
     ShellId
-    /// Names a [`Face`] of a [`Brep`].
+    /// Names a [`crate::brep::Face`] of a [`Brep`].
     FaceId
-    /// Names a [`Loop`] of a [`Brep`].
+    /// Names a [`crate::brep::Loop`] of a [`Brep`].
     LoopId
-    /// Names a [`Coedge`] of a [`Brep`].
+    /// Names a [`crate::brep::Coedge`] of a [`Brep`].
     CoedgeId
-    /// Names an [`Edge`] of a [`Brep`].
+    /// Names an [`crate::brep::Edge`] of a [`Brep`].
     EdgeId
-    /// Names a [`Vertex`] of a [`Brep`].
+    /// Names a [`crate::brep::Vertex`] of a [`Brep`].
     VertexId
 }
 
