@@ -41,12 +41,12 @@
 //! mend it; nothing is silently wrong. `ARCHITECTURE.md` in the repository tells how it works.
 
 mod adapt;
+mod arrangement;
 pub mod brep;
 pub mod color;
 mod control;
 mod draft;
 mod error;
-mod evaluation;
 mod finish;
 mod limits;
 mod machine;
@@ -57,7 +57,6 @@ mod pages;
 pub mod program;
 #[cfg(test)]
 mod random;
-mod refine;
 mod report;
 mod section;
 mod settling;
@@ -66,6 +65,7 @@ pub mod solid;
 mod surface;
 mod surface_nets;
 mod task;
+mod tessellate;
 mod undecided;
 mod verify;
 

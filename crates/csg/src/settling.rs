@@ -1,7 +1,7 @@
 //! The ways to move surfaces before a boundary is evaluated, so that it can be.
 
+use crate::arrangement;
 use crate::error::Error;
-use crate::evaluation;
 use crate::program::{Bounds, Program, Settled};
 use crate::report::{Moved, Report};
 
@@ -32,9 +32,9 @@ impl Settling {
     /// The series of chords that are tried.
     pub fn chords(self) -> &'static [&'static [f64]] {
         const ALL: [&[f64]; 3] = [
-            &evaluation::LONG_CHORDS,
-            &evaluation::SHORT_CHORDS,
-            &evaluation::SHORTEST_CHORDS,
+            &arrangement::LONG_CHORDS,
+            &arrangement::SHORT_CHORDS,
+            &arrangement::SHORTEST_CHORDS,
         ];
         match self {
             Self::Merged => &ALL,
@@ -56,7 +56,7 @@ impl Prepared {
         unseen: f64,
     ) -> Result<Option<Self>, Error> {
         let size = bounds.size();
-        let unresolved = evaluation::unresolved(program) * size.max_element();
+        let unresolved = arrangement::unresolved(program) * size.max_element();
         let ball = (bounds.center(), 0.5 * size.length());
         let merged = || program.merged(ball, unresolved.min(unseen), unseen);
         let settled = match settling {
@@ -85,7 +85,7 @@ impl Prepared {
     /// What is told of the moves: what was moved by less than rounding moves it is where it
     /// was.
     pub fn told(&self, bounds: &Bounds) -> Option<Moved> {
-        let rounding = evaluation::rounding(bounds.center(), bounds.size().max_element());
+        let rounding = arrangement::rounding(bounds.center(), bounds.size().max_element());
         let moved = self.0.as_ref().filter(|settled| settled.moved > rounding);
         moved.map(|settled| Moved {
             merged: settled.merged,

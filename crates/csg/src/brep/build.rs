@@ -9,7 +9,7 @@ use super::data::{
 };
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
-use crate::evaluation::{Arrangement, CurveId, Side};
+use crate::arrangement::{Arrangement, CurveId, Side};
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::evaluation::{Frame, Side};
+use crate::arrangement::{Frame, Side};
 use crate::program::Surface;
 
 /// Coordinates in which a patch of a surface is a graph.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::evaluation::Curve;
+use crate::arrangement::Curve;
 
 /// A curve as a function of a parameter t, in model units.
 #[derive(Clone, Copy, Debug, PartialEq)]

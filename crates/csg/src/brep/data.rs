@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::evaluation::{Curve, Frame, Side};
+use crate::arrangement::{Curve, Frame, Side};
 use crate::program::{Origin, Surface};
 use crate::report::Moved;
 

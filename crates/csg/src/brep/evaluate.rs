@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::build::build;
 use super::data::Brep;
+use crate::arrangement;
 use crate::control::{Caller, CancelToken, Control};
 use crate::error::Error;
-use crate::evaluation;
 use crate::limits::{Demand, Limits};
 use crate::program::{Bounds, Program};
 use crate::report::Report;
@@ -90,7 +90,7 @@ impl Program {
         }
         let control = Control::start(&options.caller, options.limits, Demand::ExactBoundary);
         control.check()?;
-        let bounds = if evaluation::is_polyhedral(self) {
+        let bounds = if arrangement::is_polyhedral(self) {
             self.loose_bounds()?
         } else {
             self.bounds()?
@@ -134,7 +134,7 @@ fn evaluated(
 ) -> Result<Result<Brep, Undecided>, Error> {
     let task = Task::new(program, bounds, 0.0, control);
     let mut report = Report::default();
-    let arrangement = match evaluation::arrangement(&task, &mut report)? {
+    let arrangement = match arrangement::arrangement(&task, &mut report)? {
         Ok(arrangement) => arrangement,
         Err(undecided) => return Ok(Err(undecided)),
     };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::evaluation::{Arrangement, HalfEdge};
+use crate::arrangement::{Arrangement, HalfEdge};
 
 /// No half-edge.
 const NONE: u32 = u32::MAX;

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashSet;
 
 use super::chart::Chart;
-use crate::evaluation::{Arrangement, Curve};
+use crate::arrangement::{Arrangement, Curve};
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 

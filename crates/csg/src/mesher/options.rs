@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use crate::arrangement;
 use crate::control::{Caller, CancelToken};
 use crate::error::Error;
-use crate::evaluation;
 use crate::limits::Limits;
 use crate::mesh::LengthUnit;
 use crate::program::{Bounds, Program};
-use crate::refine::Goal;
+use crate::tessellate::Goal;
 
 /// The most cells along one axis: indices and patience end there.
 pub const MAX_CELLS: u32 = 1 << 16;
@@ -235,7 +235,7 @@ impl Mesher {
             || self.smallest_feature.is_some()
             || self.tolerance.is_some()
             || self.bounds.is_some();
-        if is_sized || matches!(self.method, Method::Draft) || evaluation::is_polyhedral(program) {
+        if is_sized || matches!(self.method, Method::Draft) || arrangement::is_polyhedral(program) {
             return Ok(None);
         }
         let size = program
@@ -281,7 +281,7 @@ impl Mesher {
         matches!(self.method, Method::Exact)
             && self.resolution.is_none()
             && self.bounds.is_none()
-            && evaluation::is_polyhedral(program)
+            && arrangement::is_polyhedral(program)
     }
 
     /// The size below which cells are not split, if they are adaptive.

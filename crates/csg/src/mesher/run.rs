@@ -12,20 +12,20 @@ use rayon::prelude::*;
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::options::{Mesher, Method};
 use crate::adapt;
+use crate::arrangement::{self, Borders, Evaluated};
 use crate::control::Control;
 use crate::draft;
 use crate::error::Error;
-use crate::evaluation::{self, Borders, Evaluated};
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::{HELD, MAPPED, NEAR};
 use crate::program::{Bounds, Program};
-use crate::refine::{Goal, Unkept};
 use crate::report::Report;
 use crate::settling::Settling;
 use crate::surface_nets;
 use crate::task::Task;
+use crate::tessellate::{Goal, Unkept};
 use crate::verify;
 
 /// Bytes that the check of a mesh needs for each triangle, while it runs.
@@ -203,7 +203,7 @@ impl<'a> Run<'a> {
         };
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let least = MAPPED * farthest;
-        if goal.tolerance < least && !evaluation::is_polyhedral(self.program) {
+        if goal.tolerance < least && !arrangement::is_polyhedral(self.program) {
             return Err(Error::InvalidOption(format!(
                 "a tolerance of {:e}: coordinates of up to {farthest} are rounded by more; \
                  give at least {least:.1e}, or move the solid to the origin",
@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
                 continue;
             };
             let task = Task::new(settled.program(self.program), loose, 0.0, &control);
-            let mut mesh = match evaluation::mesh(&task, &[], &mut attempt)? {
+            let mut mesh = match arrangement::mesh(&task, &[], &mut attempt)? {
                 Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => continue,
                 Ok(Evaluated { mesh, .. }) => mesh,
                 Err(undecided) => {
@@ -379,7 +379,7 @@ impl<'a> Run<'a> {
         let Some(goal) = &self.goal else {
             return Ok(None);
         };
-        let is_tried = evaluation::is_polyhedral(self.program);
+        let is_tried = arrangement::is_polyhedral(self.program);
         if self.smallest.is_none() || self.mesher.bounds.is_some() || is_tried {
             return Ok(None);
         }
@@ -404,7 +404,7 @@ impl<'a> Run<'a> {
             for &turns in settling.chords() {
                 let mut attempt = settled_report.clone();
                 attempt.method = "boundary";
-                let made = evaluation::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
+                let made = arrangement::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
                     let Evaluated { mut mesh, borders } = match evaluated {
                         Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => {
                             return Ok(None);

@@ -181,7 +181,7 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::evaluation::random_quadric;
+    use crate::arrangement::random_quadric;
     use crate::random::Random;
     use crate::solid::Solid;
 

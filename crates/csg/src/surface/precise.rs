@@ -81,7 +81,7 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::random_quadric;
+    use crate::arrangement::random_quadric;
     use crate::random::Random;
 
     #[test]

@@ -33,14 +33,14 @@ const ROOMS: [(&str, &str); 26] = [
     ("program", "the tree lowered: surfaces and a formula"),
     ("report", "what was done for a mesh"),
     ("task", "what the ways of meshing are handed"),
-    ("evaluation", "the exact boundary"),
+    ("arrangement", "the exact boundary"),
     (
         "settling",
         "surfaces moved so that a boundary can be evaluated",
     ),
     ("brep", "the exact boundary as faces, edges and vertices"),
     (
-        "refine",
+        "tessellate",
         "a mesh of the right topology brought to a tolerance",
     ),
     ("surface_nets", "meshes by a lattice"),

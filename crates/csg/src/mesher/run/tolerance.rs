@@ -6,15 +6,15 @@ use std::time::Instant;
 use rustc_hash::FxHashMap;
 
 use super::Run;
+use crate::arrangement::Borders;
 use crate::error::Error;
-use crate::evaluation::Borders;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
-use crate::refine::{self, Goal, Outcome, Parting, Surfaced, Unkept};
 use crate::report::Report;
 use crate::task::Task;
+use crate::tessellate::{self, Goal, Outcome, Parting, Surfaced, Unkept};
 
 /// A mesh brought to a tolerance.
 struct Refined {
@@ -92,7 +92,8 @@ impl Run<'_> {
         let control = self.control.again(Demand::Tolerance(goal.tolerance));
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
-            let mut outcome = refine::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
+            let mut outcome =
+                tessellate::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
             if self.mesher.check {
                 self.separate(&mut surfaced, &mut outcome, task, goal)?;
             }
@@ -161,7 +162,7 @@ impl Run<'_> {
             (*surfaced, *outcome, wrong) = before.clone();
             for _ in 0..MOST_ROUNDS {
                 self.control.check()?;
-                if !refine::separate(surfaced, &task.surfaces, goal, &wrong, parting, outcome) {
+                if !tessellate::separate(surfaced, &task.surfaces, goal, &wrong, parting, outcome) {
                     break;
                 }
                 wrong = wrong_triangles(surfaced, task);
@@ -230,7 +231,7 @@ fn wrong_triangles(surfaced: &Surfaced, task: &Task<'_>) -> Vec<[u32; 2]> {
         ..Mesh::default()
     };
     let mut wrong = mesh.self_intersections();
-    let folded = refine::folded(surfaced, &task.surfaces).into_iter();
+    let folded = tessellate::folded(surfaced, &task.surfaces).into_iter();
     wrong.extend(folded.map(|triangle| [triangle; 2]));
     wrong
 }

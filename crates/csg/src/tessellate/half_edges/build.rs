@@ -7,9 +7,9 @@ use super::pairing::{NONE, halves_of, pair_up};
 use super::{HalfEdges, Kind};
 use crate::numeric::tolerance::ON_REFINED;
 use crate::program::Surface;
-use crate::refine::contacts::Contacts;
-use crate::refine::regions::regions;
-use crate::refine::surfaced::Surfaced;
+use crate::tessellate::contacts::Contacts;
+use crate::tessellate::regions::regions;
+use crate::tessellate::surfaced::Surfaced;
 
 impl<'a> HalfEdges<'a> {
     /// `None` if the triangles are no closed, oriented 2-manifold.

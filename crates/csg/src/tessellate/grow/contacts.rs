@@ -5,8 +5,8 @@
 //! there the chords must be no longer than the triangles next to them are high.
 
 use super::Grower;
-use crate::refine::half_edges::Kind;
-use crate::refine::side::{Side, halved};
+use crate::tessellate::half_edges::Kind;
+use crate::tessellate::side::{Side, halved};
 
 impl Grower<'_, '_> {
     /// Cuts the edges along curves on which the solid touches itself until they are

@@ -113,7 +113,7 @@ fn piercing(mesh: &HalfEdges<'_>, half: u32, triangle: u32) -> Option<(f64, DVec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::refine::separate::tests::spheres;
+    use crate::tessellate::separate::tests::spheres;
 
     /// Small triangles of one sphere above a large triangle of another one, but below
     /// that sphere.

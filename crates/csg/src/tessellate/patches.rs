@@ -1,13 +1,13 @@
 //! Faces that bend both ways and come to many triangles: they are cut into large
 //! ones of like size, nearly flat, which are then tessellated in one step.
 
+use super::fill::{Tessellator, rows_of};
 use super::fine::{Fine, INNER};
 use super::grow::Grower;
 use super::half_edges::{HalfEdges, NONE, first_of, halves_of, triangle_of};
 use super::piece::Piece;
 use super::region::Way;
 use super::smooth::smooth;
-use super::tessellate::{Tessellator, rows_of};
 use crate::control::Control;
 use crate::error::Error;
 
@@ -234,8 +234,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::refine::half_edges::HalfEdges;
-    use crate::refine::separate::tests::{goal, half_ball};
+    use crate::tessellate::half_edges::HalfEdges;
+    use crate::tessellate::separate::tests::{goal, half_ball};
 
     /// The new vertices after the first triangle of half a ball, with its top moved,
     /// was cut up; and how many points of curves wait to become vertices, before and

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::evaluation::conic::conic;
-use crate::evaluation::curve::Branches;
-use crate::evaluation::intersection::{Contacts, Unknown};
+use crate::arrangement::conic::conic;
+use crate::arrangement::curve::Branches;
+use crate::arrangement::intersection::{Contacts, Unknown};
 use crate::program::Surface;
 
 /// The conics in which planes cut a quadric, with nodes where they cross.

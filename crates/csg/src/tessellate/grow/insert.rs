@@ -4,11 +4,11 @@
 use glam::DVec3;
 
 use super::Grower;
-use crate::refine::half_edges::{HalfEdges, Kind, next};
-use crate::refine::piece::Piece;
-use crate::refine::region::Way;
-use crate::refine::shape::{faces_out_in_the_middle, outward_area};
-use crate::refine::side::{Side, cut_of, splits_well, together};
+use crate::tessellate::half_edges::{HalfEdges, Kind, next};
+use crate::tessellate::piece::Piece;
+use crate::tessellate::region::Way;
+use crate::tessellate::shape::{faces_out_in_the_middle, outward_area};
+use crate::tessellate::side::{Side, cut_of, splits_well, together};
 
 /// Whether a triangle of a point and two vertices faces the way the surface along an
 /// edge does.

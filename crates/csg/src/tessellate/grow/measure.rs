@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::Grower;
-use crate::refine::deviation;
-use crate::refine::half_edges::first_of;
-use crate::refine::outcome::Unkept;
-use crate::refine::region::{Bend, Way};
+use crate::tessellate::deviation;
+use crate::tessellate::half_edges::first_of;
+use crate::tessellate::outcome::Unkept;
+use crate::tessellate::region::{Bend, Way};
 
 impl Grower<'_, '_> {
     /// Measures the edges between planes and those along which the solid touches

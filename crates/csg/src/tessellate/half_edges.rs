@@ -18,7 +18,7 @@ pub(super) use self::pairing::{NONE, first_of, halves_of, next, previous, triang
 use self::pairing::Half;
 use super::contacts::Contacts;
 use super::region::Region;
-use crate::evaluation::Borders;
+use crate::arrangement::Borders;
 use crate::program::Surface;
 
 /// Where a vertex may go.

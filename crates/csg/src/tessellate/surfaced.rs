@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::evaluation::Borders;
+use crate::arrangement::Borders;
 use crate::numeric::tolerance::ON_REFINED;
 
 /// A mesh whose triangles know their surfaces.

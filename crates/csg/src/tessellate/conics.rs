@@ -16,7 +16,7 @@ use super::course::Course;
 use super::curves::on_curve;
 use super::goal::Goal;
 use super::round::{LEAST_ASPECT, Round};
-use crate::evaluation::{Curve, conics};
+use crate::arrangement::{Curve, conics};
 use crate::numeric::eigen_symmetric;
 use crate::numeric::tolerance::{
     CANCELLED, NEAR, NEAR_OF_REFINED, ON_CONIC, TOUCHING, TOUCHING_AT_ENDS,
@@ -315,7 +315,7 @@ impl Course for OnConic<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::refine::deviation;
+    use crate::tessellate::deviation;
     use crate::{Program, Solid};
     use rustc_hash::FxHashMap;
 

@@ -211,8 +211,8 @@ impl Welder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arrangement::piece::{CurveId, Side};
     use crate::control::Control;
-    use crate::evaluation::piece::{CurveId, Side};
 
     fn ball(center: DVec3, radius: f64) -> Surface {
         Surface::of_terms(

@@ -34,7 +34,6 @@
 
 mod arc;
 mod arcs;
-mod arrangement;
 mod assemble;
 mod boundary;
 #[cfg(test)]
@@ -47,6 +46,7 @@ mod crossings;
 mod curve;
 mod faces;
 mod frame;
+mod half_edges;
 mod intersection;
 mod line;
 mod lines;
@@ -76,11 +76,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-pub(crate) use self::arrangement::{Arrangement, HalfEdge};
 pub(crate) use self::boundary::Borders;
 pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
 pub(crate) use self::frame::Frame;
+pub(crate) use self::half_edges::{Arrangement, HalfEdge};
 #[cfg(test)]
 pub(crate) use self::pairs::tests::quadric as random_quadric;
 pub(crate) use self::piece::{CurveId, Side};

@@ -36,7 +36,7 @@ pub(super) fn project(surface: &Surface, start: DVec3) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::random_quadric;
+    use crate::arrangement::random_quadric;
     use crate::random::Random;
     use crate::surface::solve;
 

@@ -7,7 +7,7 @@
 //!    needs, and [`grow`] puts them in, coarse to fine, and those that the
 //!    faces need; [`flips`] keeps triangles in shape.
 //! 3. Faces that bend both ways are only cut into large triangles that way
-//!    ([`patches`]), which [`tessellate`] then fills with small ones in one step.
+//!    ([`patches`]), which [`fill`] then fills with small ones in one step.
 //! 4. [`deviation`] bounds how far the result strays.
 //!
 //! Where triangles of the result run through each other, [`mod@separate`] cuts them up.
@@ -23,6 +23,7 @@ mod contacts;
 mod course;
 mod curves;
 pub(crate) mod deviation;
+mod fill;
 mod fine;
 mod flips;
 mod goal;
@@ -43,7 +44,6 @@ mod shape;
 mod side;
 mod smooth;
 mod surfaced;
-mod tessellate;
 
 pub(crate) use self::goal::Goal;
 use self::grow::Grower;

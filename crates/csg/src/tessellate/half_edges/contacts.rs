@@ -5,9 +5,9 @@ use rustc_hash::FxHashMap;
 
 use super::{HalfEdges, Kind};
 use crate::numeric::tolerance::{NEAR_OF_REFINED, TOUCHING_AT_ENDS};
-use crate::refine::contacts::Contacts;
-use crate::refine::curves::on_curve;
-use crate::refine::surfaced::precision;
+use crate::tessellate::contacts::Contacts;
+use crate::tessellate::curves::on_curve;
+use crate::tessellate::surfaced::precision;
 
 impl HalfEdges<'_> {
     /// Lets no vertex move that is in the same place as another one, where the

@@ -5,8 +5,8 @@ use smallvec::SmallVec;
 
 use super::Pencil;
 use super::conics::conics;
-use crate::evaluation::curve::Branches;
-use crate::evaluation::intersection::{Unknown, line};
+use crate::arrangement::curve::Branches;
+use crate::arrangement::intersection::{Unknown, line};
 use crate::numeric::jacobi;
 use crate::numeric::tolerance::{AT_INFINITY, CANCELLED};
 use crate::program::Surface;

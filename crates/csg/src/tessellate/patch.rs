@@ -225,8 +225,8 @@ fn zip(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::refine::deviation::Shrinkage;
-    use crate::refine::region::{Bend, Way};
+    use crate::tessellate::deviation::Shrinkage;
+    use crate::tessellate::region::{Bend, Way};
     use crate::{Program, Solid};
     use proptest::prelude::*;
     use std::collections::HashSet;

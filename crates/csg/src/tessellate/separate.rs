@@ -130,8 +130,8 @@ pub(super) mod tests {
     use super::*;
     use crate::mesh::Mesh;
     use crate::program::Program;
-    use crate::refine::deviation::of_triangle;
     use crate::solid::Solid;
+    use crate::tessellate::deviation::of_triangle;
 
     /// A sphere about the origin and one in it, each of so many times the triangles of
     /// an octahedron.

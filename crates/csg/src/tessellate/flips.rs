@@ -126,7 +126,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::refine::Surfaced;
+    use crate::tessellate::Surfaced;
 
     /// A convex polygon as a fan of triangles, closed by another fan with an apex
     /// below, whose triangles are faces of their own.
