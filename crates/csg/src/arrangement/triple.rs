@@ -196,6 +196,10 @@ pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 
             triple.add_doubtful(scene, &mut found);
         }
     }
+    // The curve on which a contact is sharpest tells where it is: where one surface meets
+    // two that touch each other along a curve, only along that one it is no more than
+    // tangent.
+    found.sort_by(|(one, _), (other, _)| one.radius.total_cmp(&other.radius));
     // Whatever cannot be told from one of them is the same.
     let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
     while let Some(first) = found.iter().position(|(_, is_contact)| *is_contact) {
