@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::{Roots, bend_within};
+use super::roots::{Roots, Tolerance, bend_within};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
 use crate::program::{Bounds, Surface};
@@ -358,15 +358,23 @@ impl Curve {
             }
             &Self::Ellipse { center, a, b } => {
                 let form = Form::of(surface, center, a, b);
-                let slope = surface.gradient(center + a).length();
-                if form.is_clear_around(near * slope) {
+                // The gradient is linear in the point. Where the surface is thin it changes
+                // by orders of magnitude along the curve, and only there tells what is near.
+                let middle = surface.gradient(center);
+                let [of_a, of_b] = [a, b].map(|d| surface.gradient(center + d) - middle);
+                let most = near * (middle.length() + of_a.length() + of_b.length());
+                if form.is_clear_around(most) {
                     return Meets::Points;
                 }
                 let trig = form.around();
-                if trig.magnitude() <= on * slope {
+                if trig.magnitude() <= on * (middle + of_a).length() {
                     return Meets::Curve;
                 }
-                trig.roots(near * slope, roots);
+                let at = |t: f64| {
+                    let (sin, cos) = t.sin_cos();
+                    near * (middle + cos * of_a + sin * of_b).length()
+                };
+                trig.roots_within(&Tolerance { at, most }, roots);
                 Meets::Points
             }
             &Self::Hyperbola { center, a, b } => {
@@ -447,12 +455,14 @@ impl Curve {
         bend: impl Fn(f64, f64) -> f64,
         roots: &mut Roots,
     ) -> Meets {
-        let at = self.at(start + 0.37 * (end - start));
-        let slope = surface.gradient(at).length();
         if self.lies_in(surface, [start, end], on) {
             return Meets::Curve;
         }
-        roots.find([start, end], value, bend, near * slope);
+        let tolerance = Tolerance {
+            at: |t: f64| near * surface.gradient(self.at(t)).length(),
+            most: f64::INFINITY,
+        };
+        roots.find([start, end], value, bend, &tolerance);
         Meets::Points
     }
 

@@ -7,12 +7,31 @@
 
 use smallvec::SmallVec;
 
+use crate::numeric::tolerance::{NEAR, TOUCHING};
+
 /// A place and the function's value there.
 pub(super) type Sample = (f64, f64);
 
-/// A place where a function may be 0, and whether it may be so without changing
-/// its sign, or more than once.
-pub(super) type Candidate = (f64, bool);
+/// A place where a function may be 0: once, or, on a stretch around it that reaches so far,
+/// without changing its sign, or more than once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub place: f64,
+    pub reach: f64,
+}
+
+impl Candidate {
+    fn stretch(&self, [start, end]: [f64; 2]) -> [f64; 2] {
+        [
+            (self.place - self.reach).max(start),
+            (self.place + self.reach).min(end),
+        ]
+    }
+}
+
+/// A function that crosses 0 touches it there if it is next to 0 so far to both sides, in
+/// radians: at a smaller angle than surfaces that touch.
+const FLAT: f64 = NEAR / TOUCHING;
 
 /// A function that is next to 0 on more than this share of an interval is on
 /// all of it.
@@ -30,6 +49,23 @@ pub(super) struct Roots {
     pub is_lost: bool,
 }
 
+/// Which values of a function are as good as 0, at a place and at most anywhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerance<F> {
+    pub at: F,
+    pub most: f64,
+}
+
+impl Tolerance<fn(f64) -> f64> {
+    /// The same at all places.
+    pub fn everywhere(value: f64) -> Tolerance<impl Fn(f64) -> f64> {
+        Tolerance {
+            at: move |_| value,
+            most: value,
+        }
+    }
+}
+
 impl Roots {
     pub fn clear(&mut self) {
         self.simple.clear();
@@ -38,14 +74,14 @@ impl Roots {
     }
 
     /// Adds the roots between `start` and `end` of a function whose second
-    /// derivative between two places is at most `bend` of them. Values below
-    /// `tolerance` are rounding.
+    /// derivative between two places is at most `bend` of them. Values within
+    /// `tolerance` are as good as 0.
     pub fn find(
         &mut self,
         [start, end]: [f64; 2],
         value: impl Fn(f64) -> f64,
         bend: impl Fn(f64, f64) -> f64,
-        tolerance: f64,
+        tolerance: &Tolerance<impl Fn(f64) -> f64>,
     ) {
         const PARTS: u32 = 8;
         /// Halvings until roots that are still together are one.
@@ -76,21 +112,27 @@ impl Roots {
             let off = 0.125 * bend * width * width;
             let differ = (at_a <= 0.0) != (at_b <= 0.0);
             let least = at_a.abs().min(at_b.abs());
-            if !differ && least > off + tolerance {
+            if !differ && least > off + tolerance.most {
                 continue;
             }
             let is_monotonic = (at_b - at_a).abs() > bend * width * width;
-            // Away from both ends by more than rounding, a root is safe.
-            if is_monotonic && !differ && least > tolerance {
-                continue;
-            }
             if is_monotonic && differ {
                 self.simple.push(bracketed(&value, [a, b], [at_a, at_b]));
                 continue;
             }
-            if is_monotonic || halvings == MOST_HALVINGS || off <= 0.1 * tolerance {
+            let [of_a, of_b] = [a, b].map(&tolerance.at);
+            // What rises or falls is nearest to 0 at one end.
+            let reach = match (is_monotonic, at_a.abs() <= at_b.abs()) {
+                (false, _) => off + of_a.max(of_b),
+                (true, true) => of_a,
+                (true, false) => of_b,
+            };
+            if !differ && least > reach {
+                continue;
+            }
+            if is_monotonic || halvings == MOST_HALVINGS || off <= 0.1 * of_a.min(of_b) {
                 // Of a function that rises or falls one end is next to 0, or all of it.
-                let is_all = at_a.abs().max(at_b.abs()) <= tolerance;
+                let is_all = at_a.abs() <= of_a && at_b.abs() <= of_b;
                 let stretch = match is_monotonic && !is_all {
                     true if at_a.abs() <= at_b.abs() => [from, from],
                     true => [to, to],
@@ -122,41 +164,117 @@ impl Roots {
     pub fn find_at(
         &mut self,
         places: &[Candidate],
-        [start, end]: [f64; 2],
+        range @ [start, end]: [f64; 2],
         value: impl Fn(f64) -> f64,
         tolerance: impl Fn(f64) -> f64,
     ) {
         let sample = |t: f64| (t, value(t));
-        let is_negative = |sample: Sample| sample.1 <= 0.0;
         let mut before = start;
         let mut low = None;
-        for (index, &(place, touches)) in places.iter().enumerate() {
-            let after = places.get(index + 1).map_or(end, |next| next.0);
-            let from = low.unwrap_or_else(|| sample(0.5 * (before + place)));
-            let (here, to) = (sample(place), sample(0.5 * (place + after)));
-            if is_negative(from) != is_negative(to) {
-                let root = bracketed(&value, [from.0, to.0], [from.1, to.1]);
-                self.simple.push(root);
-                if touches && here.1.abs() <= tolerance(place) {
-                    self.touching.push(root);
-                }
-            } else if here.1.abs() <= tolerance(place) {
-                self.touching.push(place);
-            } else if is_negative(from) != is_negative(here) {
-                // Two that could not be told apart.
-                for [a, b] in [[from, here], [here, to]] {
-                    self.simple.push(bracketed(&value, [a.0, b.0], [a.1, b.1]));
-                }
+        for (index, candidate) in places.iter().enumerate() {
+            let stretch @ [first, last] = candidate.stretch(range);
+            let after = places.get(index + 1).map_or(end, |c| c.stretch(range)[0]);
+            let from = low.unwrap_or_else(|| sample(0.5 * (before + first)));
+            let to = sample(0.5 * (last + after));
+            if candidate.reach == 0.0 {
+                self.find_between(&[from, sample(candidate.place), to], &value, &tolerance);
+            } else {
+                self.find_on_stretch([from, to], stretch, &value, &tolerance);
             }
-            before = place;
+            before = last;
             low = Some(to);
+        }
+    }
+
+    /// Adds the root between the first and last of three places, if the sign changes, or
+    /// the two on both sides of the middle one, or that one, if it is next to 0.
+    fn find_between(
+        &mut self,
+        &[from, here, to]: &[Sample; 3],
+        value: impl Fn(f64) -> f64,
+        tolerance: impl Fn(f64) -> f64,
+    ) {
+        let is_negative = |sample: Sample| sample.1 <= 0.0;
+        let mut root = |a: Sample, b: Sample| {
+            self.simple.push(bracketed(&value, [a.0, b.0], [a.1, b.1]));
+        };
+        if is_negative(from) != is_negative(to) {
+            root(from, to);
+        } else if here.1.abs() <= tolerance(here.0) {
+            self.touching.push(here.0);
+        } else if is_negative(from) != is_negative(here) {
+            root(from, here);
+            root(here, to);
+        }
+    }
+
+    /// Adds the roots on a stretch on which they are too close to be told apart otherwise,
+    /// and between it and samples on both sides.
+    fn find_on_stretch(
+        &mut self,
+        [from, to]: [Sample; 2],
+        [first, last]: [f64; 2],
+        value: impl Fn(f64) -> f64,
+        tolerance: impl Fn(f64) -> f64,
+    ) {
+        /// So many parts are looked at: a curve of two quadrics meets a third one at most
+        /// eight times.
+        const PARTS: u32 = 16;
+        let is_negative = |sample: &Sample| sample.1 <= 0.0;
+        let is_nothing = |sample: &Sample| sample.1.abs() <= tolerance(sample.0);
+        let step = (last - first) / f64::from(PARTS);
+        let sample = |t: f64| (t, value(t));
+        let mut samples: SmallVec<[Sample; 20]> = SmallVec::new();
+        samples.push(from);
+        samples.extend((0..=PARTS).map(|k| sample(first + f64::from(k) * step)));
+        samples.push(to);
+        let crosses = is_negative(&from) != is_negative(&to);
+        if !crosses {
+            let sign = from.1.signum();
+            let inner = 1..samples.len() - 1;
+            let nearest =
+                inner.min_by(|&a, &b| (sign * samples[a].1).total_cmp(&(sign * samples[b].1)));
+            let nearest = nearest.unwrap_or(1);
+            let around = [samples[nearest - 1].0, samples[nearest + 1].0];
+            let extreme = sample(extremum(around, sign, &value));
+            if is_nothing(&extreme) {
+                self.touching.push(extreme.0);
+                return;
+            }
+            if sign * extreme.1 < sign * samples[nearest].1 {
+                samples[nearest] = extreme;
+            }
+        }
+        let ends: SmallVec<[[Sample; 2]; 8]> = samples
+            .windows(2)
+            .filter(|w| is_negative(&w[0]) != is_negative(&w[1]))
+            .map(|w| [w[0], w[1]])
+            .collect();
+        let root = |[a, b]: &[Sample; 2]| bracketed(&value, [a.0, b.0], [a.1, b.1]);
+        let (Some(one), Some(other)) = (ends.first(), ends.last()) else {
+            return;
+        };
+        let between = samples
+            .iter()
+            .filter(|s| one[1].0 <= s.0 && s.0 <= other[0].0);
+        if !crosses || ends.len() > 1 && !between.into_iter().all(is_nothing) {
+            self.simple.extend(ends.iter().map(root));
+            return;
+        }
+        let root = root(&ends[ends.len() / 2]);
+        self.simple.push(root);
+        if [root - FLAT, root + FLAT]
+            .map(sample)
+            .iter()
+            .all(|s| s.1.abs() <= tolerance(root))
+        {
+            self.touching.push(root);
         }
     }
 
     /// Adds the place at which a function is nearest to 0 on a stretch on which
     /// it is next to 0.
     fn touch(&mut self, stretch: Option<[Sample; 2]>, value: impl Fn(f64) -> f64) {
-        const STEPS: u32 = 40;
         let Some([(a, at_a), (b, at_b)]) = stretch else {
             return;
         };
@@ -166,18 +284,22 @@ impl Roots {
             self.touching.push(root);
             return;
         }
-        // The extremum, by golden sections.
-        let (mut low, mut high) = (a, b);
-        for _ in 0..STEPS {
-            let [first, second] = [0.382, 0.618].map(|share| low + share * (high - low));
-            if at_a.signum() * value(first) < at_a.signum() * value(second) {
-                high = second;
-            } else {
-                low = first;
-            }
-        }
-        self.touching.push(0.5 * (low + high));
+        self.touching.push(extremum([a, b], at_a.signum(), value));
     }
+}
+
+/// Where a function of a sign is nearest to 0, or farthest beyond, by golden sections.
+fn extremum([mut low, mut high]: [f64; 2], sign: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 40;
+    for _ in 0..STEPS {
+        let [first, second] = [0.382, 0.618].map(|share| low + share * (high - low));
+        if sign * value(first) < sign * value(second) {
+            high = second;
+        } else {
+            low = first;
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// A bound on a second derivative in an interval: what it is at most anywhere, and

@@ -341,16 +341,40 @@ impl Rulings {
             return Err(Along::Beside);
         }
         let mut places: Vec<Candidate> = Vec::new();
-        for (angles, touches) in [(&roots.simple, false), (&roots.touching, true)] {
-            let own = angles.iter().flat_map(|&angle| self.places(angle));
-            let own = own.map(|place| start + (place - start).rem_euclid(TAU));
-            let own = own.filter(|&place| place > start && place < end);
-            places.extend(own.map(|place| (place, touches)));
+        let mut add = |angle: f64, reach: f64| {
+            let ends = [-reach, reach].map(|off| self.places(angle + off));
+            for (k, place) in self.places(angle).into_iter().enumerate() {
+                let off = ends.iter().map(|end| {
+                    let off = (end[k] - place).rem_euclid(TAU);
+                    off.min(TAU - off)
+                });
+                places.push(Candidate {
+                    place: start + (place - start).rem_euclid(TAU),
+                    reach: off.fold(0.0, f64::max),
+                });
+            }
+        };
+        for &angle in &roots.simple {
+            add(angle, 0.0);
         }
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let nothing = CANCELLED * equation.magnitude();
+        for &angle in &roots.touching {
+            add(angle, stretch_around(&equation, angle, nothing));
+        }
+        let is_within = |c: &Candidate| c.place + c.reach > start && c.place - c.reach < end;
+        places.retain(is_within);
+        places.sort_by(|a, b| a.place.total_cmp(&b.place));
         places.dedup_by(|a, b| {
-            let is_same = a.0 - b.0 < SAME_ROOT * (end - start);
-            b.1 |= is_same && a.1;
+            let gap = a.place - b.place;
+            let is_same = gap < (SAME_ROOT * (end - start)).max(a.reach + b.reach);
+            if is_same {
+                let low = (b.place - b.reach).min(a.place - a.reach);
+                let high = (b.place + b.reach).max(a.place + a.reach);
+                if b.reach > 0.0 || a.reach > 0.0 {
+                    b.place = 0.5 * (low + high);
+                    b.reach = 0.5 * (high - low);
+                }
+            }
             is_same
         });
         Ok(places)
@@ -380,6 +404,19 @@ impl Rulings {
         };
         poles.iter().copied().zip(next).map(part).collect()
     }
+}
+
+/// How far around a place on both sides of it a function is as good as 0, or a little more.
+fn stretch_around(function: &Trig, place: f64, nothing: f64) -> f64 {
+    /// Of roots that cannot be told apart, in radians, and where there are no others.
+    const LEAST: f64 = 1e-9;
+    const MOST: f64 = 0.1;
+    let mut reach = LEAST;
+    let is_nothing = |t: f64| function.value(t).abs() <= nothing;
+    while reach < MOST && (is_nothing(place - reach) || is_nothing(place + reach)) {
+        reach *= 2.0;
+    }
+    reach
 }
 
 #[cfg(test)]

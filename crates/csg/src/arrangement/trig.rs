@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::roots::{Roots, bend_within};
+use super::roots::{Roots, Tolerance, bend_within};
 
 /// Closed curves begin so far from the axes of symmetry, in radians, that they
 /// begin on no other surface of a symmetric model.
@@ -198,8 +198,17 @@ impl Trig {
     }
 
     /// Adds the roots from 0 to 2π, simple and touching ones each in order, and each
-    /// once though the function has a period.
+    /// once though the function has a period. Values within `tolerance` are as good as 0.
     pub(super) fn roots(&self, tolerance: f64, roots: &mut Roots) {
+        self.roots_within(&Tolerance::everywhere(tolerance), roots);
+    }
+
+    /// The same, with a tolerance that depends on the place.
+    pub(super) fn roots_within(
+        &self,
+        tolerance: &Tolerance<impl Fn(f64) -> f64>,
+        roots: &mut Roots,
+    ) {
         let constant = self.terms[0][0];
         let mut amplitudes = [0.0; DEGREE + 1];
         for (slot, amplitude) in amplitudes.iter_mut().zip(self.amplitudes()) {
@@ -207,10 +216,10 @@ impl Trig {
         }
         let [_, once, higher @ ..] = amplitudes;
         let higher_sum: f64 = higher.iter().sum();
-        if constant.abs() > once + higher_sum + tolerance {
+        if constant.abs() > once + higher_sum + tolerance.most {
             return;
         }
-        if higher_sum > 1e-3 * tolerance {
+        if higher_sum > 1e-3 * tolerance.most {
             let most = |power: i32| {
                 let powers = (2..).map(|k: u32| f64::from(k).powi(power));
                 once + higher.iter().zip(powers).map(|(a, k)| a * k).sum::<f64>()
@@ -219,7 +228,7 @@ impl Trig {
             let second = self.derivative().derivative();
             let bend =
                 |from: f64, to: f64| bend_within([from, to], most, |t| second.value(t), third);
-            let start = self.clear_start(tolerance);
+            let start = self.clear_start(tolerance.most);
             let before = [roots.simple.len(), roots.touching.len()];
             let whole = [start, start + TAU];
             roots.find(whole, |t| self.value(t), bend, tolerance);
@@ -245,13 +254,16 @@ impl Trig {
             return;
         }
         let middle = self.terms[1][1].atan2(self.terms[1][0]);
-        if (constant.abs() - once).abs() <= tolerance {
-            let touching = if constant > 0.0 {
-                middle + TAU / 2.0
-            } else {
-                middle
-            };
+        let touching = if constant > 0.0 {
+            middle + TAU / 2.0
+        } else {
+            middle
+        };
+        if (constant.abs() - once).abs() <= (tolerance.at)(touching) {
             roots.touching.push(touching.rem_euclid(TAU));
+            return;
+        }
+        if constant.abs() > once {
             return;
         }
         let half = (-constant / once).acos();
