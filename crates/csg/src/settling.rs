@@ -1,8 +1,10 @@
 //! The ways to move surfaces before a boundary is evaluated, so that it can be.
 
+use glam::DVec3;
+
 use crate::arrangement;
 use crate::error::Error;
-use crate::program::{Bounds, Program, Settled};
+use crate::program::{Bounds, Program, Settled, Surface};
 use crate::report::{Moved, Report};
 
 /// How far surfaces may be moved, of the tolerance: so little that what is left of it
@@ -10,18 +12,26 @@ use crate::report::{Moved, Report};
 pub(crate) const UNSEEN: f64 = 0.01;
 
 /// What is done to surfaces, in the order in which it is tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Settling {
     /// Those that cannot be told apart where boundaries are evaluated are made one.
     Merged,
     /// All are rounded to as many decimals as are a small share of the tolerance.
     Rounded,
-    /// The same as first, and then each is moved on its own by such a share.
-    Perturbed,
+    /// The same as first, and then each that passes a place that made trouble within such a
+    /// share of the solid's size is moved on its own, by a small share of the tolerance.
+    Perturbed { within: f64 },
 }
 
 impl Settling {
-    pub const ALL: [Self; 3] = [Self::Merged, Self::Rounded, Self::Perturbed];
+    pub const ALL: [Self; 4] = [
+        Self::Merged,
+        Self::Rounded,
+        Self::Perturbed { within: 0.02 },
+        Self::Perturbed {
+            within: f64::INFINITY,
+        },
+    ];
 
     /// Whether nothing is left of the solid because surfaces were moved: walls thinner
     /// than that are better meshed in another way than lost.
@@ -38,7 +48,7 @@ impl Settling {
         ];
         match self {
             Self::Merged => &ALL,
-            Self::Rounded | Self::Perturbed => &ALL[..1],
+            Self::Rounded | Self::Perturbed { .. } => &ALL[..1],
         }
     }
 }
@@ -48,12 +58,13 @@ pub(crate) struct Prepared(Option<Settled>);
 
 impl Prepared {
     /// A program with its surfaces moved in one of the ways, by no more than `unseen` within
-    /// its bounds; none if it was tried as it is.
+    /// its bounds; none if it was tried as it is. `places` are those that made trouble so far.
     pub fn new(
         program: &Program,
         bounds: &Bounds,
         settling: Settling,
         unseen: f64,
+        places: &[DVec3],
     ) -> Result<Option<Self>, Error> {
         let size = bounds.size();
         let unresolved = arrangement::unresolved(program) * size.max_element();
@@ -65,11 +76,21 @@ impl Prepared {
                 None => return Ok(None),
                 rounded => rounded,
             },
-            Settling::Perturbed => {
+            Settling::Perturbed { within } => {
+                let within = within * size.max_element();
+                let is_meant = |surface: &Surface| {
+                    let passes = |&place: &DVec3| {
+                        let slope = surface.gradient(place).length();
+                        surface.value(place).abs() <= within * (slope + within)
+                    };
+                    within.is_infinite() || places.iter().any(passes)
+                };
                 let merged = merged()?;
                 let program = merged.as_ref().map_or(program, |m| &m.program);
-                let perturbed = program.perturbed(ball, unseen)?;
-                perturbed.map(|perturbed| match merged {
+                let Some(perturbed) = program.perturbed(ball, unseen, is_meant)? else {
+                    return Ok(None);
+                };
+                Some(match merged {
                     Some(merged) => Settled {
                         merged: merged.merged,
                         moved: merged.moved + perturbed.moved,

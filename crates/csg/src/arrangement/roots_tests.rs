@@ -280,3 +280,61 @@ fn contacts_of_fourth_order_are_found() {
     }
     assert!(found > 200, "{found}");
 }
+
+/// Where a curve crosses the middle of a thin plate it crosses both its faces, however near
+/// to each other they are, and touches neither.
+#[test]
+fn curves_cross_both_faces_of_a_plate() {
+    let mut random = Random(12);
+    let mut crossed = 0;
+    for case in 0..400 {
+        let pair = [quadric(&mut random), quadric(&mut random)];
+        let mut number = || 2.0 * random.unit() - 1.0;
+        let mut vector = || DVec3::new(number(), number(), number());
+        let plane = Surface::plane(pair[0].anchor + 0.3 * vector(), vector().normalize());
+        let (center, normal) = (0.3 * vector(), vector().normalize());
+        let half = 10f64.powf(-3.2 + 1.1 * number());
+        let across = normal.any_orthonormal_vector();
+        let axes = [across / 1.5, normal.cross(across) / 1.2, normal / half];
+        let sum = |i: usize, j: usize| axes.iter().map(|a| a[i] * a[j]).sum::<f64>();
+        let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+        let square = pairs.map(|(i, j)| if i == j { 1.0 } else { 2.0 } * sum(i, j));
+        let square = square.map(|entry| half * half * entry);
+        let plate = Surface::of_terms(center, square, DVec3::ZERO, -half * half);
+        let middle = Surface::plane(center, normal);
+        let found = [
+            curves(&pair[0], &pair[1], NEAR),
+            curves(&plane, &pair[0], NEAR),
+        ];
+        for branch in found.into_iter().flat_map(Result::unwrap_or_default) {
+            let curve = branch.curve;
+            let Some(range) = curve.range(DVec3::ZERO, 3.0) else {
+                continue;
+            };
+            let meet = |surface: &Surface| {
+                let mut roots = Roots::default();
+                curve.meet(surface, range, [1e-12, NEAR], &mut roots);
+                roots
+            };
+            let of_plate = meet(&plate);
+            for t in meet(&middle).simple {
+                let (at, sine) = (curve.at(t), curve.direction(t).normalize().dot(normal));
+                let [x, y, _] = axes.map(|axis| axis.dot(at - center));
+                // Far from its rim, at no small angle, and where the curve hardly turns.
+                let turn =
+                    [-3.0, 3.0].map(|off| curve.direction(t + off * half / sine).normalize());
+                if x.hypot(y) > 0.8 || sine.abs() < 0.3 || turn[0].dot(turn[1]) < 0.99 {
+                    continue;
+                }
+                crossed += 1;
+                let near = |roots: &[f64]| {
+                    let is_near = |t: &&f64| curve.at(**t).distance(at) < 1.5 * half / sine.abs();
+                    roots.iter().filter(is_near).count()
+                };
+                let counts = [near(&of_plate.simple), near(&of_plate.touching)];
+                assert_eq!(counts, [2, 0], "case {case}: {half} {curve:?} {plate:?}");
+            }
+        }
+    }
+    assert!(crossed > 300, "{crossed}");
+}

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::build::build;
 use super::data::Brep;
+use glam::DVec3;
+
 use crate::arrangement;
 use crate::control::{Caller, CancelToken, Control};
 use crate::error::Error;
@@ -102,9 +104,11 @@ impl Program {
         };
         let unseen = MOST_MOVED * bounds.size().max_element();
         let most_moved = options.most_moved.unwrap_or(unseen);
-        let mut undecided = None;
+        let mut undecided: Vec<Undecided> = Vec::new();
         for settling in Settling::ALL {
-            let Some(prepared) = Prepared::new(self, &bounds, settling, most_moved)? else {
+            let places: Vec<DVec3> = undecided.iter().map(|undecided| undecided.place).collect();
+            let prepared = Prepared::new(self, &bounds, settling, most_moved, &places)?;
+            let Some(prepared) = prepared else {
                 continue;
             };
             let control = control.again(Demand::ExactBoundary);
@@ -115,12 +119,12 @@ impl Program {
                     control.tell(1.0);
                     return Ok(brep);
                 }
-                // What is wrong with the solid as it is.
-                Err(found) => undecided = undecided.or(Some(found)),
+                Err(found) => undecided.push(found),
             }
         }
-        match undecided {
-            Some(undecided) => Err(Error::Undecided(undecided)),
+        // What is wrong with the solid as it is.
+        match undecided.first() {
+            Some(&undecided) => Err(Error::Undecided(undecided)),
             None => Ok(Brep::empty()),
         }
     }

@@ -218,7 +218,8 @@ impl<'a> Run<'a> {
         let control = self.control.again(Demand::ExactBoundary);
         for settling in Settling::ALL {
             let mut attempt = report.clone();
-            let Some(settled) = self.settle(&loose, settling, &mut attempt)? else {
+            let places: Vec<DVec3> = report.undecided.iter().map(|u| u.place).collect();
+            let Some(settled) = self.settle(&loose, settling, &places, &mut attempt)? else {
                 continue;
             };
             let task = Task::new(settled.program(self.program), loose, 0.0, &control);
@@ -392,7 +393,12 @@ impl<'a> Run<'a> {
         let mut best: Option<(Mesh, Report)> = None;
         for settling in Settling::ALL {
             let mut settled_report = report.clone();
-            let Some(settled) = self.settle(&bounds, settling, &mut settled_report)? else {
+            let undecided = report.undecided.iter().map(|undecided| undecided.place);
+            let fallbacks = best.iter().flat_map(|(_, report)| &report.fallbacks);
+            let complaints = fallbacks.flat_map(|fallback| fallback.places.iter().copied());
+            let places: Vec<DVec3> = undecided.chain(complaints).collect();
+            let settled = self.settle(&bounds, settling, &places, &mut settled_report)?;
+            let Some(settled) = settled else {
                 continue;
             };
             let task = match settled.moved() {

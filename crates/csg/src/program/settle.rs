@@ -76,16 +76,20 @@ impl Program {
         self.united(surfaces, (origin, reach), SAME_DECIMALS * step.step(), most)
     }
 
-    /// The program with every surface moved on its own, by up to `most` where the solid
-    /// is, and a fifth of that at least: what touches or meets by chance, more than two
-    /// surfaces in a curve or three in a point, then clearly does or does not. What is
-    /// one surface stays one. The same moves in every run.
+    /// The program with every surface that is meant moved on its own, by up to `most` where
+    /// the solid is, and a fifth of that at least: what touches or meets by chance, more than
+    /// two surfaces in a curve or three in a point, then clearly does or does not. What is
+    /// one surface stays one. The same moves in every run. None if no surface is meant.
     pub(crate) fn perturbed(
         &self,
         (origin, reach): (DVec3, f64),
         most: f64,
+        is_meant: impl Fn(&Surface) -> bool,
     ) -> Result<Option<Settled>, Error> {
         let perturb = |(index, surface): (u64, &Surface)| {
+            if !is_meant(surface) {
+                return *surface;
+            }
             let number = |k: u64| {
                 let bits = avalanche((4 * index + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
                 2.0 * (bits >> 11) as f64 * (-53.0_f64).exp2() - 1.0
@@ -287,7 +291,10 @@ mod tests {
                 surfaces: vec![surface],
                 ..lowered(&Solid::sphere(1.0))
             };
-            for settled in [program.rounded(BALL, most), program.perturbed(BALL, most)] {
+            for settled in [
+                program.rounded(BALL, most),
+                program.perturbed(BALL, most, |_| true),
+            ] {
                 let Some(settled) = settled.expect("room") else {
                     continue;
                 };
