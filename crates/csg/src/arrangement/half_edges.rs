@@ -1,5 +1,7 @@
 //! What is handed on of a boundary: half-edges along exact curves.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -125,13 +127,34 @@ impl Arrangement {
     }
 }
 
-/// Where a curve is nearest to a point, from a place next to it: by steps of Newton's method as
-/// long as these bring it nearer, if it is off by more than rounding.
-fn nearest(curve: &Curve, mut place: f64, point: DVec3, rounding: f64) -> f64 {
+/// Where a curve is nearest to a point, from a place in the same turn of it: by steps of
+/// Newton's method as long as these bring it nearer, if it is off by more than rounding.
+fn nearest(curve: &Curve, before: f64, point: DVec3, rounding: f64) -> f64 {
     const MOST_STEPS: u32 = 8;
     /// In which the curve's direction is found.
     const STEP: f64 = 1e-6;
+    let mut place = before;
     let mut off = curve.at(place).distance(point);
+    // Far away on conics that are nearly straight chords have been joined.
+    if off > rounding
+        && let Some(known) = curve.place(point)
+    {
+        let turn = if curve.is_closed() {
+            TAU
+        } else {
+            f64::INFINITY
+        };
+        let turns = ((before - known) / turn).round();
+        let known = if turns == 0.0 {
+            known
+        } else {
+            known + turns * turn
+        };
+        let known_off = curve.at(known).distance(point);
+        if known_off < off {
+            (place, off) = (known, known_off);
+        }
+    }
     for _ in 0..MOST_STEPS {
         if off <= rounding {
             break;
@@ -146,4 +169,34 @@ fn nearest(curve: &Curve, mut place: f64, point: DVec3, rounding: f64) -> f64 {
         (place, off) = (next, next_off);
     }
     place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plane beside a cone's apex cuts it in a hyperbola of two nearly straight halves, along
+    /// which places grow as the logarithm of the distance.
+    #[test]
+    fn places_far_along_a_curve_are_found() {
+        let curve = Curve::Hyperbola {
+            center: DVec3::new(-0.25, 0.75, 0.5),
+            a: DVec3::new(0.0, 0.0, -5e-8),
+            b: DVec3::new(4e-8, 0.0, 0.0),
+        };
+        for (before, place) in [(16.3, 17.6), (17.6, 16.3), (-17.7, -15.0), (-15.0, -17.7)] {
+            let found = nearest(&curve, before, curve.at(place), 1e-15);
+            assert!((found - place).abs() < 1e-7, "{found}, not {place}");
+            assert!(curve.at(found).distance(curve.at(place)) < 1e-15);
+        }
+        let circle = Curve::Ellipse {
+            center: DVec3::X,
+            a: DVec3::X,
+            b: DVec3::Y,
+        };
+        for (before, place) in [(0.1, -0.2), (6.2, 6.4), (7.0, 6.0)] {
+            let found = nearest(&circle, before, circle.at(place), 1e-15);
+            assert!((found - place).abs() < 1e-14, "{found}, not {place}");
+        }
+    }
 }
