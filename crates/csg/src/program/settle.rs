@@ -79,25 +79,45 @@ impl Program {
     /// The program with every surface that is meant moved on its own, by up to `most` where
     /// the solid is, and a fifth of that at least: what touches or meets by chance, more than
     /// two surfaces in a curve or three in a point, then clearly does or does not. What is
-    /// one surface stays one. The same moves in every run. None if no surface is meant.
+    /// one surface stays one, and surfaces that nearly coincide move together: walls and
+    /// gaps thinner than the moves stay. The same moves in every run. None if no surface is
+    /// meant.
     pub(crate) fn perturbed(
         &self,
         (origin, reach): (DVec3, f64),
         most: f64,
         is_meant: impl Fn(&Surface) -> bool,
     ) -> Result<Option<Settled>, Error> {
-        let perturb = |(index, surface): (u64, &Surface)| {
-            if !is_meant(surface) {
+        /// Of the moves: what is nearer is a wall or a gap that is meant.
+        const TOGETHER: f64 = 8.0;
+        let about: Vec<Surface> = self
+            .surfaces
+            .iter()
+            .map(|s| s.relative_to(origin))
+            .collect();
+        let chains = Chains::of(&about, reach, TOGETHER * most);
+        let mut leaders: Vec<usize> = (0..about.len()).collect();
+        for chain in chains.longer_than_one() {
+            for &other in &chain {
+                leaders[other as usize] = chain[0] as usize;
+            }
+        }
+        let perturb = |(index, surface): (usize, &Surface)| {
+            let leader = leaders[index];
+            if !is_meant(surface) && !is_meant(&self.surfaces[leader]) {
                 return *surface;
             }
             let number = |k: u64| {
-                let bits = avalanche((4 * index + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+                let bits =
+                    avalanche((4 * leader as u64 + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
                 2.0 * (bits >> 11) as f64 * (-53.0_f64).exp2() - 1.0
             };
             let direction = DVec3::new(number(0), number(1), number(2));
             let distance = (0.6 + 0.4 * number(3)) * most;
             let step = if surface.is_plane() {
-                direction.x.signum() * distance * surface.linear
+                let leads = self.surfaces[leader].linear;
+                let normal = surface.linear * leads.dot(surface.linear).signum();
+                direction.x.signum() * distance * normal
             } else {
                 distance * direction.normalize_or_zero()
             };
@@ -311,6 +331,37 @@ mod tests {
             }
         }
         assert!(checked > 1000, "{checked}");
+    }
+
+    #[test]
+    fn thin_walls_move_as_a_whole() {
+        let pose = |s: Solid| s.rotate_x(0.4).rotate_z(1.1).translate([0.2, -0.1, 0.3]);
+        let wall = |by: f64| {
+            let walls = [
+                Solid::sphere(0.7) - Solid::sphere(0.7 - by),
+                Solid::infinite_cylinder(0.6) - Solid::infinite_cylinder(0.6 - by),
+                Solid::half_space([0.0, 0.0, 1.0], 0.1)
+                    - Solid::half_space([0.0, 0.0, 1.0], 0.1 - by),
+            ];
+            lowered(&pose(walls.into_iter().reduce(|a, b| a | b).expect("some")))
+        };
+        for power in 4..12 {
+            let by = 10f64.powi(-power);
+            let before = wall(by);
+            let after = before
+                .perturbed(BALL, 1e-3, |_| true)
+                .expect("room")
+                .expect("moved");
+            for (pair, moved) in before
+                .surfaces()
+                .chunks(2)
+                .zip(after.program.surfaces().chunks(2))
+            {
+                assert!(moved[0].anchor.distance(pair[0].anchor) > 1e-4);
+                let [was, is] = [pair, moved].map(|p| p[1].anchor - p[0].anchor);
+                assert!(is.distance(was) < 1e-15, "{by}: {was} {is}");
+            }
+        }
     }
 
     #[test]
