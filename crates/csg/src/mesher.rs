@@ -6,6 +6,7 @@ mod run;
 
 use std::time::Instant;
 
+use self::options::DEFAULT_ANGLE;
 pub use self::options::{MAX_CELLS, Mesher};
 pub use self::run::Meshed;
 use self::run::Run;
@@ -29,7 +30,8 @@ impl Mesher {
         let start = Instant::now();
         match self.default_tolerance(program)? {
             Some(tolerance) => {
-                let mesher = self.clone().tolerance(tolerance);
+                let angle = self.angle_or(DEFAULT_ANGLE);
+                let mesher = self.clone().tolerance(tolerance).angle(angle);
                 Run::new(&mesher, program, start)?.mesh()
             }
             None => Run::new(self, program, start)?.mesh(),
