@@ -87,6 +87,24 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// The file name does not say which format of drawings is meant.
+    #[error(
+        "{}: no format of drawings has this extension; use one of .svg, .dxf, .pdf",
+        path.display()
+    )]
+    UnknownDrawing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is nothing to draw.
+    #[error("the drawing is empty: the plane does not meet the solid")]
+    EmptyDrawing,
+    /// A drawing's curves cannot keep a tolerance that is not above 0.
+    #[error("the drawing's tolerance is {tolerance}: give one above 0")]
+    DrawingTolerance {
+        /// What was given.
+        tolerance: f64,
+    },
     /// A file is damaged, or uses what this reader does not know.
     #[error("{place}: {problem}")]
     Malformed {
@@ -129,6 +147,7 @@ impl Error {
             Self::File { .. }
             | Self::InFile { .. }
             | Self::UnknownFormat { .. }
+            | Self::UnknownDrawing { .. }
             | Self::StepOfMesh { .. } => self,
             other => Self::InFile {
                 path: path.to_owned(),
