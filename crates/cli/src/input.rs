@@ -14,7 +14,7 @@ use crate::openscad;
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Input {
     /// The input: a scene (.csg), an OpenSCAD model (.scad, if openscad is
-    /// installed), or a mesh (.glb .gltf .obj .stl .ply .off); `-` reads a scene
+    /// installed), or a mesh (.glb .gltf .obj .stl .ply .off .3mf); `-` reads a scene
     /// from standard input
     #[arg(value_name = "IN")]
     path: PathBuf,
@@ -126,7 +126,7 @@ impl Reading {
                 return Ok(Subject::Solid(warned(scene)));
             }
             if !is("csg") {
-                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
+                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply, .off or .3mf mesh";
                 return Err(Failure::input(&name, "its extension is not known").hint(hint));
             }
             scene::read_file(path, &options).map_err(|error| scene_failure(&name, error))?

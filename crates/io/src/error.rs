@@ -30,14 +30,6 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// The format can be written but not read.
-    #[error(
-        "{format} files can be written but not read; convert the file to GLB, OBJ, OFF, STL or PLY"
-    )]
-    WriteOnly {
-        /// The format.
-        format: MeshFormat,
-    },
     /// A file names another one in a folder that is not its own.
     #[error(
         "{} is not in the folder of the file that names it, or below: \
