@@ -121,14 +121,15 @@ impl AtomicFile {
 impl Write for AtomicFile {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
         match &mut self.target {
-            Target::Beside(file) => file.write(data),
+            // (Whose own errors would name it.)
+            Target::Beside(file) => file.as_file_mut().write(data),
             Target::Direct(file) => file.write(data),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.target {
-            Target::Beside(file) => file.flush(),
+            Target::Beside(file) => file.as_file_mut().flush(),
             Target::Direct(file) => file.flush(),
         }
     }
@@ -192,11 +193,22 @@ fn temporary_beside(
         // temporary files is private).
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let file = builder.tempfile_in(folder)?;
+    let file = builder.tempfile_in(folder).map_err(without_path)?;
     if let Some(permissions) = permissions {
         file.as_file().set_permissions(permissions)?;
     }
     Ok(file)
+}
+
+/// The system's own error: nobody asked for the file that could not be made, so its name would
+/// only puzzle.
+fn without_path(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|wrapped| wrapped.source());
+    let inner = inner.and_then(|source| source.downcast_ref::<io::Error>());
+    match inner.and_then(io::Error::raw_os_error) {
+        Some(code) => io::Error::from_raw_os_error(code),
+        None => error,
+    }
 }
 
 /// Makes a rename last through a power failure, where folders can be flushed.

@@ -89,6 +89,7 @@ fn a_full_disk_leaves_the_old_file_and_says_so() {
         let message = failed(&output, 5);
         assert!(message.contains(&name), "{message}");
         assert!(message.contains("File too large"), "{message}");
+        assert!(!message.contains("unfinished"), "{message}");
         // Nothing but the message, above all of the libraries.
         assert!(message.starts_with("error: cannot write"), "{message}");
         let lines = message.lines().filter(|line| !line.starts_with("  "));

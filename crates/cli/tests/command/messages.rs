@@ -41,6 +41,7 @@ fn failures_have_a_cause_a_hint_and_a_code() {
         let message = failed(&folder.run(command), code);
         assert!(message.contains(words), "{command}: {message}");
         assert!(!message.contains("panicked"), "{message}");
+        assert!(!message.contains("unfinished"), "{message}");
     }
     let left: Vec<String> = folder
         .files()

@@ -65,9 +65,9 @@ pub struct Section {
     pub length: Bounded,
     /// How many parts there are.
     pub parts: usize,
-    /// Whether what lies just behind the plane differs from what lies just before it: the
-    /// solid has a face in the plane. Drawn is what lies behind, or, if that is nothing,
-    /// what lies before.
+    /// Whether what lies just behind the plane differs from what lies just before it, and
+    /// neither is nothing: the solid has a face in the plane, and drawn is what lies behind.
+    /// (Of a solid that begins or ends at the plane it is its face there.)
     pub is_at_face: bool,
 }
 
@@ -108,7 +108,8 @@ impl Section {
             Err(_) if !section.outlines.is_empty() => return Ok(section),
             Err(error) => return Err(error),
         };
-        let is_at_face = !section.is_like(&other);
+        let is_there = |section: &Self| !section.outlines.is_empty();
+        let is_at_face = is_there(&section) && is_there(&other) && !section.is_like(&other);
         if section.outlines.is_empty() {
             section = other;
         }
