@@ -193,22 +193,16 @@ fn temporary_beside(
         // temporary files is private).
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let file = builder.tempfile_in(folder).map_err(without_path)?;
+    // (Nobody asked for the file that could not be made, so its name would only puzzle.)
+    let made = builder.tempfile_in(&folder);
+    let file = made.map_err(|error| match fs::metadata(&folder) {
+        Err(own) => own,
+        Ok(_) => error.kind().into(),
+    })?;
     if let Some(permissions) = permissions {
         file.as_file().set_permissions(permissions)?;
     }
     Ok(file)
-}
-
-/// The system's own error: nobody asked for the file that could not be made, so its name would
-/// only puzzle.
-fn without_path(error: io::Error) -> io::Error {
-    let inner = error.get_ref().and_then(|wrapped| wrapped.source());
-    let inner = inner.and_then(|source| source.downcast_ref::<io::Error>());
-    match inner.and_then(io::Error::raw_os_error) {
-        Some(code) => io::Error::from_raw_os_error(code),
-        None => error,
-    }
 }
 
 /// Makes a rename last through a power failure, where folders can be flushed.
