@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use csg::{Meshed, Mesher, Program, Solid};
-use glam::{DVec3, dvec3};
+use glam::DVec3;
 use stereotomy::{csg, scenes};
 
 use super::defects::{largest_miss, size};
@@ -249,7 +249,7 @@ fn defaults_give_a_good_mesh_of_any_model() {
         let off = report.largest_vertex_distance;
         assert!(off <= 1e-12 * bounds.size().length(), "{name}: {off}");
         let explicit = Mesher::new().tolerance(tolerance);
-        let explicit = explicit.angle(12.0 * PI / 180.0).mesh(&program);
+        let explicit = explicit.mesh(&program);
         assert!(*mesh == explicit.expect("a mesh").mesh, "{name}");
     }
     // The wall of the finest shell is there.
@@ -257,18 +257,6 @@ fn defaults_give_a_good_mesh_of_any_model() {
     let mesh = Mesher::new().mesh(&program).expect("a mesh").mesh;
     let volume = scenes::shell_volume(1e-4);
     assert!((mesh.volume() / volume - 1.0).abs() < 0.5);
-    // A small ball beside a large one is round, and not what the distance alone lets be left.
-    let ball = Solid::sphere(0.01).translate([3.0, 0.0, 0.0]);
-    let mesh = Mesher::new().mesh(&lower(&(Solid::sphere(1.0) | ball)));
-    let mesh = mesh.expect("a mesh").mesh;
-    let is_small = |t: usize| mesh.corners(t)[0].x > 2.0;
-    let small: Vec<_> = (0..mesh.triangles.len()).filter(|&t| is_small(t)).collect();
-    let cones = small.iter().map(|&t| {
-        let [a, b, c] = mesh.corners(t).map(|p| p - dvec3(3.0, 0.0, 0.0));
-        a.dot(b.cross(c)) / 6.0
-    });
-    let ratio = cones.sum::<f64>() / (4.0 / 3.0 * PI * 1e-6);
-    assert!((0.97..1.0).contains(&ratio), "{ratio}");
     let nothing = lower(&(Solid::sphere(1.0) - Solid::sphere(2.0)));
     let empty = Mesher::new().mesh(&nothing).expect("an empty mesh").mesh;
     assert_eq!(empty.triangles.len(), 0);

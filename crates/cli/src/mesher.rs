@@ -22,15 +22,13 @@ pub(crate) struct MesherOptions {
     pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes [default, without cells, their size or a smallest
-    /// feature: a thousandth of the solid's longest side, together with an angle of
-    /// 12 degrees, or for a picture a quarter of a pixel where the solid is nearest to
+    /// feature: a thousandth of the solid's longest side, or for a picture a quarter of a pixel where the solid is nearest to
     /// the eye; the boundary of a solid bounded by planes alone is exact]
     #[arg(long, value_name = "DISTANCE", conflicts_with = "draft", value_parser = length,
           allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
     /// The largest angle in degrees, too, that a surface may turn along an edge of a mesh
-    /// to a tolerance: 10 makes 36 corners of every circle at least [default: 12 with the
-    /// default tolerance, any with another one]
+    /// to a tolerance: 10 makes 36 corners of every circle at least [default: any]
     #[arg(long, value_name = "DEGREES", conflicts_with = "draft", value_parser = angle,
           allow_negative_numbers = true)]
     pub(crate) angle: Option<f64>,

@@ -6,7 +6,6 @@ mod run;
 
 use std::time::Instant;
 
-use self::options::DEFAULT_ANGLE;
 pub use self::options::{MAX_CELLS, Mesher};
 pub use self::run::Meshed;
 use self::run::Run;
@@ -30,8 +29,7 @@ impl Mesher {
         let start = Instant::now();
         match self.default_tolerance(program)? {
             Some(tolerance) => {
-                let angle = self.angle_or(DEFAULT_ANGLE);
-                let mesher = self.clone().tolerance(tolerance).angle(angle);
+                let mesher = self.clone().tolerance(tolerance);
                 Run::new(&mesher, program, start)?.mesh()
             }
             None => Run::new(self, program, start)?.mesh(),

@@ -68,14 +68,9 @@ impl Default for Mesher {
 /// The tolerance unless another one is asked for, of the longest side of the bounds.
 pub(super) const DEFAULT_TOLERANCE: f64 = 1e-3;
 
-/// The angle unless another one is asked for, with the default tolerance: circles have thirty
-/// corners at least, as OpenSCAD's have, and a small ball beside large ones loses one percent
-/// of its volume, not ten.
-pub(super) const DEFAULT_ANGLE: f64 = 12.0 * std::f64::consts::PI / 180.0;
-
 impl Mesher {
     /// To a [`Self::tolerance`] of a thousandth of the longest side of the solid's
-    /// bounds and an [`Self::angle`] of twelve degrees, in millimetres; for a solid bounded by planes alone its exact
+    /// bounds, in millimetres; for a solid bounded by planes alone its exact
     /// boundary. That one is made with a tolerance, too, but not where
     /// [`Self::cells`], their size or a box are given. Drafts and solids in a box
     /// that was given have 128 cells along the longest side.
@@ -137,8 +132,7 @@ impl Mesher {
     }
 
     /// With a tolerance, its own or the default: the largest angle in radians, too, that a
-    /// surface may turn along an edge of the mesh. Twelve degrees with the default
-    /// tolerance, and any with another one, unless said otherwise.
+    /// surface may turn along an edge of the mesh.
     pub fn angle(mut self, angle: f64) -> Self {
         self.angle = Some(angle);
         self
@@ -233,11 +227,6 @@ impl Mesher {
     pub fn limits(mut self, limits: Limits) -> Self {
         self.limits = limits;
         self
-    }
-
-    /// The angle that was asked for, or else this one.
-    pub(super) fn angle_or(&self, angle: f64) -> f64 {
-        self.angle.unwrap_or(angle)
     }
 
     /// The tolerance where nothing says how fine the mesh should be.
