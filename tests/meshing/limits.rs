@@ -304,3 +304,30 @@ fn progress_is_told_and_cancelling_heard_within_the_exact_boundary() {
         assert!(last < 1.0 && last < share + 0.2, "{share}: {last}");
     }
 }
+
+/// Half of the work of a mesh to a tolerance comes after its topology is there.
+#[test]
+fn progress_leaves_room_for_refining() {
+    let program = lower(&scenes::drilled());
+    let told: Arc<Mutex<Vec<f64>>> = Arc::default();
+    let list = Arc::clone(&told);
+    let mesher = Mesher::new()
+        .tolerance(1e-4)
+        .progress(move |share| list.lock().expect("a list").push(share));
+    mesher.mesh(&program).expect("a mesh");
+    let mut shares = std::mem::take(&mut *told.lock().expect("a list"));
+    shares.sort_by(f64::total_cmp);
+    assert_eq!(shares.last(), Some(&1.0));
+    // The boundary, the refined mesh, and what is without crossings, each by itself.
+    for range in [0.05..=0.2, 0.6..=0.7, 0.8..=0.9] {
+        assert!(
+            shares.iter().any(|share| range.contains(share)),
+            "{shares:?}"
+        );
+    }
+    assert_eq!(
+        shares.iter().filter(|&&share| share > 0.9).count(),
+        1,
+        "{shares:?}"
+    );
+}

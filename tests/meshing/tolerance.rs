@@ -1,5 +1,7 @@
 //! Meshes brought to a tolerance: is the promise kept, with few triangles?
 
+use std::f64::consts::PI;
+
 use csg::{Meshed, Mesher, Program, Solid};
 use glam::DVec3;
 use stereotomy::{csg, scenes};
@@ -149,7 +151,7 @@ fn triangles_are_few() {
     };
     assert_eq!(count(&scenes::rotated_box(), 8, 1e-3), 12);
     assert_eq!(count(&scenes::menger(2), 30, 1e-3), 1296);
-    let deviation = |n: f64| 1.0 - (std::f64::consts::PI / n).cos();
+    let deviation = |n: f64| 1.0 - (PI / n).cos();
     assert!(count(&scenes::flange(), 40, deviation(64.0)) <= 2_900 * 6 / 5);
     assert!(count(&scenes::flange(), 40, deviation(256.0)) <= 11_000 * 6 / 5);
     // A cylinder is two polygons and a strip.
@@ -246,7 +248,8 @@ fn defaults_give_a_good_mesh_of_any_model() {
         assert!(bound <= tolerance, "{name}: {bound}");
         let off = report.largest_vertex_distance;
         assert!(off <= 1e-12 * bounds.size().length(), "{name}: {off}");
-        let explicit = Mesher::new().tolerance(tolerance).mesh(&program);
+        let explicit = Mesher::new().tolerance(tolerance);
+        let explicit = explicit.mesh(&program);
         assert!(*mesh == explicit.expect("a mesh").mesh, "{name}");
     }
     // The wall of the finest shell is there.

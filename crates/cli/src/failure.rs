@@ -7,6 +7,8 @@ use std::fmt;
 pub mod exit_codes {
     /// Done.
     pub const SUCCESS: u8 = 0;
+    /// What was compared differs.
+    pub const DIFFERENT: u8 = 1;
     /// The command line does not make sense, or an option is out of range.
     pub const USAGE: u8 = 2;
     /// The input cannot be read, or is not what its name says.
@@ -24,6 +26,7 @@ pub mod exit_codes {
 pub(crate) const EXIT_CODES_HELP: &str = "\
 Exit codes:
   0  done
+  1  what was compared differs
   2  the command line does not make sense, or an option is out of range
   3  the input cannot be read, or is not what its name says
   4  the model is faulty: a bad argument of a node, or no bounds

@@ -7,17 +7,24 @@ use csg::{Mesh, Solid};
 use io::MeshFormat;
 use io::scene::{self, ReadOptions, Scene, SceneError};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, exit_codes};
 use crate::openscad;
 
 /// The input file of the `csg` command.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Input {
     /// The input: a scene (.csg), an OpenSCAD model (.scad, if openscad is
-    /// installed), or a mesh (.glb .gltf .obj .stl .ply .off); `-` reads a scene
+    /// installed), or a mesh (.glb .gltf .obj .stl .ply .off .3mf); `-` reads a scene
     /// from standard input
     #[arg(value_name = "IN")]
     path: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// How inputs are read.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Reading {
     /// Read circles, spheres and cones as the polygons that OpenSCAD makes of
     /// them
     #[arg(long)]
@@ -29,7 +36,7 @@ pub(crate) struct Input {
     /// its own
     #[arg(long)]
     any_folder: bool,
-    /// Set a variable of an OpenSCAD model
+    /// Set a variable of an OpenSCAD model (.scad)
     #[arg(short = 'D', value_name = "NAME=VALUE")]
     define: Vec<String>,
 }
@@ -42,15 +49,57 @@ pub(crate) enum Subject {
     Mesh(Mesh),
 }
 
+impl Subject {
+    /// The solid, or that which the mesh bounds.
+    pub(crate) fn solid(&self) -> Result<Solid, Failure> {
+        match self {
+            Self::Solid(solid) => Ok(solid.clone()),
+            Self::Mesh(mesh) => Solid::from_mesh(mesh)
+                .map_err(|faults| Failure::new(exit_codes::MODEL, "the mesh is no solid", faults)),
+        }
+    }
+}
+
 impl Input {
-    /// Reads the file by its extension; warnings go to standard error. With
-    /// `faces_only`, a mesh need not be connected ([`io::ReadOptions::to_draw`]).
+    /// Its name.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the file: see [`Reading::read`].
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
+        self.reading.read(&self.path, &[], faces_only)
+    }
+}
+
+impl Reading {
+    /// Reads a file by its extension, some more variables of an OpenSCAD model set as in
+    /// `name=value`; warnings go to standard error. With `faces_only`, a mesh need not be
+    /// connected ([`io::ReadOptions::to_draw`]).
+    pub(crate) fn read(
+        &self,
+        path: &Path,
+        define: &[String],
+        faces_only: bool,
+    ) -> Result<Subject, Failure> {
+        let define = [&self.define, define].concat();
+        let extension = path.extension().and_then(|e| e.to_str());
+        let is = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
+        if !define.is_empty() && !is_openscad(path) {
+            let name = path.display().to_string();
+            let cause = "it has no variables: only OpenSCAD models (.scad) do, and scenes are \
+                         evaluated already";
+            return Err(Failure::new(
+                exit_codes::USAGE,
+                format!("cannot set variables of {name}"),
+                cause,
+            ));
+        }
         let options = ReadOptions::default()
             .faceted(self.faceted)
             .any_folder(self.any_folder);
         let options = self.font.iter().fold(options, ReadOptions::font);
-        let scene = if self.path.as_os_str() == "-" {
+        let scene = if path.as_os_str() == "-" {
             let mut bytes = Vec::new();
             std::io::stdin()
                 .read_to_end(&mut bytes)
@@ -58,20 +107,18 @@ impl Input {
             scene::read_bytes(&bytes, &options)
                 .map_err(|error| scene_failure("standard input", error))?
         } else {
-            let name = self.path.display().to_string();
-            if MeshFormat::from_path(&self.path).is_ok() {
+            let name = path.display().to_string();
+            if MeshFormat::from_path(path).is_ok() {
                 let options = io::ReadOptions::default()
                     .any_folder(self.any_folder)
                     .to_draw(faces_only);
-                let mesh = io::read_mesh_with(&self.path, &options)
+                let mesh = io::read_mesh_with(path, &options)
                     .map_err(|error| Failure::input(&name, error))?;
                 return Ok(Subject::Mesh(mesh));
             }
-            let extension = self.path.extension().and_then(|e| e.to_str());
-            let is = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
-            if is("scad") {
-                let text = openscad::evaluated(&self.path, &self.define)?;
-                let folder = self.path.parent().unwrap_or(Path::new(""));
+            if is_openscad(path) {
+                let text = openscad::evaluated(path, &define)?;
+                let folder = path.parent().unwrap_or(Path::new(""));
                 let scene = scene::read_bytes(&text, &options.folder(folder));
                 let scene = scene.map_err(|error| {
                     scene_failure(&format!("{name}, as openscad evaluates it"), error)
@@ -79,13 +126,19 @@ impl Input {
                 return Ok(Subject::Solid(warned(scene)));
             }
             if !is("csg") {
-                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
+                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply, .off or .3mf mesh";
                 return Err(Failure::input(&name, "its extension is not known").hint(hint));
             }
-            scene::read_file(&self.path, &options).map_err(|error| scene_failure(&name, error))?
+            scene::read_file(path, &options).map_err(|error| scene_failure(&name, error))?
         };
         Ok(Subject::Solid(warned(scene)))
     }
+}
+
+/// Whether a file's name says that it is an OpenSCAD model.
+pub(crate) fn is_openscad(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("scad"))
 }
 
 /// The solid of a scene; its warnings go to standard error.

@@ -19,6 +19,7 @@ mod commands;
 mod failure;
 mod input;
 mod mesher;
+mod nothing;
 mod openscad;
 mod output;
 mod progress;

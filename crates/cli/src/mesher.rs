@@ -5,8 +5,10 @@ use std::time::{Duration, Instant};
 use csg::{BoundaryOptions, LengthUnit, Limits, Mesh, Mesher, Program, Report};
 use glam::DVec3;
 
-use crate::failure::Failure;
+use crate::commands::parse::{angle, length};
+use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
+use crate::nothing::Nothing;
 use crate::progress::Progress;
 
 /// How to mesh a solid.
@@ -15,27 +17,29 @@ pub(crate) struct MesherOptions {
     /// Uniform cells, so many along the longest side of the solid's bounds
     /// [default: 128 for a draft; else none, or cells as large as the solid is
     /// simple]
-    #[arg(long, value_name = "N",
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
     pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes [default, without cells, their size or a smallest
-    /// feature: a thousandth of the solid's longest side, or for a picture a
-    /// quarter of a pixel where the solid is nearest to the eye; the boundary of a
-    /// solid bounded by planes alone is exact]
-    #[arg(long, value_name = "DISTANCE", conflicts_with = "draft")]
+    /// feature: a thousandth of the solid's longest side, or for a picture a quarter of a pixel where the solid is nearest to
+    /// the eye; the boundary of a solid bounded by planes alone is exact]
+    #[arg(long, value_name = "DISTANCE", conflicts_with = "draft", value_parser = length,
+          allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
-    /// With a tolerance, the largest angle in degrees that a surface may turn
-    /// along an edge of the mesh
-    #[arg(long, value_name = "DEGREES", requires = "tolerance")]
+    /// The largest angle in degrees, too, that a surface may turn along an edge of a mesh
+    /// to a tolerance: 10 makes 36 corners of every circle at least [default: any]
+    #[arg(long, value_name = "DEGREES", conflicts_with = "draft", value_parser = angle,
+          allow_negative_numbers = true)]
     pub(crate) angle: Option<f64>,
     /// Look for features down to this size, in the model's unit [default: the
     /// tolerance]
-    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["cells", "draft"])]
+    #[arg(long, value_name = "LENGTH", conflicts_with_all = ["cells", "draft"],
+          value_parser = length, allow_negative_numbers = true)]
     pub(crate) smallest_feature: Option<f64>,
     /// Uniform cells with sides of this length, in the model's unit, in place of
     /// their number
-    #[arg(long, value_name = "LENGTH", value_parser = length,
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true,
           conflicts_with_all = ["cells", "smallest_feature"])]
     pub(crate) cell_size: Option<f64>,
     /// Mesh with plain surface nets: bevelled edges, perhaps not manifold
@@ -51,7 +55,10 @@ pub(crate) struct MesherOptions {
 impl MesherOptions {
     /// Whether any option asks for a mesh, or how fine it is to be.
     pub(crate) fn is_of_mesh(&self) -> bool {
-        self.tolerance.is_some() || self.limits.limit_triangles.is_some() || !self.is_to_tolerance()
+        self.tolerance.is_some()
+            || self.angle.is_some()
+            || self.limits.limit_triangles.is_some()
+            || !self.is_to_tolerance()
     }
 
     /// The same limits for a solid's boundary.
@@ -76,17 +83,17 @@ impl MesherOptions {
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitOptions {
     /// The most cells that may be looked at
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) limit_cells: Option<u64>,
     /// The most triangles of the mesh
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) limit_triangles: Option<u64>,
     /// The most memory for cells and triangles, in bytes, or with K, M or G: half of the
     /// machine's unless given
-    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, allow_negative_numbers = true)]
     pub(crate) limit_memory: Option<u64>,
     /// The longest time for meshing, in seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) limit_time: Option<Duration>,
     /// Where a limit is reached, write what fits it: larger cells, or a larger
     /// tolerance, as the report says
@@ -95,7 +102,7 @@ pub(crate) struct LimitOptions {
 }
 
 impl LimitOptions {
-    fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         let mut limits = Limits::new();
         if let Some(most) = self.limit_cells {
             limits = limits.cells(most);
@@ -135,8 +142,9 @@ fn bytes(text: &str) -> Result<u64, String> {
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
-    let number = text.parse::<f64>().map_err(|e| e.to_string())?;
-    Duration::try_from_secs_f64(number).map_err(|e| e.to_string())
+    let number = text.trim().parse().ok();
+    let time = number.and_then(|number| Duration::try_from_secs_f64(number).ok());
+    time.ok_or_else(|| "give a number of seconds, from 0".into())
 }
 
 /// Units by their symbols.
@@ -169,7 +177,7 @@ impl Unit {
         }
     }
 
-    fn length_unit(self) -> LengthUnit {
+    pub(crate) fn length_unit(self) -> LengthUnit {
         match self {
             Self::Um => LengthUnit::Micrometre,
             Self::Mm => LengthUnit::Millimetre,
@@ -178,13 +186,6 @@ impl Unit {
             Self::In => LengthUnit::Inch,
             Self::Ft => LengthUnit::Foot,
         }
-    }
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(length) if length > 0.0 && length < f64::INFINITY => Ok(length),
-        _ => Err("give a length above 0".into()),
     }
 }
 
@@ -229,6 +230,11 @@ pub(crate) fn produce(
     needs: &Needs,
     progress: &Progress,
 ) -> Result<Product, Failure> {
+    if options.angle.is_some() && !options.is_to_tolerance() {
+        let context = "an angle without a tolerance";
+        let cause = "meshes by cells keep none: give a --tolerance, too, or leave them out";
+        return Err(Failure::new(exit_codes::USAGE, context, cause));
+    }
     let start = Instant::now();
     progress.stage("reading");
     let subject = subject()?;
@@ -284,7 +290,7 @@ pub(crate) fn produce(
                 seconds.extend(&meshed.report.stages);
             }
             if meshed.mesh.triangles.is_empty() {
-                warn_of_nothing(&program);
+                eprintln!("{}", Nothing::of(&solid));
             }
             Ok(Product {
                 mesh: meshed.mesh,
@@ -301,17 +307,6 @@ pub(crate) fn produce(
             tolerance: None,
             seconds,
         }),
-    }
-}
-
-/// Tells that nothing is left of a solid that was made of something.
-pub(crate) fn warn_of_nothing(program: &Program) {
-    let primitives = program.origins().len();
-    if primitives > 0 {
-        eprintln!(
-            "warning: nothing is left of the model's {primitives} primitives: what is \
-             subtracted or intersected takes all of it, or it is smaller than the cells"
-        );
     }
 }
 

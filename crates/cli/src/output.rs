@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use csg::{BoundaryOptions, LengthUnit, Mesh, Program};
+use csg::{Brep, LengthUnit, Mesh};
 use io::step::StepOptions;
 use io::{AtomicFile, MeshFormat, WriteOptions};
 
@@ -35,17 +35,23 @@ pub(crate) fn is_stream(path: &Path) -> bool {
 /// Refuses outputs that would come out mixed, or in no known format, before
 /// any work is done for them.
 pub(crate) fn check(meshes: &[PathBuf], json: Option<&Path>) -> Result<(), Failure> {
-    let streams = meshes.iter().filter(|path| is_stream(path)).count()
+    check_streams(meshes, json)?;
+    let is_mesh = |path: &&PathBuf| !is_stream(path) && !io::step::is_step(path);
+    for path in meshes.iter().filter(is_mesh) {
+        MeshFormat::from_path(path)
+            .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))?;
+    }
+    Ok(())
+}
+
+/// Refuses outputs that would come out mixed.
+pub(crate) fn check_streams(outputs: &[PathBuf], json: Option<&Path>) -> Result<(), Failure> {
+    let streams = outputs.iter().filter(|path| is_stream(path)).count()
         + usize::from(json.is_some_and(is_stream));
     if streams > 1 {
         let context = "two outputs on standard output";
         let cause = "they would come out mixed: send all but one to files";
         return Err(Failure::new(exit_codes::USAGE, context, cause));
-    }
-    let is_mesh = |path: &&PathBuf| !is_stream(path) && !io::step::is_step(path);
-    for path in meshes.iter().filter(is_mesh) {
-        MeshFormat::from_path(path)
-            .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))?;
     }
     Ok(())
 }
@@ -67,12 +73,11 @@ pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Resu
     print(&bytes)
 }
 
-/// Writes the exact boundary of a solid to a STEP file; the product's name is the file's.
-pub(crate) fn write_step(path: &Path, program: &Program, unit: LengthUnit) -> Result<(), Failure> {
-    let brep = program.boundary(&BoundaryOptions::new().cut_at_seams())?;
+/// Writes an exact boundary that was cut at seams to a STEP file; the product's name is the file's.
+pub(crate) fn write_step(path: &Path, brep: &Brep, unit: LengthUnit) -> Result<(), Failure> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let options = StepOptions::default().name(name).unit(unit);
-    io::step::write_step_file(path, &brep, &options)
+    io::step::write_step_file(path, brep, &options)
         .map_err(|error| Failure::output(&path.display().to_string(), error))
 }
 

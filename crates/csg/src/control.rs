@@ -70,6 +70,8 @@ pub(crate) struct Control {
     deadline: Option<Instant>,
     /// What the work is done for.
     demand: Demand,
+    /// From which share of the whole to which this part of it leads.
+    part: [f64; 2],
     cells: AtomicU64,
     bytes: AtomicU64,
     /// The last percent that the caller was told of. Shared, for what is done
@@ -89,6 +91,7 @@ impl Control {
                 .time
                 .and_then(|time| Instant::now().checked_add(time)),
             demand,
+            part: [0.0, 1.0],
             cells: AtomicU64::new(0),
             bytes: AtomicU64::new(0),
             told: Arc::default(),
@@ -105,6 +108,15 @@ impl Control {
             bytes: AtomicU64::new(0),
             told: Arc::clone(&self.told),
             ..*self
+        }
+    }
+
+    /// The same, for work that leads from one share of the whole to another one: what it
+    /// tells of itself, from 0 to 1, is put in between.
+    pub(crate) fn part(self, from: f64, to: f64) -> Self {
+        Self {
+            part: [from, to],
+            ..self
         }
     }
 
@@ -166,12 +178,14 @@ impl Control {
         })
     }
 
-    /// Tells the caller what share of the whole is done, if it is a percent more
-    /// than was told before.
+    /// Tells the caller what share of this part is done, if it is a percent of the whole
+    /// more than was told before.
     pub(crate) fn tell(&self, share: f64) {
         let Some(progress) = &self.caller.progress else {
             return;
         };
+        let [from, to] = self.part;
+        let share = from + (to - from) * share;
         let percent = (100.0 * share) as u64;
         if self.told.fetch_max(percent, Ordering::Relaxed) < percent {
             progress(share);
@@ -179,7 +193,7 @@ impl Control {
     }
 
     /// A counter of `total` pieces of work that make up the share from `start`
-    /// to `end` of the whole.
+    /// to `end` of this part.
     pub(crate) fn stage(&self, total: u64, start: f64, end: f64) -> Stage<'_> {
         Stage {
             control: self,

@@ -75,7 +75,7 @@ pub use control::CancelToken;
 pub use error::{Error, NodeFault, NodePath, PathStep, PolyhedronFault, ProfileFault};
 pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
-pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshMeasure, MeshSurface};
+pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshDistance, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};

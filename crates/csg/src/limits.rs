@@ -136,11 +136,16 @@ pub enum Demand {
 impl fmt::Display for Demand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cells(size) => write!(f, "cells of {size}"),
-            Self::Tolerance(distance) => write!(f, "a tolerance of {distance}"),
+            Self::Cells(size) => write!(f, "cells of {}", told(*size)),
+            Self::Tolerance(distance) => write!(f, "a tolerance of {}", told(*distance)),
             Self::ExactBoundary => f.write_str("the exact boundary of planes"),
         }
     }
+}
+
+/// A number as it is told: four digits say what was halved or was a share of a length.
+fn told(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 /// A limit that was reached, and by what.
@@ -164,7 +169,7 @@ impl fmt::Display for LimitReached {
             kept,
         } = self;
         write!(f, "{demand} would take more than the limit of {limit}")?;
-        match (kept, demand) {
+        match (kept.map(told), demand) {
             (Some(kept), Demand::Tolerance(_)) => write!(f, ": {kept} was kept"),
             (Some(kept), _) => write!(f, ": made with cells of {kept}"),
             (None, _) => Ok(()),

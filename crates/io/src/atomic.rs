@@ -121,14 +121,15 @@ impl AtomicFile {
 impl Write for AtomicFile {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
         match &mut self.target {
-            Target::Beside(file) => file.write(data),
+            // (Whose own errors would name it.)
+            Target::Beside(file) => file.as_file_mut().write(data),
             Target::Direct(file) => file.write(data),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.target {
-            Target::Beside(file) => file.flush(),
+            Target::Beside(file) => file.as_file_mut().flush(),
             Target::Direct(file) => file.flush(),
         }
     }
@@ -192,7 +193,12 @@ fn temporary_beside(
         // temporary files is private).
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let file = builder.tempfile_in(folder)?;
+    // (Nobody asked for the file that could not be made, so its name would only puzzle.)
+    let made = builder.tempfile_in(&folder);
+    let file = made.map_err(|error| match fs::metadata(&folder) {
+        Err(own) => own,
+        Ok(_) => error.kind().into(),
+    })?;
     if let Some(permissions) = permissions {
         file.as_file().set_permissions(permissions)?;
     }

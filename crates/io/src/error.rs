@@ -30,14 +30,6 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// The format can be written but not read.
-    #[error(
-        "{format} files can be written but not read; convert the file to GLB, OBJ, OFF, STL or PLY"
-    )]
-    WriteOnly {
-        /// The format.
-        format: MeshFormat,
-    },
     /// A file names another one in a folder that is not its own.
     #[error(
         "{} is not in the folder of the file that names it, or below: \
@@ -87,6 +79,24 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// The file name does not say which format of drawings is meant.
+    #[error(
+        "{}: no format of drawings has this extension; use one of .svg, .dxf, .pdf",
+        path.display()
+    )]
+    UnknownDrawing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is nothing to draw.
+    #[error("the drawing is empty: the plane does not meet the solid")]
+    EmptyDrawing,
+    /// A drawing's curves cannot keep a tolerance that is not above 0.
+    #[error("the drawing's tolerance is {tolerance}: give one above 0")]
+    DrawingTolerance {
+        /// What was given.
+        tolerance: f64,
+    },
     /// A file is damaged, or uses what this reader does not know.
     #[error("{place}: {problem}")]
     Malformed {
@@ -129,6 +139,7 @@ impl Error {
             Self::File { .. }
             | Self::InFile { .. }
             | Self::UnknownFormat { .. }
+            | Self::UnknownDrawing { .. }
             | Self::StepOfMesh { .. } => self,
             other => Self::InFile {
                 path: path.to_owned(),

@@ -28,7 +28,7 @@ pub enum MeshFormat {
     /// The Object File Format: vertices and polygons as text, without names or
     /// colours.
     Off,
-    /// 3D Manufacturing Format, with colours. Written only.
+    /// 3D Manufacturing Format, with colours.
     ThreeMf,
 }
 
@@ -228,7 +228,7 @@ fn read_by_format(path: &Path, options: &ReadOptions) -> Result<Mesh, Error> {
         MeshFormat::Stl => stl::read_stl(&data),
         MeshFormat::Ply => ply::read_ply(&data),
         MeshFormat::Off => off::read_off(&data),
-        MeshFormat::ThreeMf => Err(Error::WriteOnly { format }),
+        MeshFormat::ThreeMf => threemf::read_3mf(&data),
     }
 }
 

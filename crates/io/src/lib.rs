@@ -2,8 +2,10 @@
 
 mod assemble;
 mod atomic;
+mod conic;
 mod contents;
 mod decimal;
+pub mod drawing;
 mod error;
 mod format;
 pub mod gltf;

@@ -6,7 +6,7 @@ use csg::Solid;
 
 use crate::{Error, read_mesh};
 
-/// Reads the solid that a mesh file bounds (STL, OBJ, PLY, OFF, GLB or glTF, by
+/// Reads the solid that a mesh file bounds (STL, OBJ, PLY, OFF, 3MF, GLB or glTF, by
 /// its extension), to be combined with others: see [`Solid::from_mesh`].
 ///
 /// # Errors

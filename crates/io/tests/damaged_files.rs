@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::small_box;
+use common::{MODEL, archive, small_box};
 use csg::Mesh;
 use io::Error;
-use io::{gltf, obj, ply, stl};
+use io::{gltf, obj, off, ply, stl, threemf};
 use proptest::prelude::*;
 use proptest::sample::Index;
 
@@ -71,6 +71,19 @@ fn samples() -> Vec<(&'static str, Vec<u8>, Reader)> {
             write(&|out| ply::write_ply(&mesh, out)),
             ply::read_ply,
         ),
+        (
+            "off",
+            write(&|out| off::write_off(&mesh, out)),
+            off::read_off,
+        ),
+        (
+            "3mf",
+            write(&|out| threemf::write_3mf(&mesh, out)),
+            threemf::read_3mf,
+        ),
+        ("3mf model", MODEL.into(), |data| {
+            threemf::read_3mf(&archive(data))
+        }),
         ("text ply", text_ply.to_vec(), ply::read_ply),
     ]
 }

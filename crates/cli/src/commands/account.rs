@@ -8,11 +8,12 @@ use csg::{Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
-use super::figure::Figure;
+use super::figure::{Figure, at_most, short};
 use crate::mesher::Product;
 
 /// Measures, checks and times of a mesh. In the model's unit and its powers.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Account {
     volume: Figure,
     area: f64,
@@ -34,6 +35,7 @@ pub(crate) struct Account {
 
 /// A box.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Bounds {
     min: [f64; 3],
     max: [f64; 3],
@@ -50,15 +52,19 @@ impl Bounds {
 
 impl fmt::Display for Bounds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.min;
-        writeln!(f, "from        {x} {y} {z}")?;
-        let [x, y, z] = self.max;
-        write!(f, "to          {x} {y} {z}")
+        let size = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
+        let size = size.into_iter().fold(0.0, f64::max);
+        // What is less than rounding is nothing.
+        let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
+        let point = |point: [f64; 3]| point.map(|x| short(clean(x), 10)).join(" ");
+        writeln!(f, "from        {}", point(self.min))?;
+        write!(f, "to          {}", point(self.max))
     }
 }
 
 /// The mesher's report.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ReportAccount {
     method: &'static str,
     cell_size: f64,
@@ -83,6 +89,7 @@ struct ReportAccount {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct UndecidedAccount {
     why: &'static str,
     place: [f64; 3],
@@ -90,6 +97,7 @@ struct UndecidedAccount {
 
 /// Surfaces that were moved.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct MovedAccount {
     merged: usize,
     distance: f64,
@@ -108,11 +116,9 @@ impl From<Moved> for MovedAccount {
 
 impl fmt::Display for MovedAccount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            merged,
-            distance,
-            place: [x, y, z],
-        } = self;
+        let Self { merged, .. } = self;
+        let distance = at_most(self.distance, 3);
+        let [x, y, z] = self.place.map(|x| short(x, 6));
         write!(
             f,
             "moved       surfaces by at most {distance} ({merged} made one with others), as about {x} {y} {z}"
@@ -121,6 +127,7 @@ impl fmt::Display for MovedAccount {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FallbackAccount {
     kind: String,
     count: usize,
@@ -229,8 +236,9 @@ impl ReportAccount {
 impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "volume      {}", self.volume)?;
-        writeln!(f, "area        {}", self.area)?;
-        if let Some([x, y, z]) = self.centroid {
+        writeln!(f, "area        {}", short(self.area, 10))?;
+        if let Some(centroid) = self.centroid {
+            let [x, y, z] = centroid.map(|x| short(x, 10));
             writeln!(f, "centroid    {x} {y} {z}")?;
         }
         if let Some(bounds) = &self.bounds {
@@ -257,13 +265,14 @@ impl fmt::Display for Account {
                     true => "proven",
                     false => "where the mesh has the solid's topology",
                 };
+                let deviation = at_most(deviation, 3);
                 writeln!(f, "deviation   at most {deviation} ({state})")?;
             }
             if let Some(moved) = &report.moved {
                 writeln!(f, "{moved}")?;
             }
             for undecided in &report.undecided {
-                let [x, y, z] = undecided.place;
+                let [x, y, z] = undecided.place.map(|x| short(x, 6));
                 writeln!(f, "undecided   {}, near {x} {y} {z}", undecided.why)?;
             }
             if report.difference > 0.0 {
@@ -276,7 +285,10 @@ impl fmt::Display for Account {
             for fallback in &report.fallbacks {
                 write!(f, "settled for {} x {}", fallback.count, fallback.kind)?;
                 match fallback.places.first() {
-                    Some([x, y, z]) => writeln!(f, ", first at {x} {y} {z}")?,
+                    Some(place) => {
+                        let [x, y, z] = place.map(|x| short(x, 6));
+                        writeln!(f, ", first at {x} {y} {z}")?;
+                    }
                     None => writeln!(f)?,
                 }
             }

@@ -31,7 +31,7 @@ pub(super) struct Annotations {
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     explode: Option<f64>,
     /// Colour of cut faces
-    #[arg(long, value_name = "RRGGBB", value_parser = color)]
+    #[arg(long, value_name = "COLOR", value_parser = color)]
     pub(super) cap_color: Option<csg::Color>,
 }
 

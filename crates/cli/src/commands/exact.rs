@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Instant;
 
-use csg::{BoundaryOptions, Program};
+use csg::{BoundaryOptions, Brep, Program};
 use serde::Serialize;
 
 use super::account::{Bounds, MovedAccount};
@@ -12,6 +12,7 @@ use crate::mesher::Unit;
 
 /// Measures of a solid from its exact boundary. In the model's unit and its powers.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ExactAccount {
     volume: Figure,
     area: Figure,
@@ -40,11 +41,11 @@ impl ExactAccount {
         program: &Program,
         options: &BoundaryOptions,
         unit: Unit,
-    ) -> Result<Self, csg::Error> {
+    ) -> Result<(Self, Brep), csg::Error> {
         let start = Instant::now();
         let brep = program.boundary(options)?;
         let measure = brep.measure();
-        Ok(Self {
+        let account = Self {
             volume: measure.volume.into(),
             area: measure.area.into(),
             centroid: measure.centroid.map(|centroid| centroid.map(Figure::from)),
@@ -61,7 +62,8 @@ impl ExactAccount {
             moved: brep.moved().map(MovedAccount::from),
             unit: unit.symbol(),
             seconds: start.elapsed().as_secs_f64(),
-        })
+        };
+        Ok((account, brep))
     }
 }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 /// A number and where it is known to lie.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Figure {
     value: f64,
     /// Null where no bound is known.
@@ -26,10 +27,43 @@ impl Figure {
         }
     }
 
+    /// Whether it is known to be 0.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.value == 0.0 && self.error().is_none() && self.upper.is_some()
+    }
+
     /// As far as it is off, if that is known.
     fn error(&self) -> Option<f64> {
         Some(0.5 * (self.upper? - self.lower?)).filter(|error| *error > 0.0)
     }
+}
+
+/// A number with so many digits at most.
+pub(crate) fn short(number: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{number:.*e}", digits - 1)
+        .parse()
+        .unwrap_or(number);
+    // Nothing has no sign.
+    let rounded = rounded + 0.0;
+    if rounded != 0.0 && !(1e-5..1e15).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
+/// A bound from above: no digit less than it is.
+pub(crate) fn at_most(number: f64, digits: usize) -> String {
+    let unit = 10f64.powf(number.abs().log10().floor() - (digits - 1) as f64);
+    let above = (number / unit).ceil() * unit;
+    short(
+        if unit > 0.0 && unit.is_finite() {
+            above
+        } else {
+            number
+        },
+        digits,
+    )
 }
 
 impl From<Bounded> for Figure {
@@ -68,6 +102,17 @@ impl fmt::Display for Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_told_with_no_more_digits_than_are_asked_for() {
+        assert_eq!(short(0.002_000_000_000_000_003_5, 6), "0.002");
+        assert_eq!(short(-0.0, 3), "0");
+        assert_eq!(short(123_456.789, 9), "123456.789");
+        assert_eq!(short(1.234e-9, 3), "1.23e-9");
+        assert_eq!(at_most(0.001_234_1, 3), "0.00124");
+        assert_eq!(at_most(0.5, 3), "0.5");
+        assert_eq!(at_most(0.0, 3), "0");
+    }
 
     #[test]
     fn digits_end_where_the_bound_begins() {

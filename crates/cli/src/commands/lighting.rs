@@ -6,7 +6,7 @@ use csg::{Color, Surface};
 use glam::{DVec3, Vec3};
 use raster::{Finish, Light, Prepared, RenderOptions, Texture};
 
-use super::parse::{color, point};
+use super::parse::{color, length, point};
 
 /// Options for light.
 #[derive(Debug, clap::Args)]
@@ -18,13 +18,13 @@ pub(super) struct Lighting {
     material: Option<Finish>,
     /// A light in place of the three that follow the camera: the direction
     /// towards it, and its colour; up to 16
-    #[arg(long, value_name = "X,Y,Z[:RRGGBB]", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z[:COLOR]", allow_hyphen_values = true)]
     light: Vec<Placed>,
     /// A light at a place, likewise
-    #[arg(long, value_name = "X,Y,Z[:RRGGBB]", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z[:COLOR]", allow_hyphen_values = true)]
     point_light: Vec<Placed>,
     /// The light from everywhere
-    #[arg(long, value_name = "RRGGBB", value_parser = color)]
+    #[arg(long, value_name = "COLOR", value_parser = color)]
     ambient: Option<Color>,
     /// Light from a sky and a ground, in place of that from everywhere
     #[arg(long, value_name = "SKY:GROUND", value_parser = environment, conflicts_with = "ambient")]
@@ -80,13 +80,6 @@ fn environment(text: &str) -> Result<(Color, Color), String> {
         .split_once(':')
         .ok_or("give two colours like ddeeff:887755")?;
     Ok((color(sky)?, color(ground)?))
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(length) if length > 0.0 && length < f64::INFINITY => Ok(length),
-        _ => Err("give a length above 0".into()),
-    }
 }
 
 impl Lighting {
@@ -164,7 +157,7 @@ mod tests {
             "1,-2,3:ff0000".parse(),
             Ok(Placed(DVec3::new(1.0, -2.0, 3.0), red))
         );
-        for faulty in ["", "1,2", "1,2,3:red", "1,2,3:"] {
+        for faulty in ["", "1,2", "1,2,3:reddish", "1,2,3:"] {
             assert!(faulty.parse::<Placed>().is_err(), "{faulty}");
         }
         assert_eq!(finish("0.5,0.5,0.8,4"), Ok(Finish::new(0.5, 0.5, 0.8, 4.0)));

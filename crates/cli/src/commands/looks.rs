@@ -1,7 +1,5 @@
 //! What a picture looks like: the options of `render` beyond its camera.
 
-use std::str::FromStr;
-
 use csg::{Color, Mesh};
 use glam::DVec3;
 use raster::hidden_surface::{DepthBuffer, HiddenSurface, Painter, ScanLine};
@@ -9,6 +7,8 @@ use raster::{
     AntiAliasing, EdgeOptions, HiddenEdges, Image, Interpolation, ProjectionAngle, RasterError,
     RenderOptions, SectionPlane, View, render_reference, wireframe_reference,
 };
+
+use super::parse::{WrittenPlane, plane};
 
 /// Options for looks.
 #[derive(Debug, clap::Args)]
@@ -41,8 +41,8 @@ pub(super) struct Looks {
     line_width: f64,
     /// Cut away the side that a normal points to, and cap the cut: x, y or z
     /// with a position, like y=0 or -y=0, or NX,NY,NZ:PX,PY,PZ; up to four
-    #[arg(long, value_name = "PLANE", allow_hyphen_values = true)]
-    section: Vec<Section>,
+    #[arg(long, value_name = "PLANE", allow_hyphen_values = true, value_parser = plane)]
+    section: Vec<WrittenPlane>,
     /// Darken where surroundings hide light
     #[arg(long)]
     ambient_occlusion: bool,
@@ -177,44 +177,6 @@ enum Show {
     Occlusion,
 }
 
-/// A section plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Section(SectionPlane);
-
-impl FromStr for Section {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let plane = match text.split_once('=') {
-            Some((axis, position)) => {
-                let (axis, sign) = match axis.strip_prefix('-') {
-                    Some(axis) => (axis, -1.0),
-                    None => (axis, 1.0),
-                };
-                let axis = match axis {
-                    "x" => Some(DVec3::X),
-                    "y" => Some(DVec3::Y),
-                    "z" => Some(DVec3::Z),
-                    _ => None,
-                };
-                let position = position.trim().parse().ok().filter(|p: &f64| p.is_finite());
-                axis.zip(position).map(|(axis, position)| SectionPlane {
-                    normal: axis * sign,
-                    point: axis * position,
-                })
-            }
-            None => text.split_once(':').and_then(|(normal, point)| {
-                let normal = super::parse::point(normal).filter(|n| *n != DVec3::ZERO)?;
-                let point = super::parse::point(point)?;
-                Some(SectionPlane { normal, point })
-            }),
-        };
-        plane
-            .map(Self)
-            .ok_or_else(|| "give a plane like y=0 or -z=2.5, or 1,1,0:0,0,0".into())
-    }
-}
-
 fn width(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(pixels) if pixels > 0.0 && pixels <= 100.0 => Ok(pixels),
@@ -299,30 +261,10 @@ impl Looks {
 
     /// The planes that cut the model.
     pub(super) fn sections(&self) -> Vec<SectionPlane> {
-        self.section.iter().map(|section| section.0).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sections() {
-        let cases = [
-            ("y=0", DVec3::Y, DVec3::ZERO),
-            ("-z=2.5", DVec3::NEG_Z, DVec3::new(0.0, 0.0, 2.5)),
-            (
-                "1,1,0:3,4,5",
-                DVec3::new(1.0, 1.0, 0.0),
-                DVec3::new(3.0, 4.0, 5.0),
-            ),
-        ];
-        for (text, normal, point) in cases {
-            assert_eq!(text.parse(), Ok(Section(SectionPlane { normal, point })));
-        }
-        for faulty in ["", "y", "w=1", "y=", "y=nan", "0,0,0:1,1,1", "1,2:3,4,5"] {
-            assert!(faulty.parse::<Section>().is_err(), "{faulty}");
-        }
+        let section = |plane: &WrittenPlane| SectionPlane {
+            normal: plane.normal,
+            point: plane.point,
+        };
+        self.section.iter().map(section).collect()
     }
 }

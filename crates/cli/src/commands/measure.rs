@@ -9,7 +9,8 @@ use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::Failure;
 use crate::input::Subject;
-use crate::mesher::{MesherOptions, no_needs, produce, warn_of_nothing};
+use crate::mesher::{MesherOptions, no_needs, produce};
+use crate::nothing::Nothing;
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
@@ -40,9 +41,9 @@ impl Options {
 pub(crate) fn run(
     subject: impl FnOnce() -> Result<Subject, Failure>,
     options: &Options,
+    progress: &Progress,
 ) -> Result<(), Failure> {
     let mesher = &options.mesher;
-    let progress = Progress::new();
     progress.stage("reading");
     let subject = subject()?;
     if let Subject::Solid(solid) = &subject
@@ -50,12 +51,12 @@ pub(crate) fn run(
     {
         progress.stage("boundary");
         let program = Program::lower(solid)?;
-        let boundary = mesher.boundary(&progress);
+        let boundary = mesher.boundary(progress);
         match ExactAccount::of(&program, &boundary, mesher.unit) {
-            Ok(account) => {
-                drop(progress);
+            Ok((account, _)) => {
+                progress.end();
                 if account.is_empty() {
-                    warn_of_nothing(&program);
+                    eprintln!("{}", Nothing::of(solid));
                 }
                 return options.tell(&account);
             }
@@ -64,8 +65,8 @@ pub(crate) fn run(
             Err(error) => return Err(error.into()),
         }
     }
-    let mut product = produce(|| Ok(subject), mesher, true, &no_needs, &progress)?;
+    let mut product = produce(|| Ok(subject), mesher, true, &no_needs, progress)?;
     let account = Account::of(&mut product);
-    drop(progress);
+    progress.end();
     options.tell(&account)
 }

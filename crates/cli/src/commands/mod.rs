@@ -2,13 +2,21 @@
 
 pub(crate) mod account;
 mod annotate;
+pub(crate) mod compare;
+pub(crate) mod convert;
 mod exact;
-mod figure;
+pub(crate) mod figure;
+pub(crate) mod info;
 mod lighting;
 mod looks;
+pub(crate) mod manual;
 pub(crate) mod measure;
 pub(crate) mod mesh;
-mod parse;
+pub(crate) mod parse;
 pub(crate) mod render;
+#[cfg(test)]
+mod schema_tests;
+pub(crate) mod section;
+pub(crate) mod sweep;
 mod view_reference;
 mod viewing;

@@ -28,8 +28,8 @@ pub(crate) struct Options {
     output: PathBuf,
     #[command(flatten)]
     viewing: Viewing,
-    /// Colour behind the model as RRGGBB, sRGB; transparent by default
-    #[arg(long, alias = "background-color", value_name = "RRGGBB", value_parser = color)]
+    /// Colour behind the model by name or as #RRGGBB, sRGB; transparent by default
+    #[arg(long, alias = "background-color", value_name = "COLOR", value_parser = color)]
     background: Option<Color>,
     #[command(flatten)]
     looks: Looks,
@@ -51,6 +51,7 @@ impl Options {
 pub(crate) fn run(
     subject: impl FnOnce() -> Result<Subject, Failure>,
     options: &Options,
+    progress: &Progress,
 ) -> Result<(), Failure> {
     let extension = options.output.extension().and_then(|e| e.to_str());
     let is_png = extension.is_some_and(|e| e.eq_ignore_ascii_case("png"));
@@ -66,11 +67,10 @@ pub(crate) fn run(
             cause,
         ));
     }
-    let progress = Progress::new();
     let mut product = {
         let (looks, annotations) = (&options.looks, &options.annotations);
         let needs = |points: &[DVec3]| options.viewing.quarter_pixel(points, looks, annotations);
-        produce(subject, &options.mesher, false, &needs, &progress)?
+        produce(subject, &options.mesher, false, &needs, progress)?
     };
     progress.stage("drawing");
     let empty = product.mesh.triangles.is_empty();

@@ -3,13 +3,13 @@
 use std::str::FromStr;
 
 use csg::Mesh;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use raster::view_reference::ViewReference;
 use raster::{Camera, Framing, Lens, RasterError, StandardView, clear_view};
 
 use super::annotate::Annotations;
 use super::looks::Looks;
-use super::parse::point;
+use super::parse::{numbers, point};
 use super::view_reference::{Reference, least_pixel};
 
 /// Size of the picture, camera and projection.
@@ -19,7 +19,8 @@ pub(super) struct Viewing {
     #[arg(long, aliases = ["resolution", "imgsize"], value_name = "WxH", default_value = "1024x768")]
     pub(super) size: Size,
     /// front, back, left, right, top, bottom or iso; or the direction to look
-    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z [default: front for an
+    /// along as X,Y,Z; or eye and target as X,Y,Z:X,Y,Z, or OpenSCAD's six or seven
+    /// numbers: eye and target, or target, rotation in degrees and distance [default: front for an
     /// oblique projection; else iso, turned where that hides a cut or shows little
     /// but one face]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]
@@ -116,6 +117,28 @@ enum View {
     Standard(StandardView),
     Along(DVec3),
     FromTo(DVec3, DVec3),
+    /// Eye, target, and what is upwards.
+    Turned(DVec3, DVec3, DVec3),
+}
+
+impl View {
+    /// Eye and target, if they were given.
+    fn ends(self) -> Option<(DVec3, DVec3)> {
+        match self {
+            Self::FromTo(eye, target) | Self::Turned(eye, target, _) => Some((eye, target)),
+            Self::Standard(_) | Self::Along(_) => None,
+        }
+    }
+
+    /// As OpenSCAD has it: a camera that looks down on the target from a distance, Y upwards,
+    /// and is then turned about X, Y and Z.
+    fn gimbal(target: DVec3, degrees: DVec3, distance: f64) -> Option<Self> {
+        let [x, y, z] = degrees.to_array().map(f64::to_radians);
+        let turn =
+            DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+        let back = distance * turn.z_axis;
+        (distance > 0.0).then_some(Self::Turned(target + back, target, turn.y_axis))
+    }
 }
 
 impl FromStr for View {
@@ -124,6 +147,11 @@ impl FromStr for View {
     fn from_str(text: &str) -> Result<Self, String> {
         if let Some(view) = StandardView::from_name(text) {
             return Ok(Self::Standard(view));
+        }
+        if let Some([x, y, z, a, b, c, distance]) = numbers(text) {
+            let (target, turn) = (DVec3::new(x, y, z), DVec3::new(a, b, c));
+            let fault = "the seventh number is the camera's distance: give one above 0";
+            return Self::gimbal(target, turn, distance).ok_or_else(|| fault.into());
         }
         // Eye and target also as six numbers, as OpenSCAD has them.
         let third_comma = text.match_indices(',').nth(2).map(|(at, _)| at);
@@ -139,7 +167,8 @@ impl FromStr for View {
         view.ok_or_else(|| {
             let names = StandardView::ALL.map(StandardView::name).join(", ");
             format!(
-                "give one of {names}, a direction like -1,1,-1, or eye and target like 3,-3,2:0,0,0"
+                "give one of {names}, a direction like -1,1,-1, or eye and target like \
+                 3,-3,2:0,0,0, or OpenSCAD's seven numbers"
             )
         })
     }
@@ -187,6 +216,7 @@ impl Viewing {
             (Some(View::Standard(view)), _) => return view.direction_and_up(),
             (Some(View::Along(direction)), _) => direction,
             (Some(View::FromTo(eye, target)), _) => target - eye,
+            (Some(View::Turned(eye, target, up)), _) => return (target - eye, up),
             (None, Projection::Oblique(..)) => return StandardView::Front.direction_and_up(),
             (None, _) => clear_view(mesh, &looks.sections()),
         };
@@ -217,7 +247,7 @@ impl Viewing {
             far: self.far.unwrap_or(camera.far),
             ..camera
         };
-        let Some(View::FromTo(eye, target)) = self.camera else {
+        let Some((eye, target)) = self.camera.and_then(View::ends) else {
             return Ok(depths(framed));
         };
         // The same depths, seen from the eye that was asked for.
@@ -304,6 +334,20 @@ mod tests {
         for text in ["3,-3,2:0,0,0", "3,-3,2,0,0,0"] {
             assert_eq!(text.parse(), Ok(View::FromTo(eye, DVec3::ZERO)));
         }
+        // From above, from the front, and OpenSCAD's own first view.
+        for (text, eye, up) in [
+            ("1,2,3,0,0,0,10", DVec3::new(1.0, 2.0, 13.0), DVec3::Y),
+            ("1,2,3,90,0,0,10", DVec3::new(1.0, -8.0, 3.0), DVec3::Z),
+            ("0,0,0,90,0,90,5", DVec3::new(5.0, 0.0, 0.0), DVec3::Z),
+        ] {
+            let Ok(View::Turned(found, _, upwards)) = text.parse() else {
+                panic!("{text}");
+            };
+            assert!(
+                found.distance(eye) < 1e-12 && upwards.distance(up) < 1e-12,
+                "{text}: {found}"
+            );
+        }
         for faulty in [
             "",
             "above",
@@ -313,7 +357,8 @@ mod tests {
             "1,1,1:1,1,1",
             "1,1,1,1,1,1",
             "1,2,3,4",
-            "1,2,3,4,5,6,7",
+            "1,2,3,4,5,6,0",
+            "1,2,3,4,5,6,7,8",
             "1,2,3:4,5",
         ] {
             assert!(faulty.parse::<View>().is_err(), "{faulty}");

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::bounded::Bounded;
+use super::chart;
 use super::data::{Brep, Patch, range};
 use super::view::Shell;
 
@@ -88,17 +89,7 @@ fn outlines<'a>(shell: Shell<'a>) -> Vec<Outline<'a>> {
     let faces = shell.faces();
     let patches = faces.flat_map(|face| &brep.patches[range(face.patches())]);
     let outline = |patch: &'a Patch| {
-        let chart = brep.chart(patch);
-        let mut sides = Vec::new();
-        for stretch in &patch.stretches {
-            let [from, to] = stretch.places;
-            let at = |k: u32| {
-                let share = f64::from(k) / f64::from(CHORDS);
-                let curve = &brep.curves[stretch.curve as usize];
-                chart.flatten(curve.at(from + share * (to - from)))
-            };
-            sides.extend((0..CHORDS).map(|k| [at(k), at(k + 1)]));
-        }
+        let sides = brep.chords(patch, &brep.chart(patch), CHORDS).collect();
         Outline { brep, patch, sides }
     };
     patches.map(outline).collect()
@@ -141,19 +132,15 @@ fn crossings(patches: &[Outline<'_>], from: DVec3, direction: DVec3) -> Option<u
                 continue;
             }
             let flat = chart.flatten(point);
-            let mut is_inside = false;
             for &[a, b] in &outline.sides {
                 let (side, to) = (b - a, flat - a);
                 let share = (to.dot(side) / side.length_squared()).clamp(0.0, 1.0);
                 if (to - share * side).length() < 0.2 * side.length() {
                     return None;
                 }
-                if (a.y > flat.y) != (b.y > flat.y) {
-                    is_inside ^= flat.x < a.x + (flat.y - a.y) / side.y * side.x;
-                }
             }
-            let is_on_sheet = || chart.lift(flat).distance(point) < 1e-6 * outline.brep.size;
-            if is_inside && is_on_sheet() {
+            let is_inside = chart::is_within(outline.sides.iter().copied(), flat);
+            if is_inside && chart.shows(point, flat, outline.brep.size) {
                 count += 1;
             }
         }

@@ -1,7 +1,8 @@
 //! The box around a boundary.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
+use super::chart::is_within;
 use super::data::{Brep, Patch};
 use crate::program::{Bounds, Kind, Surface};
 
@@ -39,25 +40,8 @@ impl Brep {
     fn holds(&self, patch: &Patch, point: DVec3) -> bool {
         let chart = self.chart(patch);
         let flat = chart.flatten(point);
-        // The other side of the surface may be seen there.
-        if chart.lift(flat).distance(point) > 1e-6 * self.size {
-            return false;
-        }
-        let mut is_inside = false;
-        for stretch in &patch.stretches {
-            let curve = &self.curves[stretch.curve as usize];
-            let [from, to] = stretch.places;
-            let at = |k: u32| {
-                let share = f64::from(k) / f64::from(2 * PARTS);
-                chart.flatten(curve.at(from + share * (to - from)))
-            };
-            let points: Vec<DVec2> = (0..=2 * PARTS).map(at).collect();
-            for ends in points.windows(2) {
-                let [a, b] = [ends[0] - flat, ends[1] - flat];
-                is_inside ^= (a.y > 0.0) != (b.y > 0.0) && (a.perp_dot(b) > 0.0) == (b.y > a.y);
-            }
-        }
-        is_inside
+        chart.shows(point, flat, self.size)
+            && is_within(self.chords(patch, &chart, 2 * PARTS), flat)
     }
 }
 

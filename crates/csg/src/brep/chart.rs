@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::arrangement::{Frame, Side};
+use crate::numeric::tolerance::OTHER_SHEET;
 use crate::program::Surface;
 
 /// Coordinates in which a patch of a surface is a graph.
@@ -85,6 +86,12 @@ impl<'a> Chart<'a> {
         }
     }
 
+    /// Whether a point of the surface that is seen at x and y is on the sheet that the chart
+    /// shows, in a scene of this size: the other side of the surface may be seen there.
+    pub fn shows(&self, point: DVec3, flat: DVec2, size: f64) -> bool {
+        self.lift(flat).distance(point) < OTHER_SHEET * size
+    }
+
     /// The outward normal of the patch at a point of it, as long as its area is to that of
     /// x and y. At an apex, which has none, zero.
     pub fn normal(&self, point: DVec3) -> DVec3 {
@@ -96,4 +103,14 @@ impl<'a> Chart<'a> {
             DVec3::ZERO
         }
     }
+}
+
+/// Whether a point is within closed outlines of straight sides, by the sides that a ray along x
+/// crosses.
+pub(super) fn is_within(sides: impl Iterator<Item = [DVec2; 2]>, point: DVec2) -> bool {
+    let crosses = |[a, b]: &[DVec2; 2]| {
+        (a.y > point.y) != (b.y > point.y)
+            && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    sides.filter(crosses).count() % 2 == 1
 }

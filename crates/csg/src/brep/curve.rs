@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::arrangement::Curve;
+use crate::numeric::tolerance::ROUND;
 
 /// A curve as a function of a parameter t, in model units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,41 @@ pub enum CurveShape {
     Quartic,
 }
 
+/// The half axes of an ellipse: the long one where t is `turn`, and the short one a quarter of a
+/// turn later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfAxes {
+    /// From the centre to a farthest point.
+    pub long: DVec3,
+    /// At right angles to it.
+    pub short: DVec3,
+    /// The parameter at the end of the long one.
+    pub turn: f64,
+    /// Whether both are of one length, to rounding.
+    pub is_circle: bool,
+}
+
 impl CurveShape {
+    /// The half axes, of an ellipse.
+    ///
+    /// cos t a + sin t b = cos(t - turn) long + sin(t - turn) short, where
+    /// tan(2 turn) = 2 a·b / (a² - b²).
+    #[must_use]
+    pub fn half_axes(&self) -> Option<HalfAxes> {
+        let Self::Ellipse { a, b, .. } = *self else {
+            return None;
+        };
+        let turn = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
+        let (sin, cos) = turn.sin_cos();
+        let [long, short] = [cos * a + sin * b, cos * b - sin * a];
+        Some(HalfAxes {
+            long,
+            short,
+            turn,
+            is_circle: long.length() - short.length() <= ROUND * long.length(),
+        })
+    }
+
     pub(super) fn of(curve: &Curve, origin: DVec3) -> Self {
         match *curve {
             Curve::Line { point, direction } => Self::Line {

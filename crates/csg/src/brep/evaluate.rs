@@ -67,7 +67,8 @@ impl BoundaryOptions {
     }
 }
 
-/// Of the longest side, how far surfaces may be moved unless said otherwise.
+/// Of the longest side, how far surfaces may be moved unless said otherwise: a hundredth of the
+/// default tolerance of meshes, as these are made.
 const MOST_MOVED: f64 = 1e-5;
 
 impl Program {

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::arrangement::{Arrangement, HalfEdge};
+use crate::numeric::tolerance::SAME_PLACE;
 
 /// No half-edge.
 const NONE: u32 = u32::MAX;
@@ -102,9 +103,6 @@ impl Links {
 /// Whether two half-edges that follow each other run on along one curve. Where this passes
 /// through itself they may not: then their places there differ.
 fn is_one_curve([one, other]: [&HalfEdge; 2]) -> bool {
-    /// Curves turn by no less from where they pass through a point to where they do so again,
-    /// and are known to more digits.
-    const SAME_PLACE: f64 = 1e-3;
     let grows = |half: &HalfEdge| half.places[1] > half.places[0];
     let off = (other.places[0] - one.places[1]).rem_euclid(TAU);
     let goes_on = one.is_line || off.min(TAU - off) < SAME_PLACE;

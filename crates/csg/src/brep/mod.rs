@@ -37,7 +37,7 @@ mod quadrature;
 mod view;
 
 pub use self::bounded::Bounded;
-pub use self::curve::CurveShape;
+pub use self::curve::{CurveShape, HalfAxes};
 pub use self::data::{Brep, CoedgeId, EdgeId, FaceId, LoopId, ShellId, VertexId};
 pub use self::evaluate::BoundaryOptions;
 pub use self::measure::SolidMeasure;

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashSet;
 
-use super::chart::Chart;
+use super::chart::{self, Chart};
 use crate::arrangement::{Arrangement, Curve};
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
@@ -170,7 +170,7 @@ fn is_within(outer: &Outline, inner: &Outline) -> bool {
     });
     let (mut within, mut outside) = (0, 0);
     for point in middles {
-        if contains(outer, point) {
+        if is_within_polygon(outer, point) {
             within += 1;
         } else {
             outside += 1;
@@ -179,16 +179,8 @@ fn is_within(outer: &Outline, inner: &Outline) -> bool {
     within > outside
 }
 
-/// By the sides that a ray along x crosses.
-fn contains(polygon: &[DVec2], point: DVec2) -> bool {
-    let mut is_inside = false;
-    let mut before = polygon[polygon.len() - 1];
-    for &corner in polygon {
-        if (corner.y > point.y) != (before.y > point.y) {
-            let share = (point.y - corner.y) / (before.y - corner.y);
-            is_inside ^= point.x < corner.x + share * (before.x - corner.x);
-        }
-        before = corner;
-    }
-    is_inside
+fn is_within_polygon(polygon: &[DVec2], point: DVec2) -> bool {
+    let next = polygon.iter().cycle().skip(1);
+    let sides = polygon.iter().zip(next).map(|(&a, &b)| [a, b]);
+    chart::is_within(sides, point)
 }

@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 
 use super::bounded::Bounded;
 use super::chart::Chart;
+use crate::numeric::tolerance::{CONVERGED, INTEGRAL};
 
 /// The integrals over a face that the measures of a solid need: of p·n, and of p·n times
 /// x, y, z, xx, yy, zz, xy, yz, zx, p counted from the origin and n the outward normal; and
@@ -120,19 +121,12 @@ static FLAT: LazyLock<Rule> = LazyLock::new(|| Rule::new(2));
 static COARSE: LazyLock<Rule> = LazyLock::new(|| Rule::new(14));
 static FINE: LazyLock<Rule> = LazyLock::new(|| Rule::new(20));
 
-/// How much rounding may change an integral, of the sum of its terms' magnitudes: each is
-/// the product of some sums of some coordinates.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
 /// Intervals are halved no more often: at a corner where the rest is not smooth, what is left
 /// of it is a millionth.
 const MOST_HALVINGS: u32 = 20;
 
 /// And no more than so many of one stretch: then rounding is all that changes.
 const MOST_STRIPS: u32 = 500;
-
-/// Intervals are halved until that changes no more than this share of the whole.
-const CONVERGED: f64 = 1e-15;
 
 /// The integrals between x = 0 and a stretch of a curve.
 #[derive(Clone, Copy, Debug, Default)]
@@ -226,8 +220,8 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
             for (j, value) in row.into_iter().enumerate() {
                 let term = self.chart.turn() * rule.weights[k] * value;
                 strip.values[j] += term * slope;
-                strip.noise[j] += ROUNDING * (term * slope).abs();
-                strip.least[j] += ROUNDING * (term * unit).abs();
+                strip.noise[j] += INTEGRAL * (term * slope).abs();
+                strip.least[j] += INTEGRAL * (term * unit).abs();
             }
         }
         for (j, (least, noise)) in strip.least.iter_mut().zip(strip.noise).enumerate() {
@@ -262,7 +256,7 @@ fn halve_length(
     let halves = [[from, middle], [middle, to]];
     let twice = halves.map(|half| chord(curve, half));
     let length = twice[0] + twice[1];
-    let (change, noise) = ((length - once).abs(), ROUNDING * length);
+    let (change, noise) = ((length - once).abs(), INTEGRAL * length);
     if change <= noise || halvings == MOST_HALVINGS {
         sum.value += length;
         sum.error += change + noise;

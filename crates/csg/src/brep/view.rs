@@ -1,6 +1,6 @@
 //! The boundary as it is walked through.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::chart::Chart;
 use super::curve::CurveShape;
@@ -352,5 +352,23 @@ impl Brep {
         });
         let frame = self.frames[surface].as_ref();
         Chart::new(&self.surfaces[surface], frame, &patch.side, about)
+    }
+
+    /// The stretches around a patch as so many chords each, as its chart shows them.
+    pub(super) fn chords<'a>(
+        &'a self,
+        patch: &'a Patch,
+        chart: &'a Chart<'a>,
+        count: u32,
+    ) -> impl Iterator<Item = [DVec2; 2]> + 'a {
+        patch.stretches.iter().flat_map(move |stretch| {
+            let [from, to] = stretch.places;
+            let curve = &self.curves[stretch.curve as usize];
+            let at = move |k: u32| {
+                let share = f64::from(k) / f64::from(count);
+                chart.flatten(curve.at(from + share * (to - from)))
+            };
+            (0..count).map(move |k| [at(k), at(k + 1)])
+        })
     }
 }

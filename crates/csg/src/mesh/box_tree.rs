@@ -37,6 +37,12 @@ impl Bounds {
         }
     }
 
+    /// The square of the distance to a point, 0 inside.
+    fn distance_squared(&self, point: DVec3) -> f64 {
+        let beyond = (self.low - point).max(point - self.high).max(DVec3::ZERO);
+        beyond.length_squared()
+    }
+
     /// Whether the closed boxes have a point in common.
     fn overlaps(&self, other: &Self) -> bool {
         // (In one go: which of them decides is hard to foresee.)
@@ -192,6 +198,35 @@ impl BoxTree {
                 self.between(a, b, test, pairs);
             }
         }
+    }
+
+    /// The entry nearest to a point by a measure that is no less than the distance from its
+    /// box, and that measure. None of an empty tree.
+    pub(super) fn nearest(&self, point: DVec3, measure: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
+        let far = |node: usize| self.nodes[node].bounds.distance_squared(point);
+        let mut best: Option<(u32, f64)> = None;
+        let mut waiting = vec![1];
+        while let Some(node) = waiting.pop() {
+            if best.is_some_and(|(_, least)| far(node) >= least * least) {
+                continue;
+            }
+            if self.is_leaf(node) {
+                for entry in self.entries_of(node) {
+                    let distance = measure(entry.index);
+                    if best.is_none_or(|(_, least)| distance < least) {
+                        best = Some((entry.index, distance));
+                    }
+                }
+                continue;
+            }
+            // The nearer one first.
+            let mut children = [2 * node, 2 * node + 1];
+            if far(children[0]) < far(children[1]) {
+                children.reverse();
+            }
+            waiting.extend(children);
+        }
+        best
     }
 
     fn is_leaf(&self, node: usize) -> bool {

@@ -131,8 +131,8 @@ impl Mesher {
         self
     }
 
-    /// With a tolerance: the largest angle in radians, too, that a surface may
-    /// turn along an edge of the mesh.
+    /// With a tolerance, its own or the default: the largest angle in radians, too, that a
+    /// surface may turn along an edge of the mesh.
     pub fn angle(mut self, angle: f64) -> Self {
         self.angle = Some(angle);
         self

@@ -34,6 +34,12 @@ const CHECK_BYTES: usize = 100;
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
 
+/// Shares of the whole, about as long as they take: where a mesh of the right topology is
+/// there, where it keeps its tolerance, and where it no longer runs through itself.
+const SHAPED: f64 = 0.2;
+const REFINED: f64 = 0.7;
+const PARTED: f64 = 0.85;
+
 /// A finished mesh and how it came about.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -92,6 +98,9 @@ impl<'a> Run<'a> {
         let whole = (start - self.start).as_secs_f64();
         let told: f64 = report.stages.iter().map(|(_, seconds)| seconds).sum();
         report.stages.push((REST, (whole - told).max(0.0)));
+        if self.goal.is_some() {
+            self.control.tell(PARTED);
+        }
         if mesher.normals {
             mesh.corner_normals = finish::corner_normals(self.program, &mesh);
             report.end_stage("normals", start);
@@ -332,7 +341,7 @@ impl<'a> Run<'a> {
         factor: f64,
         report: &mut Report,
     ) -> Result<Mesh, Error> {
-        let control = self.control.again(Demand::Cells(cell));
+        let control = self.shaping(Demand::Cells(cell));
         let task = Task::new(self.program, bounds, cell, &control);
         let evaluated = self.evaluated(&task, factor, report)?;
         // A boundary with something to be reported is better than cells, which report more.
@@ -369,6 +378,15 @@ impl<'a> Run<'a> {
         Ok(mesh)
     }
 
+    /// For a mesh of the right topology, which is all there is to do without a tolerance.
+    fn shaping(&self, demand: Demand) -> Control {
+        let control = self.control.again(demand);
+        match &self.goal {
+            Some(_) => control.part(0.0, SHAPED),
+            None => control,
+        }
+    }
+
     /// The mesh to a tolerance without cells, from the curves in which surfaces
     /// meet, and its report; none where they are not known.
     fn evaluated(
@@ -384,7 +402,7 @@ impl<'a> Run<'a> {
         if self.smallest.is_none() || self.mesher.bounds.is_some() || is_tried {
             return Ok(None);
         }
-        let control = self.control.again(Demand::ExactBoundary);
+        let control = self.shaping(Demand::ExactBoundary);
         let bounds = task.bounds();
         let goal = Goal {
             even_curves: true,

@@ -269,3 +269,32 @@ pub(crate) const PROFILE_CHORD: f64 = 1e-4;
 /// Decree: a thousandth of what a picture shows of the solid. What is less than this is not
 /// reported as wrong.
 pub(crate) const HELD: f64 = 1e-6;
+
+// Of boundaries.
+
+/// Does a curve pass through one point in one go, by its parameter where two pieces of it meet
+/// there, in radians?
+///
+/// Above rounding: where a curve passes through itself its parameters differ by an angle between
+/// two surfaces, and parameters of one place agree to the square root of [`WELD`] at worst, 5e-6,
+/// where it touches what cuts it; two hundred times that.
+pub(crate) const SAME_PLACE: f64 = 1e-3;
+
+/// Is a point of a surface on the sheet of it that a chart shows, of the scene?
+///
+/// Above rounding: a graph is computed by a square root, of whose argument 1e-14 may be lost where
+/// it turns away from the eye, and so 1e-7 of the height; ten times that. Two sheets that are
+/// nearer meet there, and a point between them is taken to be on both.
+pub(crate) const OTHER_SHEET: f64 = 1e-6;
+
+/// How much may rounding change an integral, of the sum of its terms' magnitudes?
+///
+/// Derived: each term is a weight times the product of five sums of some coordinates at most, ten
+/// roundings each of ε / 2, and the point itself is right to [`VALUE`].
+pub(crate) const INTEGRAL: f64 = 64.0 * f64::EPSILON;
+
+/// Does an integral change no more, of the whole size's power?
+///
+/// Above rounding: a sum of terms of that size is right to ε / 2 of it, 1e-16; ten times that, so
+/// that halving ends where rounding is all that changes.
+pub(crate) const CONVERGED: f64 = 1e-15;

@@ -5,28 +5,24 @@ use glam::{DVec3, DVec4};
 
 use super::spline::{self, Spline};
 use super::text::{Entities, Id, List, Real, Reals};
-
-/// Two half axes are one, of the larger: as many digits as conics of round surfaces keep.
-const ROUND: f64 = 1e-12;
+use crate::conic;
 
 /// Writes the curve of an edge, which runs the way its parameter grows; none if no B-spline
 /// is found within the tolerance.
 pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Option<Id> {
-    Some(match edge.curve() {
+    let curve = edge.curve();
+    Some(match curve {
         CurveShape::Line { point, direction } => {
             let point = to.point(point);
             let direction = to.direction(direction);
             let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
             to.share(format_args!("LINE('',{point},{vector})"))
         }
-        CurveShape::Ellipse { center, a, b } => {
-            // cos t a + sin t b = cos(t - turn) p + sin(t - turn) q.
-            let turn = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
-            let (sin, cos) = turn.sin_cos();
-            let [p, q] = [cos * a + sin * b, cos * b - sin * a];
-            let (long, short) = (p.length(), q.length());
-            let placement = placed(to, center, p, q);
-            if long - short <= ROUND * long {
+        CurveShape::Ellipse { center, .. } => {
+            let axes = curve.half_axes()?;
+            let (long, short) = (axes.long.length(), axes.short.length());
+            let placement = placed(to, center, axes.long, axes.short);
+            if axes.is_circle {
                 let radius = Real(0.5 * (long + short));
                 to.share(format_args!("CIRCLE('',{placement},{radius})"))
             } else {
@@ -50,10 +46,7 @@ pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Optio
             let focus = Real(0.25 * a.length_squared() / b.length());
             to.share(format_args!("PARABOLA('',{placement},{focus})"))
         }
-        CurveShape::Conic { point, a, b, l, k } => {
-            let conic = Conic { point, a, b, l, k };
-            rational(to, &conic.control(edge.range()))
-        }
+        CurveShape::Conic { .. } => rational(to, &conic::control(&curve, edge.range())?),
         _ => quintic(to, &quartic(edge, tolerance)?),
     })
 }
@@ -74,29 +67,6 @@ fn quartic(edge: &Edge<'_>, tolerance: f64) -> Option<Spline> {
 fn placed(to: &mut Entities, center: DVec3, x: DVec3, y: DVec3) -> Id {
     let x = x.normalize_or_zero();
     to.placement(center, [x.cross(y).normalize_or_zero(), x])
-}
-
-/// point + (t a + t² b) / (1 + l t + k t²).
-struct Conic {
-    point: DVec3,
-    a: DVec3,
-    b: DVec3,
-    l: f64,
-    k: f64,
-}
-
-impl Conic {
-    /// Control points of a piece as a rational polynomial of degree two, with weights: values
-    /// of its polar form.
-    fn control(&self, [from, to]: [f64; 2]) -> [DVec4; 3] {
-        let polar = |s: f64, t: f64| {
-            let (mean, product) = (0.5 * (s + t), s * t);
-            let weight = 1.0 + self.l * mean + self.k * product;
-            let point = weight * self.point + mean * self.a + product * self.b;
-            point.extend(weight)
-        };
-        [polar(from, from), polar(from, to), polar(to, to)]
-    }
 }
 
 /// A rational curve of degree two, by points times their weights, and weights.

@@ -6,6 +6,38 @@ use std::sync::Arc;
 use csg::{Color, LengthUnit, Mesh, MeshSurface};
 use glam::{DVec3, Vec3, dvec3};
 
+/// A model of a tetrahedron, and of two of them put together, one of which is mirrored.
+pub const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?>
+<model unit="centimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+       xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">
+ <resources>
+  <basematerials id="5"><base name="a" displaycolor="#FF8000"/></basematerials>
+  <m:colorgroup id="6"><m:color color="#0040FF80"/></m:colorgroup>
+  <object id="1" type="model" name="Tetra &amp; eder" pid="5" pindex="0"><mesh>
+   <vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>
+    <vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices>
+   <triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/>
+    <triangle v1="1" v2="2" v3="3" pid="6" p1="0"/><triangle v1="2" v2="0" v3="3"/></triangles>
+  </mesh></object>
+  <object id="2"><components>
+   <component objectid="1"/>
+   <component objectid="1" transform="-2 0 0 0 1 0 0 0 1 -5 0 0"/>
+  </components></object>
+ </resources>
+ <build><item objectid="2" transform="1 0 0 0 1 0 0 0 1 10 20 30"/></build>
+</model>
+"##;
+
+/// A model in an archive, without a list of what is in it.
+pub fn archive(model: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    zip.start_file("3D/3dmodel.model", options).expect("begun");
+    zip.write_all(model).expect("written");
+    zip.finish().expect("finished").into_inner()
+}
+
 /// A box from corner to corner, with face normals at its corners, each pair
 /// of opposite faces a surface of its own: one unnamed, one named, one named
 /// and coloured, ...

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rustc_hash::FxHashMap;
 
-use super::Run;
+use super::{PARTED, REFINED, Run, SHAPED};
 use crate::arrangement::Borders;
 use crate::error::Error;
 use crate::limits::Demand;
@@ -89,11 +89,13 @@ impl Run<'_> {
         const FINER: f64 = 0.4;
         /// So many times as many triangles are not worth it.
         const MOST_GROWTH: usize = 20;
-        let control = self.control.again(Demand::Tolerance(goal.tolerance));
+        let demand = Demand::Tolerance(goal.tolerance);
+        let control = self.control.again(demand).part(SHAPED, REFINED);
         let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             let mut surfaced = coarse.clone();
             let mut outcome =
                 tessellate::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
+            control.tell(1.0);
             if self.mesher.check {
                 self.separate(&mut surfaced, &mut outcome, task, goal)?;
             }
@@ -160,8 +162,10 @@ impl Run<'_> {
         let mut least = before.clone();
         for parting in [Parting::Farthest, Parting::Beside] {
             (*surfaced, *outcome, wrong) = before.clone();
-            for _ in 0..MOST_ROUNDS {
+            for round in 0..MOST_ROUNDS {
                 self.control.check()?;
+                let share = f64::from(round) / f64::from(MOST_ROUNDS);
+                self.control.tell(REFINED + (PARTED - REFINED) * share);
                 if !tessellate::separate(surfaced, &task.surfaces, goal, &wrong, parting, outcome) {
                     break;
                 }

@@ -1,5 +1,4 @@
-//! 3MF, the format of 3D printing: a ZIP archive with an XML model inside
-//! (core specification 1.3).
+//! Writing 3MF.
 //!
 //! The mesh becomes one object, because each object must be closed by itself,
 //! which the parts of one name are not; colours are kept for each triangle.
@@ -21,6 +20,9 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
 "#;
 
+/// Meshes of so many triangles are compressed as fast as can be.
+const MANY: usize = 500_000;
+
 /// Writes a 3MF file, with the mesh's unit and the colours of its triangles
 /// (as base materials); names, normals and surfaces are lost.
 ///
@@ -29,10 +31,11 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 pub fn write_3mf(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     let parts = Parts::of(mesh, MeshFormat::ThreeMf)?;
     let mut zip = ZipWriter::new_stream(FailOnce { out, failed: false });
-    // The fastest level: mesh text shrinks little more at higher ones.
+    // Small files are for sending, large ones for being written at all.
+    let level = if mesh.triangles.len() < MANY { 9 } else { 1 };
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(1))
+        .compression_level(Some(level))
         .large_file(mesh.triangles.len() > 10_000_000);
     for (name, content) in [
         ("[Content_Types].xml", CONTENT_TYPES),

@@ -1,0 +1,310 @@
+//! `compare`: how two solids differ, in volume and by distance.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use csg::brep::Bounded;
+use csg::glam::DVec3;
+use csg::{BoundaryOptions, Brep, Error, Mesh, Mesher, Program, Solid};
+use serde::Serialize;
+
+use super::figure::{Figure, at_most, short};
+use super::parse::length;
+use crate::failure::Failure;
+use crate::input::{Reading, Subject};
+use crate::mesher::{LimitOptions, Unit};
+use crate::output::{self, is_stream};
+use crate::progress::Progress;
+
+/// Options of `compare`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// The one: a scene, an OpenSCAD model or a mesh
+    #[arg(value_name = "A")]
+    one: PathBuf,
+    /// The other one
+    #[arg(value_name = "B")]
+    other: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
+    /// The solids are equal if no point of either boundary is farther than this from the other
+    /// one, too, and not only if they have the same points
+    #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
+    within: Option<f64>,
+    /// The tolerance of the meshes by which distances are found [default: a hundredth of
+    /// --within, or a ten-thousandth of the longest side]
+    #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// The unit of the models' lengths
+    #[arg(long, value_enum, default_value_t = Unit::Mm)]
+    unit: Unit,
+    /// Write it as JSON; `-` writes to standard output, in place of the text
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    limits: LimitOptions,
+}
+
+/// How two solids differ.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Comparison {
+    /// Whether they are the same: have the same points, or are as near as was asked for.
+    equal: bool,
+    /// Null where no exact boundary could be told.
+    volumes: Option<Volumes>,
+    /// The largest distance from a point of one boundary to the other one; null if one has
+    /// none.
+    distance: Option<Distance>,
+    /// A point that one of them has and the other one has not; null if none was found.
+    witness: Option<Witness>,
+    unit: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Volumes {
+    one: Figure,
+    other: Figure,
+    /// Of what is in the one alone.
+    in_one: Figure,
+    /// Of what is in the other one alone.
+    in_other: Figure,
+    /// Of both.
+    difference: Figure,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Distance {
+    lower: f64,
+    /// Null where the meshes' deviation is not proven.
+    upper: Option<f64>,
+    /// About where it is found; null where there is none.
+    place: Option<[f64; 3]>,
+}
+
+impl Default for Distance {
+    fn default() -> Self {
+        Self {
+            lower: 0.0,
+            upper: Some(0.0),
+            place: None,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Witness {
+    point: [f64; 3],
+    /// The one that has it: "one" or "other".
+    inside: &'static str,
+}
+
+/// Compares; whether they are equal.
+pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failure> {
+    progress.stage("reading");
+    let read = |path| options.reading.read(path, &[], false);
+    let [one, other] = [read(&options.one)?, read(&options.other)?];
+    progress.stage("volumes");
+    let solids = [one.solid()?, other.solid()?];
+    let boundary = BoundaryOptions::new().limits(options.limits.limits());
+    let (volumes, witness) = match volumes(&solids, &boundary) {
+        Ok((volumes, witness)) => (Some(volumes), witness),
+        Err(error @ (Error::Undecided(_) | Error::TooLarge { .. })) => {
+            eprintln!("warning: no volumes: {error}");
+            (None, None)
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let is_same = volumes
+        .as_ref()
+        .is_some_and(|volumes| volumes.difference.is_nothing());
+    progress.stage("distance");
+    // (Meshes of the same boundary need not be the same.)
+    let distance = if is_same {
+        Some(Distance::default())
+    } else {
+        let tolerance = options
+            .tolerance
+            .or(options.within.map(|within| 0.01 * within));
+        let sides = [
+            Boundary::of(&one, tolerance, options)?,
+            Boundary::of(&other, tolerance, options)?,
+        ];
+        distance(&sides)
+    };
+    progress.end();
+    let is_near = options
+        .within
+        .zip(distance.as_ref())
+        .is_some_and(|(within, distance)| distance.upper.is_some_and(|upper| upper <= within));
+    let comparison = Comparison {
+        equal: is_near || is_same,
+        volumes,
+        distance,
+        witness,
+        unit: options.unit.symbol(),
+    };
+    let equal = comparison.equal;
+    if let Some(path) = &options.json {
+        output::write_json(path, &comparison)?;
+        if is_stream(path) {
+            return Ok(equal);
+        }
+    }
+    output::print(comparison.to_string().as_bytes())?;
+    Ok(equal)
+}
+
+/// A mesh of a solid's boundary, and how far they are apart, if that is known.
+struct Boundary {
+    mesh: Mesh,
+    deviation: Option<f64>,
+}
+
+impl Boundary {
+    fn of(subject: &Subject, tolerance: Option<f64>, options: &Options) -> Result<Self, Failure> {
+        /// Of the longest side, where nothing else is asked for.
+        const FINE: f64 = 1e-4;
+        let solid = match subject {
+            Subject::Mesh(mesh) => {
+                return Ok(Self {
+                    mesh: mesh.clone(),
+                    deviation: Some(0.0),
+                });
+            }
+            Subject::Solid(solid) => solid,
+        };
+        let program = Program::lower(solid)?;
+        let mut mesher = Mesher::new().limits(options.limits.limits());
+        let side = program
+            .bounds()?
+            .map_or(0.0, |bounds| bounds.size().max_element());
+        let tolerance = tolerance.unwrap_or(FINE * side);
+        if tolerance > 0.0 {
+            mesher = mesher.tolerance(tolerance);
+        }
+        let meshed = mesher.mesh(&program)?;
+        let report = &meshed.report;
+        let deviation = match report.method {
+            "polyhedral" => Some(report.moved.map_or(0.0, |moved| moved.distance)),
+            _ => report.deviation.filter(|_| report.is_proven()),
+        };
+        Ok(Self {
+            mesh: meshed.mesh,
+            deviation,
+        })
+    }
+}
+
+/// The larger of the distances both ways.
+fn distance([one, other]: &[Boundary; 2]) -> Option<Distance> {
+    /// Of the longest side; and of what meshes stray, which is unknown anyway.
+    const PRECISION: f64 = 1e-6;
+    const SHARE: f64 = 0.2;
+    let (low, high) = one.mesh.bounds()?;
+    let off = one.deviation.zip(other.deviation).map(|(a, b)| a + b);
+    let precision = (PRECISION * (high - low).max_element()).max(SHARE * off.unwrap_or(0.0));
+    let ways = [
+        one.mesh.distance_to(&other.mesh, precision)?,
+        other.mesh.distance_to(&one.mesh, precision)?,
+    ];
+    let farther = ways[usize::from(ways[1].lower > ways[0].lower)];
+    let upper = ways[0].upper.max(ways[1].upper);
+    Some(Distance {
+        lower: (farther.lower - off.unwrap_or(f64::INFINITY)).max(0.0),
+        upper: off.map(|off| upper + off),
+        place: Some(farther.place.to_array()),
+    })
+}
+
+fn volumes(
+    [one, other]: &[Solid; 2],
+    options: &BoundaryOptions,
+) -> Result<(Volumes, Option<Witness>), Error> {
+    let evaluated = |solid: &Solid| -> Result<(Program, Brep), Error> {
+        let program = Program::lower(solid)?;
+        let brep = program.boundary(options)?;
+        Ok((program, brep))
+    };
+    let volume = |brep: &Brep| brep.measure().volume;
+    let own = [volume(&evaluated(one)?.1), volume(&evaluated(other)?.1)];
+    let alone = [evaluated(&(one - other))?, evaluated(&(other - one))?];
+    let rest = [volume(&alone[0].1), volume(&alone[1].1)];
+    let difference = Bounded {
+        value: rest[0].value + rest[1].value,
+        error: rest[0].error + rest[1].error,
+    };
+    let larger = usize::from(rest[1].value > rest[0].value);
+    let witness = [larger, 1 - larger].into_iter().find_map(|k| {
+        let (program, brep) = &alone[k];
+        Some(Witness {
+            point: inside(program, brep)?.to_array(),
+            inside: ["one", "other"][k],
+        })
+    });
+    let volumes = Volumes {
+        one: own[0].into(),
+        other: own[1].into(),
+        in_one: rest[0].into(),
+        in_other: rest[1].into(),
+        difference: difference.into(),
+    };
+    Ok((volumes, witness))
+}
+
+/// A point inside a solid, as deep below points of its faces as one is found.
+fn inside(program: &Program, brep: &Brep) -> Option<DVec3> {
+    /// Points that are tried, and how often the depth is halved.
+    const MOST: usize = 256;
+    const HALVINGS: i32 = 40;
+    let bounds = brep.bounds()?;
+    let size = bounds.size().max_element();
+    let faces = brep.faces().flat_map(|face| {
+        let points = face.points();
+        // Between two points of a face there may be more room.
+        let middles = points.windows(2).map(|pair| pair[0].midpoint(pair[1]));
+        let middles: Vec<DVec3> = middles.collect();
+        let all = middles.into_iter().chain(points);
+        all.map(move |point| (point, face.normal(point)))
+    });
+    let places: Vec<(DVec3, DVec3)> = faces.take(MOST).collect();
+    (1..HALVINGS).find_map(|halving| {
+        let depth = size * 0.5_f64.powi(halving);
+        let points = places.iter().map(|&(point, normal)| point - depth * normal);
+        points.into_iter().find(|&point| program.contains(point))
+    })
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = self.unit;
+        if let Some(volumes) = &self.volumes {
+            writeln!(f, "volume A      {} {unit}³", volumes.one)?;
+            writeln!(f, "volume B      {} {unit}³", volumes.other)?;
+            writeln!(f, "in A alone    {} {unit}³", volumes.in_one)?;
+            writeln!(f, "in B alone    {} {unit}³", volumes.in_other)?;
+            writeln!(f, "difference    {} {unit}³", volumes.difference)?;
+        }
+        if let Some(distance) = &self.distance {
+            let lower = short(distance.lower, 4);
+            match (distance.upper, distance.place) {
+                (Some(upper), Some(place)) => {
+                    let upper = at_most(upper, 4);
+                    let place = place.map(|x| short(x, 6)).join(" ");
+                    writeln!(f, "distance      {lower} to {upper} {unit}, about {place}")?;
+                }
+                (Some(upper), None) => writeln!(f, "distance      {upper} {unit}")?,
+                (None, _) => writeln!(f, "distance      unknown")?,
+            }
+        }
+        if let Some(witness) = &self.witness {
+            let point = witness.point.map(|x| short(x, 9)).join(" ");
+            let name = if witness.inside == "one" { "A" } else { "B" };
+            writeln!(f, "witness       {point} is in {name} alone")?;
+        }
+        writeln!(f, "{}", if self.equal { "equal" } else { "different" })
+    }
+}

@@ -1,0 +1,89 @@
+//! `convert`: from one format to another, by the names of files.
+
+use std::path::{Path, PathBuf};
+
+use csg::{BoundaryOptions, Program};
+
+use crate::failure::{Failure, exit_codes};
+use crate::input::{Input, Subject};
+use crate::mesher::{MesherOptions, no_needs, produce};
+use crate::output::{self, StreamFormat};
+use crate::progress::Progress;
+
+/// Options of `convert`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    #[command(flatten)]
+    input: Input,
+    /// Where to write, in the format of its extension: a mesh (.glb .gltf .obj .stl .ply
+    /// .off .3mf), or of a scene the scene itself (.csg) or its exact surfaces (.step .stp);
+    /// may be given more than once
+    #[arg(value_name = "OUT", required = true)]
+    outputs: Vec<PathBuf>,
+    #[command(flatten)]
+    mesher: MesherOptions,
+}
+
+pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure> {
+    let meshes: Vec<PathBuf> = options
+        .outputs
+        .iter()
+        .filter(|path| !is_scene(path))
+        .cloned()
+        .collect();
+    output::check(&meshes, None)?;
+    progress.stage("reading");
+    let subject = options.input.read(false)?;
+    let is_exact = |path: &PathBuf| is_scene(path) || io::step::is_step(path);
+    if let Some(path) = options.outputs.iter().find(|path| is_exact(path))
+        && matches!(subject, Subject::Mesh(_))
+    {
+        let cause = "the input is a mesh: of these only other meshes are made";
+        let name = path.display().to_string();
+        return Err(
+            Failure::new(exit_codes::USAGE, format!("cannot write {name}"), cause)
+                .hint("a scene with `import(file = \"...\");` makes a solid of a mesh"),
+        );
+    }
+    if let Subject::Solid(solid) = &subject {
+        for path in options.outputs.iter().filter(|path| is_scene(path)) {
+            let text = io::scene::write(solid)
+                .map_err(|error| Failure::output(&path.display().to_string(), error))?;
+            output::write_bytes(path, text.as_bytes())?;
+        }
+        for path in options
+            .outputs
+            .iter()
+            .filter(|path| io::step::is_step(path))
+        {
+            progress.stage("boundary");
+            let boundary = BoundaryOptions::new()
+                .progress(progress.callback())
+                .cut_at_seams();
+            let brep = Program::lower(solid)?.boundary(&boundary)?;
+            output::write_step(path, &brep, options.mesher.unit.length_unit())?;
+        }
+    }
+    let mut meshes = options
+        .outputs
+        .iter()
+        .filter(|path| !is_exact(path))
+        .peekable();
+    if meshes.peek().is_some() {
+        let product = produce(|| Ok(subject), &options.mesher, true, &no_needs, progress)?;
+        progress.stage("writing");
+        for path in meshes {
+            output::write_mesh(path, &product.mesh, StreamFormat::default())?;
+        }
+    }
+    progress.end();
+    for path in &options.outputs {
+        progress.say(format_args!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+fn is_scene(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("csg"))
+}

@@ -1,0 +1,129 @@
+//! `csg compare`, `csg convert` and `csg info`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::{DRILLED_VOLUME, Folder, failed, succeeded};
+
+fn compared(folder: &Folder, arguments: &str, code: i32) -> Value {
+    let output = folder.run(&format!("compare {arguments} --json -"));
+    failed(&output, code);
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// Balls of one middle differ by a shell as thick as their radii differ.
+#[test]
+fn differences_are_within_their_bounds() {
+    let folder = Folder::new();
+    fs::write(folder.file("one.csg"), "sphere(r = 1);").expect("a file");
+    fs::write(folder.file("less.csg"), "sphere(r = 0.9);").expect("a file");
+    let json = compared(&folder, "one.csg less.csg", 1);
+    let bounds =
+        |value: &Value| ["lower", "upper"].map(|end| value[end].as_f64().expect("a number"));
+    let shell = 4.0 / 3.0 * std::f64::consts::PI * (1.0 - 0.9_f64.powi(3));
+    for (name, wanted) in [("difference", shell), ("in_one", shell), ("in_other", 0.0)] {
+        let [lower, upper] = bounds(&json["volumes"][name]);
+        assert!(
+            lower <= wanted && wanted <= upper && upper - lower < 1e-10,
+            "{name}: {json}"
+        );
+    }
+    let [lower, upper] = bounds(&json["distance"]);
+    assert!(
+        lower <= 0.1 && 0.1 <= upper && upper - lower < 1e-3,
+        "{json}"
+    );
+    assert_eq!(json["witness"]["inside"], "one");
+    let point = json["witness"]["point"].as_array().expect("a point");
+    let square: f64 = point
+        .iter()
+        .map(|x| x.as_f64().expect("a number").powi(2))
+        .sum();
+    assert!((0.9..=1.0).contains(&square.sqrt()), "{json}");
+    // As near as that they are equal.
+    assert_eq!(
+        compared(&folder, "one.csg less.csg --within 0.11", 0)["equal"],
+        true
+    );
+    assert_eq!(
+        compared(&folder, "one.csg less.csg --within 0.09", 1)["equal"],
+        false
+    );
+    let text = folder.run("compare one.csg less.csg");
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(
+        text.contains("is in A alone") && text.ends_with("different\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn equal_solids_are_equal_however_they_are_written() {
+    let folder = Folder::new();
+    let other = "intersection() {
+\tdifference() {
+\t\tsphere(r = 1);
+\t\tunion() {
+\t\t\tmultmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]) { cylinder(h = 9, r1 = 0.5, r2 = 0.5, center = true); }
+\t\t\tmultmatrix([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) { cylinder(h = 9, r1 = 0.5, r2 = 0.5, center = true); }
+\t\t\tcylinder(h = 9, r1 = 0.5, r2 = 0.5, center = true);
+\t\t}
+\t}
+\tcube(size = [1.5, 1.5, 1.5], center = true);
+}";
+    fs::write(folder.file("other.csg"), other).expect("a file");
+    let json = compared(&folder, "in.csg other.csg", 0);
+    assert_eq!(json["equal"], true);
+    assert_eq!(json["volumes"]["difference"]["upper"], 0.0);
+    assert_eq!(json["distance"]["upper"], 0.0);
+    assert_eq!(json["witness"], Value::Null);
+}
+
+/// Meshes are compared with what they were made of, and no farther from it than they say.
+#[test]
+fn what_is_converted_is_near_to_what_it_was() {
+    let folder = Folder::new();
+    succeeded(&folder.run("convert in.csg out.stl again.csg part.step --tolerance 0.01"));
+    succeeded(&folder.run("convert out.stl out.obj"));
+    assert_eq!(
+        folder.files(),
+        ["again.csg", "out.obj", "out.stl", "part.step"]
+    );
+    assert_eq!(compared(&folder, "in.csg again.csg", 0)["equal"], true);
+    // (Binary STL is of single precision.)
+    assert_eq!(compared(&folder, "out.stl out.obj", 0)["equal"], true);
+    let json = compared(&folder, "in.csg out.obj --within 0.0101", 0);
+    assert!(json["distance"]["upper"].as_f64() > Some(0.003), "{json}");
+    let one = json["volumes"]["one"]["value"].as_f64().expect("a number");
+    assert!((one - DRILLED_VOLUME).abs() < 1e-11);
+    let message = failed(&folder.run("convert out.stl out.step"), 2);
+    assert!(message.contains("the input is a mesh"), "{message}");
+    failed(&folder.run("convert in.csg out.dwg"), 2);
+}
+
+#[test]
+fn info_tells_what_is_there() {
+    let folder = Folder::new();
+    let info = |name: &str| -> Value {
+        let output = folder.run(&format!("info {name} --json -"));
+        serde_json::from_slice(&succeeded(&output).stdout).expect("JSON")
+    };
+    let solid = info("in.csg");
+    assert_eq!(solid["kind"], "solid");
+    assert_eq!(solid["primitives"], 5);
+    assert_eq!(
+        (&solid["surfaces"]["cylinder"], &solid["surfaces"]["sphere"]),
+        (&3.into(), &1.into())
+    );
+    succeeded(&folder.run("mesh in.csg -o part.glb --tolerance 0.01 -q"));
+    let mesh = info("part.glb");
+    assert_eq!(
+        (&mesh["kind"], &mesh["normals"]),
+        (&"mesh".into(), &true.into())
+    );
+    let text = folder.run("info part.glb");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    let triangles = format!("triangles   {}", mesh["triangles"]);
+    assert!(text.contains(&triangles), "{text}");
+}

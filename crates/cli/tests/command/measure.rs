@@ -1,0 +1,107 @@
+//! `csg measure`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::{DRILLED_VOLUME, Folder, failed, succeeded};
+
+#[test]
+fn measure_reads_meshes_too() {
+    let folder = Folder::new();
+    succeeded(&folder.run("mesh in.csg -o part.ply --cells 32"));
+    let of_scene = folder.run("measure in.csg --cells 32 --json -");
+    let of_mesh = folder.run("measure part.ply --json -");
+    let [scene, mesh] = [of_scene, of_mesh]
+        .map(|output| serde_json::from_slice::<Value>(&succeeded(&output).stdout).expect("JSON"));
+    for key in ["triangles", "vertices", "genus", "manifold"] {
+        assert_eq!(scene[key], mesh[key], "{key}");
+    }
+    let text = folder.run("measure part.ply");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(
+        text.contains("volume") && text.contains("genus       5"),
+        "{text}"
+    );
+}
+
+/// Without options that ask for a mesh, a solid's measures are those of its exact boundary, told
+/// to the last digit that is known.
+#[test]
+fn measures_of_solids_are_exact_and_say_how_far() {
+    let folder = Folder::new();
+    let output = folder.run("measure in.csg --json - --unit cm");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    let bound = |name: &str| json["volume"][name].as_f64().expect("a number");
+    assert!(bound("lower") <= DRILLED_VOLUME && DRILLED_VOLUME <= bound("upper"));
+    assert!(bound("upper") - bound("lower") < 1e-11, "{json}");
+    assert_eq!(json["genus"], 5);
+    assert_eq!((&json["faces"], &json["edges"]), (&13.into(), &24.into()));
+    let text = folder.run("measure in.csg --unit cm");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(
+        text.contains("volume      0.98878955719") && text.contains("cm³"),
+        "{text}"
+    );
+    assert!(!text.contains("triangles"), "{text}");
+
+    // Of a mesh within its proven deviation.
+    let output = folder.run("measure in.csg --json - --tolerance 0.001");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    let bound = |name: &str| json["volume"][name].as_f64().expect("a number");
+    assert!(bound("lower") <= DRILLED_VOLUME && DRILLED_VOLUME <= bound("upper"));
+    assert!(bound("upper") - bound("lower") < 0.1, "{json}");
+    // Cells prove nothing.
+    let output = folder.run("measure in.csg --json - --cells 32");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    assert_eq!(json["volume"]["upper"], Value::Null);
+}
+
+#[test]
+fn faceted_gives_polygons() {
+    let folder = Folder::new();
+    let scene = "cylinder($fn = 24, $fa = 12, $fs = 2, h = 1, r1 = 1, r2 = 1, center = false);";
+    fs::write(folder.file("round.csg"), scene).expect("a file");
+    let volume = |command: &str| {
+        let output = folder.run(command);
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        json["volume"]["value"].as_f64().expect("a number")
+    };
+    let round = volume("measure round.csg --json - --cells 128");
+    let faceted = volume("measure round.csg --faceted --json - --cells 128");
+    let tau = std::f64::consts::TAU;
+    // Polygon and circle differ by 1.1%, more than the mesh from either.
+    assert!((round - tau / 2.0).abs() < 0.004 * round, "{round}");
+    assert!(
+        (faceted - 12.0 * (tau / 24.0).sin()).abs() < 0.004 * round,
+        "{faceted}"
+    );
+}
+
+#[test]
+fn a_model_of_which_nothing_is_left_is_warned_about() {
+    let folder = Folder::new();
+    let scene = "difference() { sphere(r = 1); cube(size = [3, 3, 3], center = true); }";
+    let output = folder.run_with_input("measure -", scene);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("nothing is left of the model's 2 primitives"),
+        "{said}"
+    );
+    assert!(said.contains("takes all of the first operand"), "{said}");
+    assert!(
+        said.contains("operand 2 lies between -1.5 -1.5 -1.5 and 1.5 1.5 1.5"),
+        "{said}"
+    );
+    let scene = "intersection() { sphere(r = 1); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], \
+                 [0, 0, 1, 0], [0, 0, 0, 1]]) { sphere(r = 1); } }";
+    let output = folder.run_with_input("mesh - -o empty.step", scene);
+    let said = failed(&output, 5);
+    assert!(
+        said.contains("operands 1 and 2 are 1 apart along x"),
+        "{said}"
+    );
+    let output = folder.run_with_input("measure -", "group();");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains("nothing is left"), "{said}");
+}

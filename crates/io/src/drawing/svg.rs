@@ -1,0 +1,140 @@
+//! Scalable Vector Graphics.
+
+use std::fmt::Write as _;
+use std::io::Write;
+
+use csg::LengthUnit;
+use glam::DVec2;
+
+use super::beziers::parabolas;
+use super::outline::{Outline, Piece, Shape};
+use super::{DrawingOptions, Sheet, decimal};
+use crate::Error;
+
+/// Of the longer side, the margin around the drawing and the width of its lines.
+const MARGIN: f64 = 0.02;
+const LINE: f64 = 0.002;
+
+/// Writes outlines as one path, what they bound filled: circles and ellipses as arcs, parabolas
+/// and hyperbolas as quadratic Bézier curves. Width and height are those of the model; y, which
+/// points down in the format, is turned over.
+///
+/// # Errors
+/// [`Error::EmptyDrawing`], [`Error::DrawingTolerance`]; failed writing.
+pub fn write_svg(
+    outlines: &[Outline],
+    options: &DrawingOptions,
+    out: &mut impl Write,
+) -> Result<(), Error> {
+    let sheet = Sheet::new(outlines, options)?;
+    let longer = (sheet.high - sheet.low).max_element();
+    let margin = DVec2::splat(MARGIN * longer);
+    let (low, high) = (sheet.low - margin, sheet.high + margin);
+    let size = high - low;
+    let decimals = sheet.decimals();
+    let number = |x: f64| decimal(x, decimals);
+    let (unit, scale) = unit(sheet.unit);
+    let [width, height] = (scale * size).to_array().map(number);
+    let view = [low.x, -high.y, size.x, size.y].map(number).join(" ");
+    let line = decimal(LINE * longer, decimals);
+    let pen = Pen {
+        sheet: &sheet,
+        decimals,
+    };
+    let paths: String = outlines
+        .iter()
+        .map(|outline| pen.outline(outline))
+        .collect();
+    let title = escaped(sheet.title);
+    write!(
+        out,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}{unit}\" \
+         height=\"{height}{unit}\" viewBox=\"{view}\">\n\
+         <title>{title}</title>\n\
+         <path fill=\"#dbe4ee\" fill-rule=\"evenodd\" stroke=\"#1a1a1a\" stroke-width=\"{line}\" \
+         stroke-linejoin=\"round\" d=\"{paths}\"/>\n</svg>\n"
+    )?;
+    Ok(())
+}
+
+/// The unit's name in the format, and how many of it a unit of the model is.
+fn unit(unit: LengthUnit) -> (&'static str, f64) {
+    match unit {
+        LengthUnit::Centimetre => ("cm", 1.0),
+        LengthUnit::Inch => ("in", 1.0),
+        LengthUnit::Foot => ("in", 12.0),
+        other => ("mm", other.in_metres() * 1e3),
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+struct Pen<'a> {
+    sheet: &'a Sheet<'a>,
+    decimals: usize,
+}
+
+impl Pen<'_> {
+    /// A point with y turned over.
+    fn point(&self, point: DVec2) -> String {
+        let [x, y] = [point.x, -point.y].map(|x| decimal(x, self.decimals));
+        format!("{x} {y}")
+    }
+
+    fn outline(&self, outline: &Outline) -> String {
+        let mut path = String::new();
+        let Some(first) = outline.pieces.first() else {
+            return path;
+        };
+        path += &format!("M{}", self.point(first.from));
+        for piece in &outline.pieces {
+            self.piece(piece, &mut path);
+        }
+        path += "Z";
+        path
+    }
+
+    fn piece(&self, piece: &Piece, path: &mut String) {
+        // (Writing to a string cannot fail.)
+        let _ = match piece.shape {
+            Shape::Line => write!(path, "L{}", self.point(piece.to)),
+            Shape::Ellipse {
+                long,
+                short,
+                is_circle,
+                ..
+            } => {
+                let radii = [long, short].map(|axis| decimal(axis.length(), self.decimals));
+                // (Seen from the other side angles change their signs.)
+                let lean = match is_circle {
+                    true => "0".to_owned(),
+                    false => decimal((-long.y).atan2(long.x).to_degrees(), 12),
+                };
+                let turn = piece.shape.turn();
+                let sweep = u8::from(turn < 0.0);
+                let arc = |to: DVec2, is_large: bool| {
+                    let large = u8::from(is_large);
+                    let to = self.point(to);
+                    format!("A{} {} {lean} {large} {sweep} {to}", radii[0], radii[1])
+                };
+                // An arc between two places that are one would be none.
+                if turn.abs() > 1.9 * std::f64::consts::PI {
+                    let [half, end] = [piece.at(0.5), piece.to].map(|to| arc(to, false));
+                    write!(path, "{half}{end}")
+                } else {
+                    write!(path, "{}", arc(piece.to, turn.abs() > std::f64::consts::PI))
+                }
+            }
+            Shape::Conic { .. } => {
+                let parabolas = parabolas(piece, self.sheet.tolerance).into_iter();
+                let curves = parabolas
+                    .map(|[control, to]| format!("Q{} {}", self.point(control), self.point(to)));
+                write!(path, "{}", curves.collect::<String>())
+            }
+        };
+    }
+}

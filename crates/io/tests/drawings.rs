@@ -1,0 +1,332 @@
+//! Sections as drawings: closed forms, and what an independent program reads of them.
+#![allow(missing_docs, reason = "a test")]
+
+#[path = "../../../tests/manifold3d/python.rs"]
+mod python;
+
+use std::f64::consts::PI;
+use std::process::Command;
+
+use csg::glam::DVec2;
+use csg::{LengthUnit, Solid};
+use io::drawing::{
+    DrawingFormat, DrawingOptions, Outline, Section, SectionFrame, Shape, write_drawing,
+    write_drawing_to,
+};
+
+fn section(solid: &Solid, point: [f64; 3], normal: [f64; 3]) -> Section {
+    let frame = SectionFrame::facing(point, normal).expect("a plane");
+    Section::of(solid, &frame, &Default::default()).expect("a section")
+}
+
+/// What outlines bound, by so many chords of each piece.
+fn area(outlines: &[Outline]) -> f64 {
+    const CHORDS: u32 = 4000;
+    let around = |outline: &Outline| -> f64 {
+        let pieces = outline.pieces.iter();
+        let points: Vec<DVec2> = pieces
+            .flat_map(|piece| (0..CHORDS).map(|k| piece.at(f64::from(k) / f64::from(CHORDS))))
+            .collect();
+        let next = points.iter().cycle().skip(1);
+        0.5 * points
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a.perp_dot(*b))
+            .sum::<f64>()
+    };
+    outlines.iter().map(around).sum()
+}
+
+fn shapes(section: &Section) -> Vec<&'static str> {
+    let pieces = section.outlines.iter().flat_map(|outline| &outline.pieces);
+    let mut names: Vec<&str> = pieces
+        .map(|piece| match piece.shape {
+            Shape::Line => "line",
+            Shape::Ellipse {
+                is_circle: true, ..
+            } => "circle",
+            Shape::Ellipse { .. } => "ellipse",
+            _ => "conic",
+        })
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Solids with a plane each, and the area in closed form, if that is short.
+fn cases() -> Vec<(&'static str, Section, Option<f64>, &'static [&'static str])> {
+    let cone = Solid::cone(1.0, 0.0..2.0);
+    let bent = |solid: &Solid| {
+        solid
+            .clone()
+            .rotate_xyz(0.4, -0.7, 1.1)
+            .translate([3.0, -2.0, 1.0])
+    };
+    let ball = Solid::sphere(1.0);
+    let tilt = [0.0, 1.0, 2.0];
+    let drilled = (Solid::cube(1.5) & Solid::sphere(1.0)) - Solid::cylinder(0.5, -2.0..2.0);
+    vec![
+        (
+            "ball",
+            section(&ball, [0.0, 0.0, 0.6], [0.0, 0.0, 1.0]),
+            Some(PI * 0.64),
+            &["circle"],
+        ),
+        (
+            "moved ball",
+            section(
+                &ball.clone().translate([5.0, 6.0, 7.0]),
+                [5.0, 6.0, 7.0],
+                [1.0, 2.0, 3.0],
+            ),
+            Some(PI),
+            &["circle"],
+        ),
+        (
+            "cylinder, tilted plane",
+            section(&Solid::cylinder(0.5, -3.0..3.0), [0.0; 3], tilt),
+            Some(PI * 0.25 * 5.0_f64.sqrt() / 2.0),
+            &["ellipse"],
+        ),
+        // A piece of a parabola is two thirds of the rectangle around it: √3 wide in the base,
+        // and ¾ √5 high, up to z = 1.5.
+        (
+            "cone, along a line of it",
+            section(&cone, [0.0, 0.5, 0.0], [0.0, 2.0, 1.0]),
+            Some(3.75_f64.sqrt()),
+            &["conic", "line"],
+        ),
+        (
+            "cone, along its axis",
+            section(&cone, [0.0; 3], [0.0, -1.0, 0.0]),
+            Some(2.0),
+            &["line"],
+        ),
+        (
+            "cone, beside its axis",
+            section(&cone, [0.0, 0.3, 0.0], [0.0, -1.0, 0.0]),
+            None,
+            &["conic", "line"],
+        ),
+        (
+            "paraboloid",
+            section(
+                &(Solid::paraboloid([0.8, 1.1]) & Solid::cube(3.0)),
+                [0.1, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+            ),
+            None,
+            &["conic", "line"],
+        ),
+        (
+            "hyperboloid",
+            section(
+                &(Solid::hyperboloid_one_sheet([0.4, 0.6, 0.5]) & Solid::cube(3.0)),
+                [0.1, 0.2, 0.0],
+                [1.0, 0.3, 0.1],
+            ),
+            None,
+            &["conic", "line"],
+        ),
+        (
+            "bent cone",
+            section(&bent(&cone), [3.0, -2.0, 1.6], [0.3, 0.2, 1.0]),
+            None,
+            &[],
+        ),
+        (
+            "drilled",
+            section(&drilled, [0.0, 0.0, 0.1], [0.0, 0.0, 1.0]),
+            None,
+            &["circle", "line"],
+        ),
+        (
+            "drilled, across",
+            section(&bent(&drilled), [3.0, -2.0, 1.1], [1.0, 1.0, 1.0]),
+            None,
+            &[],
+        ),
+    ]
+}
+
+#[test]
+fn sections_have_the_area_of_their_outlines_and_true_shapes() {
+    for (name, section, wanted, kinds) in cases() {
+        let sum = area(&section.outlines);
+        let off = (sum - section.area.value).abs();
+        assert!(
+            off < 2e-6 * section.area.value,
+            "{name}: {sum} {}",
+            section.area.value
+        );
+        if let Some(wanted) = wanted {
+            let off = (section.area.value - wanted).abs();
+            assert!(off <= section.area.error + 1e-14, "{name}: off by {off:e}");
+        }
+        if !kinds.is_empty() {
+            assert_eq!(shapes(&section), kinds, "{name}");
+        }
+        for outline in &section.outlines {
+            let next = outline.pieces.iter().cycle().skip(1);
+            for (piece, next) in outline.pieces.iter().zip(next) {
+                assert_eq!(piece.to, next.from, "{name}");
+                for (share, end) in [(0.0, piece.from), (1.0, piece.to)] {
+                    assert!(piece.at(share).distance(end) < 1e-12, "{name}: {piece:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The box of an outline is that of its points.
+#[test]
+fn boxes_hold_outlines() {
+    for (name, section, ..) in cases() {
+        for outline in &section.outlines {
+            let [low, high] = outline.bounds();
+            let mut found = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+            for piece in &outline.pieces {
+                for k in 0..=1000 {
+                    let point = piece.at(f64::from(k) / 1000.0);
+                    found = [found[0].min(point), found[1].max(point)];
+                }
+            }
+            assert!(low.cmple(found[0] + 1e-12).all() && high.cmpge(found[1] - 1e-12).all());
+            let has_conics = shapes(&section).contains(&"conic");
+            let slack = 1e-5 * (high - low).max_element();
+            let is_least = found[0].distance(low).max(found[1].distance(high)) < slack;
+            assert!(is_least || has_conics, "{name}: {low} {high} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_and_wrong_tolerances_are_errors() {
+    let options = DrawingOptions::default();
+    let empty = section(&Solid::sphere(1.0), [0.0, 0.0, 2.0], [0.0, 0.0, 1.0]);
+    let mut out = Vec::new();
+    for format in [DrawingFormat::Svg, DrawingFormat::Dxf, DrawingFormat::Pdf] {
+        let error = write_drawing_to(format, &empty.outlines, &options, &mut out);
+        assert!(
+            error
+                .expect_err("nothing")
+                .to_string()
+                .contains("does not meet")
+        );
+        let disk = section(&Solid::sphere(1.0), [0.0; 3], [0.0, 0.0, 1.0]);
+        for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let options = options.clone().tolerance(tolerance);
+            let error = write_drawing_to(format, &disk.outlines, &options, &mut out);
+            assert!(error.expect_err("a fault").to_string().contains("above 0"));
+        }
+    }
+    assert!(write_drawing("no/such/a.svg", &[], &options).is_err());
+    assert!(write_drawing("a.txt", &[], &options).is_err());
+    assert_eq!(SectionFrame::facing([0.0; 3], [0.0; 3]), None);
+    assert_eq!(SectionFrame::facing([f64::NAN; 3], [0.0, 0.0, 1.0]), None);
+}
+
+/// Reads drawings: a line for each, the areas of closed outlines added up (holes counted as
+/// often as they wind), and the number of faults.
+const READER: &str = r#"
+import math, sys
+import ezdxf
+from svgpathtools import svg2paths
+def area(points):
+    return sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(points, points[1:] + points[:1])) / 2
+for line in sys.stdin:
+    name = line.rstrip("\n")
+    drawing = ezdxf.readfile(name + ".dxf")
+    audit = drawing.audit()
+    # Lines and arcs end where others begin.
+    closed, loose = [], []
+    for entity in drawing.modelspace():
+        parts = entity.virtual_entities() if entity.dxftype() == "LWPOLYLINE" else [entity]
+        for part in parts:
+            line = part.dxftype() == "LINE"
+            ends = [part.dxf.start, part.dxf.end] if line else part.flattening(1e-7)
+            points = [(v.x, v.y) for v in ends]
+            whole = math.dist(points[0], points[-1]) < 1e-9
+            (closed if whole else loose).append(points)
+    while loose:
+        chain = loose.pop()
+        while math.dist(chain[0], chain[-1]) > 1e-9:
+            for k, other in enumerate(loose):
+                if math.dist(chain[-1], other[0]) < 1e-9:
+                    chain += loose.pop(k)[1:]
+                    break
+                if math.dist(chain[-1], other[-1]) < 1e-9:
+                    chain += loose.pop(k)[::-1][1:]
+                    break
+            else:
+                raise SystemExit(f"{name}: an outline is open")
+        closed.append(chain)
+    areas = [abs(area(points)) for points in closed]
+    paths, _ = svg2paths(name + ".svg")
+    svg = []
+    for whole in paths:
+        for part in whole.continuous_subpaths():
+            points = [part.point(k / 4000) for k in range(4000)]
+            svg.append(abs(area([(p.real, p.imag) for p in points])))
+    print(len(audit.errors) + len(audit.fixes), drawing.units, sum(areas), sum(svg), flush=True)
+"#;
+
+/// ezdxf and svgpathtools find the outlines' areas: each of them counted positive, as who reads
+/// a piece of an outline alone cannot know that it bounds a hole.
+#[test]
+fn other_programs_read_the_same() {
+    let packages = "ezdxf==1.4.5\nsvgpathtools==1.8.0\n";
+    let python = python::python("drawings", packages);
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut names = String::new();
+    let mut wanted = Vec::new();
+    for (k, (name, section, ..)) in cases().into_iter().enumerate() {
+        let units = [
+            (LengthUnit::Millimetre, 4),
+            (LengthUnit::Inch, 1),
+            (LengthUnit::Metre, 6),
+        ];
+        let (unit, code) = units[k % units.len()];
+        let path = folder.path().join(k.to_string());
+        let options = DrawingOptions::default().unit(unit).title(name);
+        for extension in ["dxf", "svg", "pdf"] {
+            write_drawing(path.with_extension(extension), &section.outlines, &options)
+                .expect("a drawing");
+        }
+        names += &format!("{}\n", path.display());
+        let each = section
+            .outlines
+            .iter()
+            .map(|outline| area(std::slice::from_ref(outline)).abs());
+        wanted.push((name, code, each.sum::<f64>()));
+    }
+    let input = folder.path().join("names");
+    std::fs::write(&input, names).expect("a file");
+    let output = Command::new(python)
+        .args(["-c", READER])
+        .stdin(std::fs::File::open(&input).expect("a file"))
+        .output()
+        .expect("Python runs");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert_eq!(said.lines().count(), wanted.len());
+    for (line, (name, code, area)) in said.lines().zip(wanted) {
+        let fields: Vec<f64> = line
+            .split(' ')
+            .map(|f| f.parse().expect("a number"))
+            .collect();
+        assert_eq!(
+            (fields[0], fields[1]),
+            (0.0, f64::from(code)),
+            "{name}: {line}"
+        );
+        for found in &fields[2..] {
+            assert!((found - area).abs() < 2e-6 * area, "{name}: {line}, {area}");
+        }
+    }
+}
