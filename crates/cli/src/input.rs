@@ -17,7 +17,7 @@ pub(crate) struct Input {
     /// installed), or a mesh (.glb .gltf .obj .stl .ply .off); `-` reads a scene
     /// from standard input
     #[arg(value_name = "IN")]
-    path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Read circles, spheres and cones as the polygons that OpenSCAD makes of
     /// them
     #[arg(long)]
@@ -46,54 +46,80 @@ impl Input {
     /// Reads the file by its extension; warnings go to standard error. With
     /// `faces_only`, a mesh need not be connected ([`io::ReadOptions::to_draw`]).
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
+        let name = self.name();
+        match self.contents(faces_only)? {
+            Contents::Mesh(mesh) => Ok(Subject::Mesh(mesh)),
+            Contents::Scene(scene) => {
+                let scene = scene.map_err(|error| scene_failure(&name, error))?;
+                for warning in &scene.warnings {
+                    eprintln!("warning: {warning}");
+                }
+                Ok(Subject::Solid(scene.solid))
+            }
+        }
+    }
+
+    /// The same, with what is wrong in a scene's text as the reader says it.
+    pub(crate) fn contents(&self, faces_only: bool) -> Result<Contents, Failure> {
         let options = ReadOptions::default()
             .faceted(self.faceted)
             .any_folder(self.any_folder);
         let options = self.font.iter().fold(options, ReadOptions::font);
-        let scene = if self.path.as_os_str() == "-" {
+        if self.is_stream() {
             let mut bytes = Vec::new();
             std::io::stdin()
                 .read_to_end(&mut bytes)
                 .map_err(|error| Failure::input("standard input", error))?;
-            scene::read_bytes(&bytes, &options)
-                .map_err(|error| scene_failure("standard input", error))?
-        } else {
-            let name = self.path.display().to_string();
-            if MeshFormat::from_path(&self.path).is_ok() {
-                let options = io::ReadOptions::default()
-                    .any_folder(self.any_folder)
-                    .to_draw(faces_only);
-                let mesh = io::read_mesh_with(&self.path, &options)
-                    .map_err(|error| Failure::input(&name, error))?;
-                return Ok(Subject::Mesh(mesh));
-            }
-            let extension = self.path.extension().and_then(|e| e.to_str());
-            let is = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
-            if is("scad") {
-                let text = openscad::evaluated(&self.path, &self.define)?;
-                let folder = self.path.parent().unwrap_or(Path::new(""));
-                let scene = scene::read_bytes(&text, &options.folder(folder));
-                let scene = scene.map_err(|error| {
-                    scene_failure(&format!("{name}, as openscad evaluates it"), error)
-                })?;
-                return Ok(Subject::Solid(warned(scene)));
-            }
-            if !is("csg") {
-                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
-                return Err(Failure::input(&name, "its extension is not known").hint(hint));
-            }
-            scene::read_file(&self.path, &options).map_err(|error| scene_failure(&name, error))?
-        };
-        Ok(Subject::Solid(warned(scene)))
+            return Ok(Contents::Scene(scene::read_bytes(&bytes, &options)));
+        }
+        let name = self.path.display().to_string();
+        if MeshFormat::from_path(&self.path).is_ok() {
+            let options = io::ReadOptions::default()
+                .any_folder(self.any_folder)
+                .to_draw(faces_only);
+            let mesh = io::read_mesh_with(&self.path, &options)
+                .map_err(|error| Failure::input(&name, error))?;
+            return Ok(Contents::Mesh(mesh));
+        }
+        if self.has_extension("scad") {
+            let text = openscad::evaluated(&self.path, &self.define)?;
+            let folder = self.path.parent().unwrap_or(Path::new(""));
+            return Ok(Contents::Scene(scene::read_bytes(
+                &text,
+                &options.folder(folder),
+            )));
+        }
+        if !self.has_extension("csg") {
+            let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply or .off mesh";
+            return Err(Failure::input(&name, "its extension is not known").hint(hint));
+        }
+        Ok(Contents::Scene(scene::read_file(&self.path, &options)))
+    }
+
+    /// What it is called in messages.
+    fn name(&self) -> String {
+        let name = self.path.display();
+        match self {
+            _ if self.is_stream() => "standard input".to_owned(),
+            _ if self.has_extension("scad") => format!("{name}, as openscad evaluates it"),
+            _ => name.to_string(),
+        }
+    }
+
+    pub(crate) fn is_stream(&self) -> bool {
+        self.path.as_os_str() == "-"
+    }
+
+    fn has_extension(&self, known: &str) -> bool {
+        let extension = self.path.extension().and_then(|e| e.to_str());
+        extension.is_some_and(|e| e.eq_ignore_ascii_case(known))
     }
 }
 
-/// The solid of a scene; its warnings go to standard error.
-fn warned(scene: Scene) -> Solid {
-    for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
-    }
-    scene.solid
+/// What a file holds.
+pub(crate) enum Contents {
+    Mesh(Mesh),
+    Scene(Result<Scene, SceneError>),
 }
 
 fn scene_failure(name: &str, error: SceneError) -> Failure {

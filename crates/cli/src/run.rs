@@ -2,9 +2,13 @@
 
 use std::process::ExitCode;
 
+#[cfg(feature = "view")]
+use clap::CommandFactory;
 use clap::{Args, Parser, Subcommand};
 use csg::Solid;
 
+#[cfg(feature = "view")]
+use crate::commands::view;
 use crate::commands::{measure, mesh, render};
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
 use crate::input::{Input, Subject};
@@ -40,6 +44,14 @@ enum FileCommand {
         #[command(flatten)]
         options: measure::Options,
     },
+    /// Show the input in the browser, again whenever it is saved
+    #[cfg(feature = "view")]
+    View {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        options: view::Options,
+    },
 }
 
 #[derive(Debug, Parser)]
@@ -59,6 +71,9 @@ enum ModelCommand {
     Render(Box<render::Options>),
     /// Measure the model
     Measure(measure::Options),
+    /// Show the model in the browser, its arguments as sliders
+    #[cfg(feature = "view")]
+    View(view::Options),
 }
 
 /// A model without arguments of its own.
@@ -78,20 +93,23 @@ pub fn main() -> ExitCode {
             render::run(|| input.read(options.faces_only()), &options)
         }
         FileCommand::Measure { input, options } => measure::run(|| input.read(false), &options),
+        #[cfg(feature = "view")]
+        FileCommand::View { input, options } => view::run_file(input, &options),
     };
     exit(result)
 }
 
-/// Runs `mesh`, `render` or `measure`, as the arguments of the process say, on
+/// Runs `mesh`, `render`, `measure` or `view`, as the arguments of the process say, on
 /// a model written in Rust. Returns the exit code ([`crate::exit_codes`])
 /// after having said what went wrong, if anything did.
 #[must_use]
-pub fn run(model: impl FnOnce() -> Solid) -> ExitCode {
+pub fn run(model: impl Fn() -> Solid) -> ExitCode {
     run_with(|_: NoArguments| model())
 }
 
 /// [`run`] for a model with arguments of its own, which come before the
-/// subcommand.
+/// subcommand. `view` shows them as sliders, boxes and lists, and makes the model again when
+/// one is moved.
 ///
 /// ```no_run
 /// use cli::clap;
@@ -111,7 +129,7 @@ pub fn run(model: impl FnOnce() -> Solid) -> ExitCode {
 /// }
 /// ```
 #[must_use]
-pub fn run_with<A: Args>(model: impl FnOnce(A) -> Solid) -> ExitCode {
+pub fn run_with<A: Args>(model: impl Fn(A) -> Solid) -> ExitCode {
     let ModelCommandLine {
         model: dimensions,
         command,
@@ -124,6 +142,11 @@ pub fn run_with<A: Args>(model: impl FnOnce(A) -> Solid) -> ExitCode {
         ModelCommand::Mesh(options) => mesh::run(subject, &options),
         ModelCommand::Render(options) => render::run(subject, &options),
         ModelCommand::Measure(options) => measure::run(subject, &options),
+        #[cfg(feature = "view")]
+        ModelCommand::View(options) => {
+            let given = ModelCommandLine::<A>::command().get_matches();
+            view::run_model(model, &given, &options)
+        }
     })
 }
 

@@ -10,5 +10,7 @@ pub(crate) mod measure;
 pub(crate) mod mesh;
 mod parse;
 pub(crate) mod render;
+#[cfg(feature = "view")]
+pub(crate) mod view;
 mod view_reference;
 mod viewing;
