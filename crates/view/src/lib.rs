@@ -12,13 +12,17 @@ mod account;
 mod distance;
 mod export;
 mod faces;
+#[cfg(feature = "server")]
 mod guard;
 mod packing;
 mod pick;
+#[cfg(feature = "server")]
 mod server;
 mod shown;
 mod source;
+#[cfg(feature = "server")]
 mod view;
+#[cfg(feature = "server")]
 mod watch;
 
 pub use account::Account;
@@ -26,4 +30,5 @@ pub use export::FORMATS;
 pub use pick::{Pick, PickKind, Row};
 pub use shown::{Settings, Shown, stages};
 pub use source::{Loaded, Parameter, ParameterKind, Problem, Source, Subject, TextPlace};
+#[cfg(feature = "server")]
 pub use view::{ViewError, ViewOptions, view};

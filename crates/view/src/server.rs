@@ -85,7 +85,7 @@ impl Desk {
 
     /// Puts another picture in place of the one that is shown.
     pub(crate) fn publish(&self, shown: Shown) {
-        let bytes = Bytes::from(crate::packing::pack(&shown));
+        let bytes = Bytes::from(shown.pack());
         let revision = shown.revision;
         *locked(&self.shown) = Some((Arc::new(shown), bytes));
         self.status.send_modify(|status| status.revision = revision);

@@ -10,6 +10,7 @@ use csg::{
 
 use crate::account::Account;
 use crate::distance;
+use crate::packing;
 use crate::pick::{Pick, Row};
 use crate::source::{Loaded, Problem, Subject};
 
@@ -90,6 +91,12 @@ impl Shown {
             .measure
             .get_or_init(|| self.brep.as_ref().map(Brep::measure));
         measured.as_ref()
+    }
+
+    /// All that a page draws, as one block of bytes (`packing.rs` says which).
+    #[must_use]
+    pub fn pack(&self) -> Vec<u8> {
+        packing::pack(self)
     }
 
     /// Volume, area and the rest, and what the mesher reports.

@@ -2,11 +2,11 @@ import { WebGLRenderer } from "three";
 import { Cameras } from "./camera.js";
 import { Drawing } from "./drawing.js";
 import { Parameters, Tree, element, problem, rows } from "./panels.js";
-import { Server } from "./server.js";
 
 const byId = (id) => document.getElementById(id);
 const canvas = byId("canvas");
-const server = new Server();
+/** Who makes models and knows about them: a program that serves the page, or a worker. */
+let server;
 const renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, preserveDrawingBuffer: true });
 const drawing = new Drawing(renderer);
 // (`answers` counts what was said of picks.)
@@ -77,7 +77,8 @@ async function load() {
 }
 
 function show(model) {
-  const isFirst = !state.model;
+  const isFirst = !state.model || state.isToFit;
+  state.isToFit = false;
   const before = state.model;
   state.model = model;
   byId("name").textContent = document.title = model.name;
@@ -120,7 +121,7 @@ function mass() {
 }
 byId("density").oninput = mass;
 
-server.listen((status) => {
+function heard(status) {
   if (!status) {
     byId("state").textContent = "The program has ended.";
     return;
@@ -130,7 +131,15 @@ server.listen((status) => {
   parameters.show(status.parameters, status.values);
   newest = status.revision;
   load();
-});
+}
+/** Shows all of the next model, whatever its size. */
+export function fit() {
+  state.isToFit = true;
+}
+export function start(answering) {
+  server = answering;
+  server.listen(heard);
+}
 
 // Picking and measuring.
 function picks(list) {
