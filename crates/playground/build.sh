@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Makes the playground in a folder: the page, its scripts, the module, and models to begin with.
 # Needs Node with npm, and the target wasm32-unknown-unknown of the compiler that is used, which
-# is taken from rustup if it is not there. PROFILE names a cargo profile [release].
+# is taken from rustup if it is not there. PROFILE names a cargo profile [release];
+# STEREOTOMY_WEB a copy of crates/view/web in which npm has installed its packages.
 set -euo pipefail
 out=$(realpath -m "${1:?name a folder for the playground}")
 here=$(cd "$(dirname "$0")" && pwd)

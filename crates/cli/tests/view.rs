@@ -5,14 +5,19 @@
 //! is made and tested with, once, under the target folder.
 #![allow(missing_docs, reason = "a test")]
 
-use std::fs::{self, File};
+#[path = "../../view/web/tests/installed.rs"]
+mod web;
+
+use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpStream, UdpSocket};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, ExitCode, Stdio};
 
 use cli::clap;
 use csg::Solid;
+
+use web::{installed, run};
 
 /// What makes this program the model of [`model`].
 const MODEL: &str = "STEREOTOMY_VIEW_MODEL";
@@ -232,53 +237,6 @@ fn only_the_page_is_answered() {
         let outside = SocketAddr::new(outside.ip(), at.port());
         assert!(TcpStream::connect(outside).is_err(), "{outside} answers");
     }
-}
-
-/// A copy of the page's sources, with the packages that make and test it.
-fn installed() -> PathBuf {
-    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("../view/web");
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view");
-    fs::create_dir_all(&folder).expect("a folder under target/");
-    let lock = File::create(folder.join("lock")).expect("a lock file");
-    lock.lock().expect("the lock");
-    for name in ["package.json", "package-lock.json", "build.js"] {
-        fs::copy(sources.join(name), folder.join(name)).expect("a file that can be copied");
-    }
-    for name in ["src", "tests"] {
-        let copy = folder.join(name);
-        if copy.exists() {
-            fs::remove_dir_all(&copy).expect("a folder that can be removed");
-        }
-        fs::create_dir(&copy).expect("a folder");
-        for file in fs::read_dir(sources.join(name)).expect("a folder of sources") {
-            let file = file.expect("a file");
-            fs::copy(file.path(), copy.join(file.file_name())).expect("a copy");
-        }
-    }
-    let wanted = fs::read(folder.join("package-lock.json")).expect("a lock file");
-    let stamp = folder.join("installed");
-    if fs::read(&stamp).is_ok_and(|found| found == wanted) {
-        return folder;
-    }
-    let npm = if cfg!(windows) { "npm.cmd" } else { "npm" };
-    run(Command::new(npm)
-        .args([
-            "ci",
-            "--no-audit",
-            "--no-fund",
-            "--ignore-scripts",
-            "--loglevel=error",
-        ])
-        .current_dir(&folder));
-    fs::write(stamp, wanted).expect("a stamp");
-    folder
-}
-
-fn run(command: &mut Command) {
-    let status = command.status().unwrap_or_else(|error| {
-        panic!("{command:?} does not run ({error}): install Node.js 20 with npm")
-    });
-    assert!(status.success(), "{command:?} failed: see its words above");
 }
 
 fn the_script_is_what_its_sources_make(web: &Path) {

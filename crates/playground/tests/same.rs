@@ -7,40 +7,41 @@
 //! program, the playground is tried in a browser, too.
 #![allow(missing_docs, reason = "a test")]
 
+#[path = "../../view/web/tests/installed.rs"]
+mod web;
+
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use playground::Playground;
 use serde_json::{Value, json};
+use web::{installed, run};
 
 #[test]
 fn every_model_is_the_same() {
     if std::env::var_os("STEREOTOMY_WASM").is_none() {
-        println!("STEREOTOMY_WASM is not set: the playground is not tried");
+        // (Not `println`, which is not seen where a test passes.)
+        let said = "STEREOTOMY_WASM is not set: the playground is not tried";
+        writeln!(std::io::stderr(), "{said}").expect("standard error");
         return;
     }
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("playground");
+    let web = installed();
     run(Command::new(here.join("build.sh"))
         .arg(&out)
-        .env("PROFILE", "dev"));
+        .env("PROFILE", "dev")
+        .env("STEREOTOMY_WEB", &web));
     compare(here, &out);
     if let Ok(chromium) = std::env::var("STEREOTOMY_CHROMIUM") {
-        let test = here.join("../view/web/tests/playground.test.js");
         run(Command::new("node")
-            .args(["--test", "--test-reporter=spec"])
-            .arg(test)
+            .args(["--test", "--test-reporter=spec", "tests/playground.test.js"])
+            .current_dir(web)
             .env("PLAYGROUND", &out)
             .env("CHROMIUM", chromium));
     }
-}
-
-fn run(command: &mut Command) {
-    let status = command
-        .status()
-        .unwrap_or_else(|error| panic!("{command:?} does not run: {error}"));
-    assert!(status.success(), "{command:?} failed: see its words above");
 }
 
 fn compare(here: &Path, out: &Path) {

@@ -98,6 +98,7 @@ function show(model) {
   }
   cut();
   picks([]);
+  byId("picked").replaceChildren(element("p", { textContent: "Nothing yet." }));
   byId("warnings").replaceChildren(...model.warnings.map((textContent) => element("li", { textContent })));
   changed();
 }

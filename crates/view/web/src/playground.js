@@ -31,11 +31,12 @@ class Playground {
   }
 
   async scene() {
-    return this.#drawn && unpack(this.#drawn);
+    // (A worker that has begun anew counts from the start.)
+    return this.#drawn && { ...unpack(this.#drawn), revision: this.revision };
   }
 
-  account() {
-    return this.#json({ ask: "account" });
+  async account() {
+    return { ...(await this.#json({ ask: "account" })), revision: this.revision };
   }
 
   describe(_, pick) {
