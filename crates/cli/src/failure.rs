@@ -65,6 +65,13 @@ impl Failure {
         }
     }
 
+    /// What went wrong as one text, without "error".
+    #[cfg(feature = "view")]
+    pub(crate) fn reason(&self) -> String {
+        let text = self.to_string();
+        text.strip_prefix("error: ").unwrap_or(&text).to_owned()
+    }
+
     pub(crate) fn input(name: &str, cause: impl Into<Box<dyn Error>>) -> Self {
         Self::new(exit_codes::INPUT, format!("cannot read {name}"), cause)
     }

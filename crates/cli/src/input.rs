@@ -66,10 +66,26 @@ impl Input {
         &self.path
     }
 
+    pub(crate) fn is_stream(&self) -> bool {
+        is_stream(&self.path)
+    }
+
     /// Reads the file: see [`Reading::read`].
     pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
         self.reading.read(&self.path, &[], faces_only)
     }
+
+    /// The same, with what is wrong in a scene's text as the reader says it.
+    #[cfg(feature = "view")]
+    pub(crate) fn contents(&self) -> Result<Contents, Failure> {
+        self.reading.contents(&self.path, &[], false)
+    }
+}
+
+/// What a file holds.
+pub(crate) enum Contents {
+    Mesh(Mesh),
+    Scene(Result<Scene, SceneError>),
 }
 
 impl Reading {
@@ -82,11 +98,27 @@ impl Reading {
         define: &[String],
         faces_only: bool,
     ) -> Result<Subject, Failure> {
+        match self.contents(path, define, faces_only)? {
+            Contents::Mesh(mesh) => Ok(Subject::Mesh(mesh)),
+            Contents::Scene(scene) => {
+                let scene = scene.map_err(|error| scene_failure(&name_of(path), error))?;
+                for warning in &scene.warnings {
+                    eprintln!("warning: {warning}");
+                }
+                Ok(Subject::Solid(scene.solid))
+            }
+        }
+    }
+
+    fn contents(
+        &self,
+        path: &Path,
+        define: &[String],
+        faces_only: bool,
+    ) -> Result<Contents, Failure> {
         let define = [&self.define, define].concat();
-        let extension = path.extension().and_then(|e| e.to_str());
-        let is = |known: &str| extension.is_some_and(|e| e.eq_ignore_ascii_case(known));
+        let name = path.display().to_string();
         if !define.is_empty() && !is_openscad(path) {
-            let name = path.display().to_string();
             let cause = "it has no variables: only OpenSCAD models (.scad) do, and scenes are \
                          evaluated already";
             return Err(Failure::new(
@@ -99,54 +131,54 @@ impl Reading {
             .faceted(self.faceted)
             .any_folder(self.any_folder);
         let options = self.font.iter().fold(options, ReadOptions::font);
-        let scene = if path.as_os_str() == "-" {
+        if is_stream(path) {
             let mut bytes = Vec::new();
             std::io::stdin()
                 .read_to_end(&mut bytes)
                 .map_err(|error| Failure::input("standard input", error))?;
-            scene::read_bytes(&bytes, &options)
-                .map_err(|error| scene_failure("standard input", error))?
-        } else {
-            let name = path.display().to_string();
-            if MeshFormat::from_path(path).is_ok() {
-                let options = io::ReadOptions::default()
-                    .any_folder(self.any_folder)
-                    .to_draw(faces_only);
-                let mesh = io::read_mesh_with(path, &options)
-                    .map_err(|error| Failure::input(&name, error))?;
-                return Ok(Subject::Mesh(mesh));
-            }
-            if is_openscad(path) {
-                let text = openscad::evaluated(path, &define)?;
-                let folder = path.parent().unwrap_or(Path::new(""));
-                let scene = scene::read_bytes(&text, &options.folder(folder));
-                let scene = scene.map_err(|error| {
-                    scene_failure(&format!("{name}, as openscad evaluates it"), error)
-                })?;
-                return Ok(Subject::Solid(warned(scene)));
-            }
-            if !is("csg") {
-                let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply, .off or .3mf mesh";
-                return Err(Failure::input(&name, "its extension is not known").hint(hint));
-            }
-            scene::read_file(path, &options).map_err(|error| scene_failure(&name, error))?
-        };
-        Ok(Subject::Solid(warned(scene)))
+            return Ok(Contents::Scene(scene::read_bytes(&bytes, &options)));
+        }
+        if MeshFormat::from_path(path).is_ok() {
+            let options = io::ReadOptions::default()
+                .any_folder(self.any_folder)
+                .to_draw(faces_only);
+            let mesh =
+                io::read_mesh_with(path, &options).map_err(|error| Failure::input(&name, error))?;
+            return Ok(Contents::Mesh(mesh));
+        }
+        if is_openscad(path) {
+            let text = openscad::evaluated(path, &define)?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let scene = scene::read_bytes(&text, &options.folder(folder));
+            return Ok(Contents::Scene(scene));
+        }
+        let extension = path.extension().and_then(|e| e.to_str());
+        if !extension.is_some_and(|e| e.eq_ignore_ascii_case("csg")) {
+            let hint = "name a .csg scene, an OpenSCAD model (.scad) or a .glb, .gltf, .obj, .stl, .ply, .off or .3mf mesh";
+            return Err(Failure::input(&name, "its extension is not known").hint(hint));
+        }
+        Ok(Contents::Scene(scene::read_file(path, &options)))
     }
+}
+
+/// What a file is called in messages.
+fn name_of(path: &Path) -> String {
+    let name = path.display();
+    match path {
+        _ if is_stream(path) => "standard input".to_owned(),
+        _ if is_openscad(path) => format!("{name}, as openscad evaluates it"),
+        _ => name.to_string(),
+    }
+}
+
+fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 /// Whether a file's name says that it is an OpenSCAD model.
 pub(crate) fn is_openscad(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| e.eq_ignore_ascii_case("scad"))
-}
-
-/// The solid of a scene; its warnings go to standard error.
-fn warned(scene: Scene) -> Solid {
-    for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
-    }
-    scene.solid
 }
 
 fn scene_failure(name: &str, error: SceneError) -> Failure {

@@ -68,6 +68,41 @@ impl MesherOptions {
             .progress(progress.callback())
     }
 
+    /// A mesher as fine as the options say.
+    pub(crate) fn mesher(&self) -> Mesher {
+        let mut mesher = Mesher::new();
+        if let Some(cells) = self.cells {
+            mesher = mesher.cells(cells);
+        }
+        if let Some(size) = self.cell_size {
+            mesher = mesher.cell_size(size);
+        }
+        if let Some(size) = self.smallest_feature {
+            mesher = mesher.smallest_feature(size);
+        }
+        if let Some(tolerance) = self.tolerance {
+            mesher = mesher.tolerance(tolerance);
+        }
+        if let Some(angle) = self.angle {
+            mesher = mesher.angle(angle.to_radians());
+        }
+        if self.draft {
+            mesher = mesher.draft();
+        }
+        mesher
+    }
+
+    /// The same for a page that shows the model.
+    #[cfg(feature = "view")]
+    pub(crate) fn view_settings(&self) -> view::Settings {
+        view::Settings {
+            mesher: self.mesher(),
+            is_sized: self.tolerance.is_some() || !self.is_to_tolerance(),
+            unit: self.unit.length_unit(),
+            limits: self.limits.limits(),
+        }
+    }
+
     /// Whether the mesh is to keep a tolerance, one that was given or the default.
     fn is_to_tolerance(&self) -> bool {
         let is_sized = self.draft
@@ -245,31 +280,14 @@ pub(crate) fn produce(
             let program = Program::lower(&solid)?;
             seconds.push(("lower", start.elapsed().as_secs_f64()));
             progress.stage("meshing");
-            let mut mesher = Mesher::new()
+            let mesher = options
+                .mesher()
                 .normals()
                 // To a tolerance, a mesh that fails its check is made anew.
                 .check(check || options.is_to_tolerance())
                 .unit(options.unit.length_unit())
                 .limits(options.limits.limits())
                 .progress(progress.callback());
-            if let Some(cells) = options.cells {
-                mesher = mesher.cells(cells);
-            }
-            if let Some(size) = options.cell_size {
-                mesher = mesher.cell_size(size);
-            }
-            if let Some(size) = options.smallest_feature {
-                mesher = mesher.smallest_feature(size);
-            }
-            if let Some(tolerance) = options.tolerance {
-                mesher = mesher.tolerance(tolerance);
-            }
-            if let Some(angle) = options.angle {
-                mesher = mesher.angle(angle.to_radians());
-            }
-            if options.draft {
-                mesher = mesher.draft();
-            }
             let mut tolerance = None;
             if options.tolerance.is_none() && options.is_to_tolerance() {
                 tolerance = within(&program).and_then(|corners| needs(&corners));

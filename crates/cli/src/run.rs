@@ -8,6 +8,8 @@ use clap::{ArgAction, Args, Command, CommandFactory, Parser, Subcommand};
 use csg::Solid;
 
 use crate::commands::sweep::Variable;
+#[cfg(feature = "view")]
+use crate::commands::view;
 use crate::commands::{compare, convert, info, manual, measure, mesh, render, section, sweep};
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
 use crate::input::{Input, Reading, Subject, is_openscad};
@@ -71,6 +73,14 @@ enum FileCommand {
         #[command(flatten)]
         options: sweep::Options,
     },
+    /// Show the input in the browser, again whenever it is saved
+    #[cfg(feature = "view")]
+    View {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        options: view::Options,
+    },
     /// Print what completes the command's arguments in a shell
     Completions(manual::CompletionOptions),
     /// Write manual pages
@@ -101,6 +111,9 @@ enum ModelCommand {
     Section(section::Options),
     /// Measure, and mesh, a table of variants: its columns are the model's arguments
     Sweep(sweep::Options),
+    /// Show the model in the browser, its arguments as sliders
+    #[cfg(feature = "view")]
+    View(view::Options),
 }
 
 /// A model without arguments of its own.
@@ -140,6 +153,8 @@ pub fn main() -> ExitCode {
             let variant = |row: &[Variable]| file_variant(model.as_ref(), &reading, &options, row);
             sweep::run(&variant, &options, progress)
         }
+        #[cfg(feature = "view")]
+        FileCommand::View { input, options } => view::run_file(input, &options),
         FileCommand::Completions(options) => {
             manual::completions(&options, FileCommandLine::command())
         }
@@ -188,8 +203,8 @@ fn openscad_variable((name, value): &Variable) -> String {
     }
 }
 
-/// Runs `mesh`, `render`, `measure`, `section` or `sweep`, as the arguments of the process say,
-/// on a model written in Rust. Returns the exit code ([`crate::exit_codes`])
+/// Runs `mesh`, `render`, `measure`, `section`, `sweep` or `view`, as the arguments of the
+/// process say, on a model written in Rust. Returns the exit code ([`crate::exit_codes`])
 /// after having said what went wrong, if anything did.
 #[must_use]
 pub fn run(model: impl Fn() -> Solid + Sync) -> ExitCode {
@@ -197,7 +212,8 @@ pub fn run(model: impl Fn() -> Solid + Sync) -> ExitCode {
 }
 
 /// [`run`] for a model with arguments of its own, which come before the
-/// subcommand, or are the columns of the table that `sweep` is given.
+/// subcommand, or are the columns of the table that `sweep` is given. `view` shows them as
+/// sliders, boxes and lists, and makes the model again when one is moved.
 ///
 /// ```no_run
 /// use cli::clap;
@@ -236,6 +252,11 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         ModelCommand::Sweep(options) => {
             let variant = |row: &[Variable]| Ok(Subject::Solid(model(variant_of(row)?)));
             sweep::run(&variant, &options, progress)
+        }
+        #[cfg(feature = "view")]
+        ModelCommand::View(options) => {
+            let given = ModelCommandLine::<A>::command().get_matches();
+            view::run_model(model, &given, &options)
         }
     };
     progress.end();

@@ -1,9 +1,9 @@
 //! How a caller follows and stops a long computation.
 
+use crate::clock::Instant;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
 
 use crate::error::Error;
 use crate::limits::{Demand, Limit, LimitReached, Limits};

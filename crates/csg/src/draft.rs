@@ -12,7 +12,7 @@ mod attribution;
 mod field;
 mod lattice;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use fast_surface_nets::ndshape::ConstShape3u32;
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};

@@ -43,6 +43,7 @@
 mod adapt;
 mod arrangement;
 pub mod brep;
+mod clock;
 pub mod color;
 mod control;
 mod draft;

@@ -4,7 +4,7 @@ mod fit;
 mod options;
 mod run;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 pub use self::options::{MAX_CELLS, Mesher};
 pub use self::run::Meshed;

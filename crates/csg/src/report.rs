@@ -1,7 +1,7 @@
 //! What a mesher did, and what it could not do.
 
+use crate::clock::Instant;
 use std::fmt;
-use std::time::Instant;
 
 use glam::DVec3;
 

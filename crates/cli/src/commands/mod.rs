@@ -18,5 +18,7 @@ pub(crate) mod render;
 mod schema_tests;
 pub(crate) mod section;
 pub(crate) mod sweep;
+#[cfg(feature = "view")]
+pub(crate) mod view;
 mod view_reference;
 mod viewing;

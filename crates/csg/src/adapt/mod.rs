@@ -21,7 +21,7 @@ mod settle;
 mod touch;
 mod tree;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;

@@ -70,7 +70,7 @@ mod triple;
 mod unfold;
 mod weld;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;

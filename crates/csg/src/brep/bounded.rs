@@ -1,5 +1,7 @@
 //! Numbers with bounds on their errors.
 
+use std::fmt;
+
 /// A number that is known to within a bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounded {
@@ -20,5 +22,54 @@ impl Bounded {
     #[must_use]
     pub fn upper(&self) -> f64 {
         self.value + self.error
+    }
+}
+
+/// With as many decimals as the bound lets be known, and one digit of the bound, rounded up;
+/// all there are, if it is 0 or not finite.
+///
+/// ```
+/// use csg::brep::Bounded;
+///
+/// let volume = Bounded { value: 0.709_425_518_258_427, error: 1.21e-13 };
+/// assert_eq!(volume.to_string(), "0.7094255182584 ± 2e-13");
+/// ```
+impl fmt::Display for Bounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { value, error } = *self;
+        if !(error > 0.0 && error.is_finite()) {
+            return write!(f, "{value}");
+        }
+        let power = error.log10().floor();
+        let decimals = (-power).clamp(0.0, 17.0) as usize;
+        let unit = 10f64.powf(power);
+        let rounded = (error / unit).ceil();
+        let bound = if power < -4.0 {
+            format!("{rounded}e{power}")
+        } else {
+            format!("{:.decimals$}", rounded * unit)
+        };
+        // Nothing has no sign.
+        let value = if value.abs() < error { 0.0 } else { value };
+        write!(f, "{value:.decimals$} ± {bound}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_end_where_the_bound_begins() {
+        let told = |value, error| Bounded { value, error }.to_string();
+        assert_eq!(
+            told(0.709_425_518_258_427, 1.21e-13),
+            "0.7094255182584 ± 2e-13"
+        );
+        assert_eq!(told(4.56789, 0.0123), "4.57 ± 0.02");
+        assert_eq!(told(1234.567, 37.0), "1235 ± 40");
+        assert_eq!(told(-1e-17, 3e-13), "0.0000000000000 ± 3e-13");
+        assert_eq!(told(2.5, f64::INFINITY), "2.5");
+        assert_eq!(told(0.0, 0.0), "0");
     }
 }

@@ -4,7 +4,7 @@
 mod prepare;
 mod tolerance;
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -37,11 +37,11 @@ mod stitch;
 mod topology_tests;
 mod validity;
 
+use crate::clock::Instant;
 use std::cell::RefCell;
 use std::mem;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use glam::{DVec3, UVec3};
 use rayon::iter::{self, Either};

@@ -11,7 +11,8 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 26] = [
+const ROOMS: [(&str, &str); 27] = [
+    ("clock", "what time it is, where there is a clock"),
     ("limits", "how much may be spent"),
     ("machine", "how much memory there is"),
     ("pages", "memory that grows without a copy"),

@@ -1,7 +1,7 @@
 //! A mesh of the right topology brought to a tolerance: with less of it where that is
 //! not kept, and cut up where it would run through itself or face into the solid.
 
-use std::time::Instant;
+use crate::clock::Instant;
 
 use rustc_hash::FxHashMap;
 

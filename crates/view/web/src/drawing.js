@@ -1,0 +1,283 @@
+// The model as three.js draws it: faces, edges, the cut, and what is picked.
+import {
+  AlwaysStencilFunc, BackSide, BufferAttribute, BufferGeometry, Color, DataTexture, DecrementWrapStencilOp,
+  DirectionalLight, DoubleSide, FloatType, FrontSide, GLSL3, Group, HemisphereLight, IncrementWrapStencilOp,
+  LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, NotEqualStencilFunc,
+  Plane, PlaneGeometry, Points, PointsMaterial, RGBAFormat, ReplaceStencilOp, Scene, ShaderMaterial, UnsignedByteType,
+  Vector3, WebGLRenderTarget,
+} from "three";
+
+const WIDTH = 1024;
+/** Half of the window around the pointer in which edges are looked for, in pixels. */
+const REACH = 6;
+
+/** A texture with four bytes for each face: its colour, and 255 where it is shown, 128 where
+ * it is picked, 0 where it is hidden. */
+function stateTexture(count) {
+  const height = Math.max(1, Math.ceil(count / WIDTH));
+  const texture = new DataTexture(new Uint8Array(4 * WIDTH * height), WIDTH, height, RGBAFormat, UnsignedByteType);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  return texture;
+}
+
+const STATE = `
+  uniform sampler2D states;
+  vec4 stateOf(float face) {
+    int k = int(face + 0.5);
+    return texelFetch(states, ivec2(k % ${WIDTH}, k / ${WIDTH}), 0);
+  }`;
+
+export class Drawing {
+  constructor(renderer) {
+    this.renderer = renderer;
+    this.scene = new Scene();
+    this.plane = new Plane(new Vector3(0, -1, 0), 0);
+    this.isCut = false;
+    this.hidden = new Set();
+    this.picks = [];
+    this.group = new Group();
+    this.scene.add(this.group);
+    this.lights = [new HemisphereLight(0xffffff, 0x8a8f9a, 1.6), new DirectionalLight(0xffffff, 2.0)];
+    this.scene.add(...this.lights);
+    this.target = new WebGLRenderTarget(2 * REACH + 1, 2 * REACH + 1, { type: FloatType, format: RGBAFormat });
+    this.pickScene = new Scene();
+    this.states = { value: stateTexture(1) };
+    this.accent = { value: new Color() };
+    this.faceMaterial = this.#faceMaterial();
+    this.stencils = [this.#stencil(BackSide, IncrementWrapStencilOp), this.#stencil(FrontSide, DecrementWrapStencilOp)];
+    this.capMaterial = new MeshStandardMaterial({
+      metalness: 0, roughness: 0.9, side: DoubleSide, stencilWrite: true, stencilRef: 0,
+      stencilFunc: NotEqualStencilFunc, stencilFail: ReplaceStencilOp, stencilZFail: ReplaceStencilOp,
+      stencilZPass: ReplaceStencilOp,
+    });
+    this.edgeMaterial = new LineBasicMaterial();
+    this.pickedEdges = new LineBasicMaterial({ depthTest: false });
+    this.pickedPoints = new PointsMaterial({ size: 9, sizeAttenuation: false, depthTest: false });
+    this.pickMaterials = [this.#pickMaterial(1), this.#pickMaterial(-1)];
+    this.showsEdges = this.showsFaces = true;
+    this.theme(false);
+  }
+
+  #faceMaterial() {
+    const material = new MeshStandardMaterial({
+      metalness: 0, roughness: 0.75, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+    });
+    material.onBeforeCompile = (shader) => {
+      Object.assign(shader.uniforms, { states: this.states, accent: this.accent });
+      shader.vertexShader = shader.vertexShader
+        .replace("#include <common>", "#include <common>\nattribute float face; varying float vFace;")
+        .replace("#include <begin_vertex>", "#include <begin_vertex>\nvFace = face;");
+      shader.fragmentShader = shader.fragmentShader
+        .replace("#include <common>", `#include <common>\nvarying float vFace; uniform vec3 accent;${STATE}`)
+        .replace("#include <color_fragment>", `
+          vec4 state = stateOf(vFace);
+          if (state.a < 0.25) discard;
+          diffuseColor.rgb = pow(state.rgb, vec3(2.2));
+          if (state.a < 0.75) diffuseColor.rgb = mix(diffuseColor.rgb, accent, 0.65);`);
+    };
+    return material;
+  }
+
+  /** Counts walls of the whole model along a ray: what is open at the cut is inside. */
+  #stencil(side, operation) {
+    return new MeshBasicMaterial({
+      side, colorWrite: false, depthWrite: false, depthTest: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc,
+      stencilFail: operation, stencilZFail: operation, stencilZPass: operation,
+    });
+  }
+
+  /** Writes places about the model's middle, and the number of a face, or of an edge below 0. */
+  #pickMaterial(sign) {
+    return new ShaderMaterial({
+      glslVersion: GLSL3, side: DoubleSide, clipping: true, uniforms: { states: this.states },
+      polygonOffset: sign > 0, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      vertexShader: `
+        #include <clipping_planes_pars_vertex>
+        in float face; out float vFace; out vec3 place;
+        void main() {
+          vFace = face; place = position;
+          vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+          gl_Position = projectionMatrix * mvPosition;
+          #include <clipping_planes_vertex>
+        }`,
+      fragmentShader: `
+        #include <clipping_planes_pars_fragment>
+        in float vFace; in vec3 place; out vec4 found; ${STATE}
+        void main() {
+          #include <clipping_planes_fragment>
+          ${sign > 0 ? "if (stateOf(vFace).a < 0.25) discard;" : ""}
+          found = vec4(place, ${sign > 0 ? "" : "-"}(floor(vFace + 0.5) + 1.0));
+        }`,
+    });
+  }
+
+  /** Colours for a light or a dark page. */
+  theme(isDark) {
+    this.isDark = isDark;
+    this.renderer.setClearColor(isDark ? 0x1b1d21 : 0xf4f5f7);
+    this.edgeMaterial.color.set(isDark ? 0x0b0c0e : 0x1d1f24);
+    this.accent.value.set(isDark ? 0x4da0ff : 0x1b74d0);
+    this.pickedEdges.color.set(0xff7a1a);
+    this.pickedPoints.color.set(0xff7a1a);
+    this.capMaterial.color.set(isDark ? 0xb4583c : 0xd2785a);
+    if (this.model) this.#paint();
+  }
+
+  /** Puts another model in place of this one. */
+  show(model) {
+    for (const mesh of [...this.group.children, ...this.pickScene.children]) {
+      this.group.remove(mesh);
+      this.pickScene.remove(mesh);
+      mesh.geometry.dispose();
+    }
+    this.model = model;
+    const faces = new BufferGeometry();
+    faces.setAttribute("position", new BufferAttribute(model.points, 3));
+    faces.setAttribute("normal", new BufferAttribute(model.normals, 4, true));
+    faces.setAttribute("face", new BufferAttribute(model.faceOf, 1));
+    faces.setIndex(new BufferAttribute(model.corners, 1));
+    faces.boundingSphere = null;
+    const edges = new BufferGeometry();
+    edges.setAttribute("position", new BufferAttribute(model.segments, 3));
+    const ends = new Float32Array(2 * model.edgeOf.length);
+    model.edgeOf.forEach((edge, k) => ends.fill(edge, 2 * k, 2 * k + 2));
+    edges.setAttribute("face", new BufferAttribute(ends, 1));
+    this.faceMesh = new Mesh(faces, this.faceMaterial);
+    this.edgeLines = new LineSegments(edges, this.edgeMaterial);
+    this.stencilMeshes = this.stencils.map((material) => new Mesh(faces, material));
+    const size = 4 * (model.radius || 1);
+    this.cap = new Mesh(new PlaneGeometry(size, size), this.capMaterial);
+    this.cap.onAfterRender = (renderer) => renderer.clearStencil();
+    this.stencilMeshes.forEach((mesh) => { mesh.renderOrder = 1; });
+    this.cap.renderOrder = 2;
+    this.faceMesh.renderOrder = this.edgeLines.renderOrder = 3;
+    this.pickedLines = new LineSegments(new BufferGeometry(), this.pickedEdges);
+    this.pickedDots = new Points(new BufferGeometry(), this.pickedPoints);
+    this.pickedLines.renderOrder = this.pickedDots.renderOrder = 4;
+    this.group.add(...this.stencilMeshes, this.cap, this.faceMesh, this.edgeLines, this.pickedLines, this.pickedDots);
+    this.pickFaces = new Mesh(faces, this.pickMaterials[0]);
+    this.pickEdges = new LineSegments(edges, this.pickMaterials[1]);
+    this.pickScene.add(this.pickFaces, this.pickEdges);
+    for (const object of [...this.group.children, ...this.pickScene.children]) object.frustumCulled = false;
+    this.hidden = new Set([...this.hidden].filter((face) => face < model.faces.length));
+    this.picks = [];
+    this.states.value.dispose();
+    this.states.value = stateTexture(model.faces.length);
+    this.#paint();
+    this.#mark();
+    this.#apply();
+  }
+
+  /** Draws these faces, edges or vertices as picked. */
+  pick(picks) {
+    this.picks = picks;
+    this.#paint();
+    this.#mark();
+  }
+
+  hide(hidden) {
+    this.hidden = hidden;
+    this.#paint();
+  }
+
+  /** Edges and faces, on or off. */
+  showing(edges, faces) {
+    this.showsEdges = edges;
+    this.showsFaces = faces;
+    this.#apply();
+  }
+
+  /** Cuts at a place along an axis, and keeps the side below it or above it; or not. */
+  cut(isCut, axis = "y", place = 0, isTurned = false) {
+    this.isCut = isCut;
+    const sign = isTurned ? 1 : -1;
+    this.plane.normal.set(axis === "x" ? sign : 0, axis === "y" ? sign : 0, axis === "z" ? sign : 0);
+    this.plane.constant = -sign * place;
+    this.#apply();
+  }
+
+  #apply() {
+    const planes = this.isCut ? [this.plane] : null;
+    for (const material of [this.faceMaterial, this.edgeMaterial, this.pickedEdges, this.pickedPoints, ...this.stencils, ...this.pickMaterials]) {
+      if ((material.clippingPlanes === null) !== (planes === null)) material.needsUpdate = true;
+      material.clippingPlanes = planes;
+    }
+    if (!this.model) return;
+    this.faceMesh.visible = this.pickFaces.visible = this.showsFaces;
+    this.edgeLines.visible = this.pickEdges.visible = this.showsEdges;
+    for (const mesh of [...this.stencilMeshes, this.cap]) mesh.visible = this.isCut && this.showsFaces;
+    this.cap.position.copy(this.plane.normal).multiplyScalar(-this.plane.constant);
+    this.cap.lookAt(this.cap.position.clone().add(this.plane.normal));
+  }
+
+  #paint() {
+    const { data } = this.states.value.image;
+    const plain = this.isDark ? [148, 156, 170] : [178, 184, 196];
+    const picked = new Set(this.picks.filter((pick) => pick.kind === "face").map((pick) => pick.id));
+    this.model.faces.forEach(({ color }, k) => {
+      const shade = color ? color.slice(0, 3).map((part) => Math.round(255 * part)) : plain;
+      data.set([...shade, this.hidden.has(k) ? 0 : picked.has(k) ? 128 : 255], 4 * k);
+    });
+    this.states.value.needsUpdate = true;
+  }
+
+  #mark() {
+    const ofKind = (kind) => new Set(this.picks.filter((pick) => pick.kind === kind).map((pick) => pick.id));
+    const [edges, vertices] = [ofKind("edge"), ofKind("vertex")];
+    const { edgeOf, segments, vertices: corners } = this.model;
+    const ends = [];
+    if (edges.size) edgeOf.forEach((edge, k) => { if (edges.has(edge)) ends.push(...segments.subarray(6 * k, 6 * k + 6)); });
+    const dots = [...vertices].flatMap((vertex) => [...corners.subarray(3 * vertex, 3 * vertex + 3)]);
+    for (const [object, places] of [[this.pickedLines, ends], [this.pickedDots, dots]]) {
+      object.geometry.dispose();
+      object.geometry = new BufferGeometry();
+      object.geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+      object.visible = places.length > 0;
+    }
+  }
+
+  draw(camera) {
+    this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(0.4 * camera.position.length()));
+    this.renderer.localClippingEnabled = true;
+    this.renderer.render(this.scene, camera);
+  }
+
+  /** What is seen at a place in pixels of the page: a vertex or an edge near by, or a face. */
+  at(x, y, camera) {
+    if (!this.model) return null;
+    const { renderer } = this;
+    const { clientWidth: width, clientHeight: height } = renderer.domElement;
+    const side = 2 * REACH + 1;
+    camera.setViewOffset(width, height, Math.floor(x) - REACH, Math.floor(y) - REACH, side, side);
+    const before = renderer.getClearColor(new Color());
+    renderer.setClearColor(0x000000, 0);
+    renderer.setRenderTarget(this.target);
+    renderer.clear();
+    renderer.render(this.pickScene, camera);
+    const pixels = new Float32Array(4 * side * side);
+    renderer.readRenderTargetPixels(this.target, 0, 0, side, side, pixels);
+    renderer.setRenderTarget(null);
+    renderer.setClearColor(before, 1);
+    camera.clearViewOffset();
+    camera.updateProjectionMatrix();
+    let edge = null;
+    for (let k = 0; k < side * side; k++) {
+      const off = Math.hypot((k % side) - REACH, Math.floor(k / side) - REACH);
+      if (pixels[4 * k + 3] < 0 && off <= 4 && (!edge || off < edge.off)) {
+        edge = { off, id: -pixels[4 * k + 3] - 1, place: pixels.slice(4 * k, 4 * k + 3) };
+      }
+    }
+    if (edge) {
+      for (const vertex of this.model.edges[edge.id] ?? []) {
+        const seen = new Vector3(...this.model.vertices.subarray(3 * vertex, 3 * vertex + 3)).project(camera);
+        const off = Math.hypot((seen.x + 1) * width / 2 - x, (1 - seen.y) * height / 2 - y);
+        if (off <= 1.5 * REACH) return { kind: "vertex", id: vertex, place: [...this.model.vertices.subarray(3 * vertex, 3 * vertex + 3)] };
+      }
+      return { kind: "edge", id: edge.id, place: [...edge.place] };
+    }
+    const middle = 4 * (side * REACH + REACH);
+    const face = pixels[middle + 3] - 1;
+    if (face < 0) return null;
+    return { kind: "face", id: face, place: [...pixels.slice(middle, middle + 3)] };
+  }
+}

@@ -1,0 +1,315 @@
+// The page in a browser, as a user has it. The environment names the programs: CSG, MODEL (with
+// arguments of its own) and CHROMIUM.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+
+// 40 x 20 x 5, with bores of radius 3 and 4 whose axes are 24 apart.
+const plate = (r, s) => `difference() {
+  cube(size = [40, 20, 5], center = true);
+  multmatrix([[1, 0, 0, -12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cylinder(h = 10, r1 = ${r}, r2 = ${r}, center = true); }
+  multmatrix([[1, 0, 0, 12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cylinder(h = 10, r1 = ${s}, r2 = ${s}, center = true); }
+}
+`;
+const PLATE = plate(3, 4);
+const volume = (r, s) => 5 * (800 - Math.PI * (r * r + s * s));
+
+let browser;
+let folder;
+const running = [];
+
+before(async () => {
+  folder = await mkdtemp(join(tmpdir(), "view-"));
+  browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM,
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  });
+});
+
+after(async () => {
+  for (const program of running) program.kill();
+  await browser?.close();
+  await rm(folder, { recursive: true, force: true });
+});
+
+/** The address of a page that a program serves. */
+async function served(program, args, env = {}) {
+  const process_ = spawn(program, args, { env: { ...process.env, ...env }, stdio: ["ignore", "pipe", "inherit"] });
+  running.push(process_);
+  const [line] = await new Promise((done, fail) => {
+    process_.stdout.once("data", (data) => done(String(data).split("\n")));
+    process_.once("exit", (code) => fail(new Error(`${program} ended with ${code}`)));
+  });
+  return line;
+}
+
+/** A page on a scene in a file of its own. */
+async function opened(name, text, options = {}) {
+  const file = join(folder, name);
+  await writeFile(file, text);
+  return { file, ...(await visited(await served(process.env.CSG, ["view", file, "--no-open"]), options)) };
+}
+
+async function visited(address, options = {}) {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+  page.setDefaultTimeout(20_000);
+  const mistakes = [];
+  page.on("pageerror", (error) => mistakes.push(String(error)));
+  page.on("console", (message) => message.type() === "error" && mistakes.push(message.text()));
+  await page.goto(address);
+  await page.waitForFunction(() => stereotomy.state.account !== null);
+  return { page, mistakes };
+}
+
+const measure = async (page, label, table = "#measures") =>
+  page.locator(`${table} tr`, { has: page.getByRole("rowheader", { name: label, exact: true }) }).first().locator("td").innerText();
+const number = (text) => Number.parseFloat(text);
+/** Waits until the volume is another. */
+const told = (page, exact) => page.waitForFunction((volume) =>
+  Math.abs(Number.parseFloat(document.querySelector("#measures td")?.textContent) - volume) < 1e-6, exact);
+const picture = (page) => page.evaluate(async () => {
+  await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  return document.getElementById("canvas").toDataURL();
+});
+
+/** Clicks where a point of the model is seen. */
+async function click(page, point, modifiers = []) {
+  const [x, y] = await page.evaluate((at) => stereotomy.seen(at), point);
+  const before = await page.evaluate(() => stereotomy.state.answers);
+  await page.locator("#canvas").click({ position: { x, y }, modifiers });
+  await page.waitForFunction((answers) => stereotomy.state.answers > answers, before);
+  return page.locator("#picked").innerText();
+}
+
+test("a plate is shown, turns, and says what is clicked", async () => {
+  const { page, mistakes } = await opened("plate.csg", PLATE);
+  assert.equal(await page.title(), "plate");
+  assert.ok(Math.abs(number(await measure(page, "volume")) - volume(3, 4)) < 1e-8);
+  assert.equal(await measure(page, "size"), "40 × 20 × 5 mm");
+  await page.locator("#density").fill("7.85");
+  const mass = number((await page.locator("#mass").innerText()).replace("Mass ", ""));
+  assert.ok(Math.abs(mass - 7.85e-3 * volume(3, 4)) < 1e-9, String(mass));
+
+  // Dragging and keys turn it; keys turn it back.
+  const first = await picture(page);
+  const eye = await page.evaluate(() => stereotomy.eye());
+  await page.locator("#canvas").focus();
+  await page.keyboard.press("ArrowLeft");
+  assert.ok((await picture(page)) !== first);
+  await page.keyboard.press("ArrowRight");
+  const back = await page.evaluate(() => stereotomy.eye());
+  back.forEach((x, k) => assert.ok(Math.abs(x - eye[k]) < 1e-9));
+  await page.mouse.move(400, 400);
+  await page.mouse.down();
+  await page.mouse.move(500, 380, { steps: 4 });
+  await page.mouse.up();
+  const turned = await page.evaluate(() => stereotomy.eye());
+  assert.ok(Math.hypot(...turned.map((x, k) => x - eye[k])) > 5);
+  assert.match(await page.locator("#picked").innerText(), /Nothing yet/);
+
+  // From above, in parallel: the mouse is over what it is over.
+  await page.keyboard.press("5");
+  await page.keyboard.press("p");
+  await page.keyboard.press("f");
+  const face = await click(page, [0, 0, 2.5]);
+  assert.match(face, /plane/);
+  assert.match(face, /normal\s+0, 0, 1/);
+  assert.ok(Math.abs(number(await measure(page, "area", "#picked table")) - volume(3, 4) / 5) < 1e-9);
+  // An edge, and another one: two circles, whose centres are as far apart as the axes.
+  const circle = await click(page, [-15, 0, 2.5]);
+  assert.match(circle, /circle/);
+  assert.match(circle, /radius\s+3 mm/);
+  const between = await click(page, [12, 4, 2.5], ["Control"]);
+  assert.match(between, /radius\s+4 mm/);
+  assert.match(between, /distance, centre to centre\s+24 mm/);
+  // Corners.
+  assert.match(await click(page, [20, 10, 2.5]), /at\s+20, 10, 2.5/);
+  assert.match(await click(page, [-20, -10, 2.5], ["Control"]), /along x, y, z\s+-40, -20, 0/);
+  // Nothing.
+  const canvas = await page.locator("#canvas").boundingBox();
+  await page.mouse.click(canvas.x + 5, canvas.y + 5);
+  assert.match(await page.locator("#picked").innerText(), /Nothing/);
+
+  // The wall of a bore, from a corner; and its distance from the other one and from a side.
+  await page.keyboard.press("0");
+  const wall = await click(page, [12 - 4 * Math.SQRT1_2, 4 * Math.SQRT1_2, 2]);
+  assert.match(wall, /cylinder/);
+  assert.match(wall, /radius\s+4 mm/);
+  assert.match(await click(page, [0, -10, 0], ["Control"]), /distance, axis to plane\s+10 mm[\s\S]*gap between cylinder and plane\s+6 mm/);
+  await click(page, [0, 0, 2.5]);
+  assert.match(await click(page, [0, -10, 0], ["Control"]), /angle, between the planes\s+90°/);
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("saving makes it again, mistakes are shown and mended, the camera stays", async () => {
+  const { page, file, mistakes } = await opened("edited.csg", PLATE);
+  await page.locator("#canvas").focus();
+  for (const key of ["ArrowUp", "ArrowLeft", "+"]) await page.keyboard.press(key);
+  const eye = await page.evaluate(() => stereotomy.eye());
+  await writeFile(file, plate(2, 4));
+  await told(page, volume(2, 4));
+  assert.deepEqual(await page.evaluate(() => stereotomy.eye()), eye);
+
+  await writeFile(file, PLATE.replace("cube(size", "cubbe(size"));
+  const problem = page.getByRole("alert");
+  await problem.waitFor({ state: "visible" });
+  const text = await problem.innerText();
+  assert.match(text, /edited\.csg:2:3: `cubbe` cannot be read \(`cube` is meant\?\)/);
+  assert.match(text, /2 │ {3}cubbe\(size/);
+  // What was there before still is, and can be asked.
+  await told(page, volume(2, 4));
+  await page.keyboard.press("5");
+  assert.match(await click(page, [0, 0, 2.5]), /plane/);
+  await writeFile(file, plate(3, 0.5));
+  await told(page, volume(3, 0.5));
+  await problem.waitFor({ state: "hidden" });
+
+  // A model without an end, and one of which nothing is left.
+  await writeFile(file, "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]);\n");
+  await page.getByText("nothing is left of the model").waitFor();
+  await writeFile(file, PLATE);
+  await told(page, volume(3, 4));
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("a slider makes the model again", async () => {
+  const address = await served(process.env.MODEL, ["--radius", "2", "view", "--no-open"], { STEREOTOMY_VIEW_MODEL: "1", RUST_BACKTRACE: "0" });
+  const { page, mistakes } = await visited(address);
+  const exact = (radius, holes) => 1000 - 10 * Math.PI * radius ** 2 * holes;
+  await told(page, exact(2, 1));
+  const radius = page.getByRole("slider", { name: "radius" });
+  assert.equal(await radius.inputValue(), "2");
+  await radius.focus();
+  await page.keyboard.press("ArrowRight");
+  await told(page, exact(2.01, 1));
+  await radius.fill("1.5");
+  await told(page, exact(1.5, 1));
+  await page.getByRole("checkbox", { name: "solid" }).check();
+  await told(page, 1000);
+  await page.getByRole("checkbox", { name: "solid" }).uncheck();
+  await told(page, exact(1.5, 1));
+  // What the model does not take, and what it dies of.
+  await page.getByRole("spinbutton", { name: "radius, as a number" }).fill("-1");
+  await page.keyboard.press("Enter");
+  await page.getByRole("alert").getByText("give a radius above 0").waitFor();
+  await radius.fill("4");
+  await page.getByRole("alert").getByText("the model panicked: too wide").waitFor();
+  await radius.fill("1");
+  await told(page, exact(1, 1));
+  await page.getByRole("alert").waitFor({ state: "hidden" });
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("parts are hidden, the plane cuts, edges and faces go", async () => {
+  const { page, mistakes } = await opened("cut.csg", PLATE);
+  await page.locator("#canvas").focus();
+  await page.keyboard.press("5");
+  const seen = async (point) => (await click(page, point)).replaceAll(/\s+/g, " ");
+  assert.match(await seen([0, 0, 2.5]), /normal 0, 0, 1/);
+  // Without the block the bores' walls are left; from above they are not seen face on.
+  await page.getByLabel("Show only cylinder").click();
+  assert.match(await seen([0, 0, 2.5]), /Nothing/);
+  await page.getByRole("button", { name: "Show all" }).click();
+  assert.match(await seen([0, 0, 2.5]), /normal 0, 0, 1/);
+  // The bottom is seen where what is above is cut away.
+  const cleared = async () => {
+    await page.locator("#canvas").focus();
+    await page.keyboard.press("Escape");
+    return picture(page);
+  };
+  const whole = await cleared();
+  await page.getByRole("button", { name: "Section" }).click();
+  await page.getByLabel("Across").selectOption("z");
+  await page.getByRole("button", { name: "Other side" }).click();
+  const cut = await cleared();
+  assert.ok(cut !== whole);
+  assert.match(await page.locator("#cut-place").innerText(), /z = 0 mm/);
+  assert.match(await seen([0, 0, 0]), /normal 0, 0, -1/);
+  await page.getByLabel("Where the section plane is").fill("0.05");
+  const place = async () => number((await page.locator("#cut-place").innerText()).replace("z = ", ""));
+  const first = await place();
+  // A twentieth of the way to the farthest corner.
+  assert.ok(Math.abs(first - 0.05 * Math.hypot(20, 10, 2.5)) < 1e-3, String(first));
+  // In the picture, along the axis as it is seen.
+  await page.locator("#canvas").focus();
+  await page.keyboard.press("0");
+  await page.keyboard.down("Alt");
+  await page.mouse.move(500, 400);
+  await page.mouse.down();
+  await page.mouse.move(500, 390, { steps: 3 });
+  await page.mouse.up();
+  await page.keyboard.up("Alt");
+  assert.ok((await place()) > first + 0.1);
+  await page.keyboard.press("5");
+  await page.getByRole("button", { name: "Section" }).click();
+  assert.ok((await cleared()) === whole);
+  await page.getByRole("button", { name: "Edges" }).click();
+  assert.ok((await cleared()) !== whole);
+  await page.getByRole("button", { name: "Edges" }).click();
+  await page.getByRole("button", { name: "Faces" }).click();
+  assert.match(await seen([0, 0, 2.5]), /Nothing/);
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("every format is downloaded, and the picture", async () => {
+  const { page, mistakes } = await opened("files.csg", PLATE);
+  const begins = {
+    step: "ISO-10303-21;", glb: "glTF", gltf: "{", "3mf": "PK", stl: "", obj: "", ply: "ply\n", off: "OFF", csg: "difference()",
+  };
+  const select = page.getByLabel("Download a file");
+  const offered = await select.locator("option").evaluateAll((options) => options.map((option) => option.value).filter(Boolean));
+  assert.deepEqual(offered.sort(), Object.keys(begins).sort());
+  for (const [format, begin] of Object.entries(begins)) {
+    const [download] = await Promise.all([page.waitForEvent("download"), select.selectOption(format)]);
+    assert.equal(download.suggestedFilename(), `files.${format}`);
+    const bytes = await readFile(await download.path());
+    assert.ok(bytes.length > 100 && bytes.subarray(0, begin.length).equals(Buffer.from(begin)), format);
+    if (format === "stl") assert.equal(bytes.length, 84 + 50 * bytes.readUInt32LE(80));
+    if (format === "gltf") {
+      const { buffers } = JSON.parse(bytes);
+      assert.equal(Buffer.from(buffers[0].uri.split(",")[1], "base64").length, buffers[0].byteLength);
+    }
+    if (format === "step") assert.equal(String(bytes).match(/CYLINDRICAL_SURFACE/g).length, 8);
+  }
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Picture" }).click()]);
+  const png = await readFile(await download.path());
+  assert.equal(png.subarray(1, 4).toString(), "PNG");
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("it is dark where the user wants that, and has names for who hears it", async () => {
+  const { page, mistakes } = await opened("dark.csg", PLATE, { colorScheme: "dark" });
+  const brightness = (color) => Math.max(...color.match(/\d+/g).slice(0, 3).map(Number));
+  const colors = await page.evaluate(() => {
+    const style = getComputedStyle(document.body);
+    return [style.backgroundColor, style.color];
+  });
+  assert.ok(brightness(colors[0]) < 60 && brightness(colors[1]) > 200, String(colors));
+  const corner = () => page.evaluate(() => {
+    const gl = document.getElementById("canvas").getContext("webgl2");
+    const pixel = new Uint8Array(4);
+    gl.readPixels(2, 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel];
+  });
+  assert.ok(Math.max(...(await corner()).slice(0, 3)) < 60);
+  await page.emulateMedia({ colorScheme: "light" });
+  await picture(page);
+  assert.ok(Math.min(...(await corner()).slice(0, 3)) > 200);
+  // Whatever takes the focus has a name.
+  for (const control of await page.locator(":is(button, select, input, canvas, summary):visible").all()) {
+    const tree = await control.ariaSnapshot();
+    assert.match(tree, /"[^"]+"|: \S|- text|- application/, tree);
+  }
+  assert.match(await page.locator("#canvas").getAttribute("aria-label"), /Arrow keys turn/);
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
