@@ -8,11 +8,15 @@ mod manifold3d {
     pub mod solids;
 }
 
+#[path = "../crates/csg/tests/regions/meshes.rs"]
+mod meshes;
+
 use std::path::Path;
 
 use manifold3d::python::python;
 use manifold3d::script::Script;
 use manifold3d::solids::Random;
+use stereotomy::csg::glam::{DQuat, DVec3};
 use stereotomy::csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::scenes;
 
@@ -106,5 +110,41 @@ fn reference_scenes_agree() {
             compare(&mut script, folder.path(), name, &solid),
             "{name} is not manifold"
         );
+    }
+}
+
+/// Meshes of thousands of triangles, as files bring them, with each other and with boxes:
+/// both programs cut them exactly.
+#[test]
+fn imported_meshes_agree() {
+    let mut script = start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let bumps = |phase: f64| {
+        move |d: DVec3| 1.0 + 0.1 * (5.0 * d.x + phase).sin() * (4.0 * d.y - phase).cos()
+    };
+    let files = [
+        meshes::ball(4, 1.0),
+        meshes::star(4, bumps(0.3)),
+        meshes::star(3, bumps(1.7)),
+        meshes::rounded_cube(16, DQuat::from_rotation_x(0.4)),
+    ];
+    let solids = files.map(|mesh| Solid::from_mesh(&mesh).expect("a solid"));
+    let cube = Solid::cuboid_between([0.1, 0.2, 0.3], [2.0, 2.0, 2.0]);
+    let pairs = (0..4).flat_map(|a| (a + 1..4).map(move |b| (a, b)));
+    let pairs = pairs.map(|(a, b)| (&solids[a], solids[b].translate([0.2, 0.1, 0.05])));
+    let cut = solids.iter().map(|solid| (solid, cube.clone()));
+    for (number, (a, b)) in pairs.chain(cut).enumerate() {
+        for solid in [a | &b, a & &b, a - &b] {
+            let (theirs, _) = script.volume(&solid, SEGMENTS);
+            let program = Program::lower(&solid).expect("a valid solid");
+            let Meshed { mesh, report, .. } = Mesher::new().mesh(&program).expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{number}");
+            assert!(report.check.is_manifold(), "{number}: {}", report.check);
+            let off = mesh.volume() - theirs;
+            assert!(off.abs() <= 1e-9, "{number}: {off}");
+            let (status, found) = script.status(&mesh, folder.path());
+            assert_eq!(status, "NoError", "{number}");
+            assert!((found - theirs).abs() <= 1e-9, "{number}");
+        }
     }
 }

@@ -81,6 +81,10 @@ class Builder:
                 # What is kept lies along the normal.
                 solid = solid.trim_by_plane(-normal, -offset)
             return solid
+        if kind == "mesh":
+            positions = numpy.array(value[0], dtype="<f8")
+            triangles = numpy.array(value[1], dtype="<u8")
+            return Manifold(Mesh64(positions, triangles))
         if kind == "map":
             matrix, inner = value
             matrix = numpy.array(matrix, order="C")

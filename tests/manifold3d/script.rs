@@ -103,6 +103,11 @@ pub fn question(solid: &Solid) -> Value {
             let planes = planes.iter().map(|p| p.normal.extend(p.offset).to_array());
             json!({"planes": planes.collect::<Vec<_>>()})
         }
+        Node::Primitive(Primitive::Polyhedron(polyhedron)) => {
+            let positions = polyhedron.vertices().iter().map(DVec3::to_array);
+            json!({"mesh": [positions.collect::<Vec<_>>(), polyhedron.triangles()]})
+        }
+        Node::Made(made) if made.solid.is_ok() => all(solid.node().operands())[0].clone(),
         Node::Primitive(Primitive::Frustum { bottom, top, z }) => {
             json!({"frustum": [bottom, top, z.start, z.end]})
         }

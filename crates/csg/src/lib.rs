@@ -82,5 +82,7 @@ pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
 pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};
-pub use solid::{Axis, Made, MeshFaults, Node, Plane, Primitive, Solid, Twist, shear_matrix};
+pub use solid::{
+    Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Solid, Twist, shear_matrix,
+};
 pub use undecided::{Undecided, Why};

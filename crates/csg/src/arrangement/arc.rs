@@ -6,11 +6,12 @@ use glam::DVec3;
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
+use super::lines::{Along, side_of_edge};
 use super::piece::{CurveId, NOTHING, Piece};
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
-use crate::program::Surface;
+use crate::program::{Ends as EdgeEnds, Surface};
 use crate::surface::solve;
 
 /// What ends a stretch of a curve.
@@ -43,9 +44,35 @@ pub(super) struct Arc<'a> {
     pub id: CurveId,
     pub curve: &'a Curve,
     pub nodes: &'a [f64],
+    /// The given edge that the curve runs along, and the edge's length.
+    pub edge: Option<(EdgeEnds, f64)>,
 }
 
 impl Arc<'_> {
+    /// The part of the curve on which it is to be traced in its block.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let Block { low, high, .. } = *self.block;
+        let reach = 0.5 * (high - low).length();
+        let [start, end] = self.curve.range(self.block.center(), reach)?;
+        let Some((_, length)) = self.edge else {
+            return Some([start, end]);
+        };
+        let [start, end] = [start.max(0.0), end.min(length)];
+        (start < end).then_some([start, end])
+    }
+
+    /// On which side of a surface all of the given edge is that the curve runs along, if
+    /// that is known.
+    pub fn side_of_edge(&self, id: u32) -> Option<bool> {
+        let ((edge, _), given) = self.edge.zip(self.scene.given)?;
+        let own = self.block.cell.surfaces[self.pair[0] as usize];
+        let is_own = given.are_of_one(own, id);
+        match is_own.then(|| side_of_edge(self.scene, given, edge, id))? {
+            Along::Beside(is_inside) => Some(is_inside),
+            Along::Across | Along::Through => None,
+        }
+    }
+
     /// The sine of the angle from one half-plane to another one, counter-clockwise
     /// about the curve, whose sign is the same all along it; 0 where that is not
     /// known. Conics without nodes, on which this is to be asked, are nowhere singular,
@@ -79,6 +106,9 @@ impl Arc<'_> {
     /// there.
     pub fn point(&self, start: DVec3, third: Option<&Surface>) -> DVec3 {
         let scene = self.scene;
+        if self.edge.is_some() {
+            return start;
+        }
         if let Some(apex) = self.apex_at(start) {
             return apex;
         }

@@ -13,9 +13,11 @@ use super::arc::{Arc, Ends};
 use super::cells::Block;
 use super::contacts::Contact;
 use super::curve::{Branch, Meets};
+use super::edges::along;
 use super::faces::Faces;
 use super::frame::Frame;
 use super::intersection::Unknown;
+use super::lines::Tracer;
 use super::pairs::curves;
 use super::piece::{CurveId, NOTHING};
 use super::roots::Roots;
@@ -50,6 +52,7 @@ impl Event {
 #[derive(Default)]
 pub(super) struct ArcTracer {
     faces: Faces,
+    lines: Tracer,
     sectors: Sectors,
     events: Vec<Event>,
     /// The planes of these that are no surfaces of the solid.
@@ -89,6 +92,10 @@ impl ArcTracer {
         traced: &mut Traced,
     ) -> Result<(), Stop> {
         let surface = |id: u32| &scene.surfaces[id as usize];
+        let is_plane = |&id: &u32| surface(id).is_plane();
+        if scene.given.is_some() && block.cell.surfaces.iter().all(is_plane) {
+            return self.lines.trace(scene, block, &mut traced.pieces);
+        }
         // Given back below.
         let mut faces = take(&mut self.faces);
         faces.enter(scene, block);
@@ -108,6 +115,28 @@ impl ArcTracer {
             let seams = (0u16..).zip(seams).map(|(k, seam)| (NOTHING, k, seam));
             for (second, seam, other) in others.chain(seams) {
                 let pair = [Some(&first), ids.get(second as usize)];
+                let edges = pair[1].and_then(|&id| scene.only_edges(first, id));
+                if let Some(edges) = edges {
+                    let lines = edges.iter().filter_map(|&ends| {
+                        let (line, length) = along(scene.given?, ends)?;
+                        Some((line, (ends, length)))
+                    });
+                    for (line, edge) in lines {
+                        let arc = Arc {
+                            scene,
+                            block: face,
+                            carriers: faces.carriers(),
+                            pair: [own, second],
+                            surfaces: [one, other],
+                            id: CurveId::first_of([first, ids[second as usize]]),
+                            curve: &line,
+                            nodes: &[],
+                            edge: Some(edge),
+                        };
+                        self.trace_arc(&arc, turn, traced)?;
+                    }
+                    continue;
+                }
                 let common = match curves(one, other, scene.near) {
                     Ok(common) => common,
                     // In a single point there is no edge.
@@ -137,6 +166,7 @@ impl ArcTracer {
                         },
                         curve,
                         nodes,
+                        edge: None,
                     };
                     self.trace_arc(&arc, turn, traced)?;
                 }
@@ -147,14 +177,8 @@ impl ArcTracer {
     }
 
     fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Result<(), Stop> {
-        let Arc {
-            scene,
-            block,
-            curve,
-            ..
-        } = *arc;
-        let reach = 0.5 * (block.high - block.low).length();
-        let Some([start, end]) = curve.range(block.center(), reach) else {
+        let Arc { scene, curve, .. } = *arc;
+        let Some([start, end]) = arc.range() else {
             return Ok(());
         };
         if !self.find_events(arc, [start, end])?
@@ -238,12 +262,19 @@ impl ArcTracer {
         let at_start = curve.at(range[0]);
         for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
             let surface = &scene.surfaces[id as usize];
+            if let Some(side) = arc.side_of_edge(id) {
+                self.sectors.inside.push(side);
+                continue;
+            }
             self.roots.clear();
             let is_through = pair.contains(&position)
                 || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
             if is_through {
                 let is_between = pair[0] < position && position < pair[1];
-                if is_between || position < pair[0] && arc.carriers.binary_search(&id).is_ok() {
+                let in_order = scene.given.is_none() || pair[1] == NOTHING;
+                if in_order && is_between
+                    || in_order && position < pair[0] && arc.carriers.binary_search(&id).is_ok()
+                {
                     return Ok(false);
                 }
                 self.through.push(position);
@@ -253,6 +284,9 @@ impl ArcTracer {
             }
             self.add_crossings(arc, position, range[1] - range[0]);
             self.sectors.inside.push(surface.value(at_start) <= 0.0);
+        }
+        if !self.is_own(arc) {
+            return Ok(false);
         }
         let bounds = curve.bounds(range);
         for side in block.sides() {
@@ -279,6 +313,23 @@ impl ArcTracer {
         Ok(true)
     }
 
+    /// Whether a curve beside polyhedra is the arc's pair's to trace.
+    fn is_own(&self, arc: &Arc<'_>) -> bool {
+        if arc.scene.given.is_none() || arc.pair[1] == NOTHING || self.through.len() == 2 {
+            return true;
+        }
+        let ids = &arc.block.cell.surfaces;
+        let through: SmallVec<[u32; 8]> = self
+            .through
+            .iter()
+            .map(|&position| ids[position as usize])
+            .collect();
+        let carries = |id: u32| arc.carriers.binary_search(&id).is_ok();
+        let first = arc.scene.first_of_through(&through, carries);
+        let own = arc.pair.map(|position| ids[position as usize]);
+        first.map_or(arc.edge.is_some(), |first| first == own)
+    }
+
     /// Adds where the curve crosses and touches a surface of the cell, by the roots found.
     fn add_crossings(&mut self, arc: &Arc<'_>, position: u32, range: f64) {
         let scene = arc.scene;
@@ -294,6 +345,27 @@ impl ArcTracer {
             },
             touched: NOTHING,
             point: None,
+        };
+        let on_edges = match arc.pair.map(|position| ids.get(position as usize)) {
+            [Some(&own), Some(_)] if arc.edge.is_none() && arc.surfaces[0].is_plane() => {
+                arc.scene.on_edges([own, id], arc.surfaces[1])
+            }
+            [Some(_), Some(&own)] if arc.edge.is_none() && arc.surfaces[1].is_plane() => {
+                arc.scene.on_edges([own, id], arc.surfaces[0])
+            }
+            _ => SmallVec::new(),
+        };
+        let reach = scene.touching_reach();
+        let known = |at: f64| {
+            let here = arc.curve.at(at);
+            let distance = |p: &DVec3| p.distance(here);
+            let nearest = on_edges.iter().copied();
+            let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            nearest.filter(|point| distance(point) <= reach)
+        };
+        let event = |at: f64, crosses: bool| Event {
+            point: known(at),
+            ..event(at, crosses)
         };
         if let ([at], []) = (&self.roots.simple[..], &self.roots.touching[..]) {
             self.events.push(event(*at, true));
@@ -430,7 +502,7 @@ impl ArcTracer {
                 true => 0.0,
                 false => arc.turn([a, b], 0.5 * (low + high)),
             };
-            if turn.abs() <= SAME_DIRECTION {
+            if turn.abs() <= SAME_DIRECTION && arc.edge.is_none() {
                 self.sectors.order_is(&[]);
             } else if turn < 0.0 {
                 self.sectors.order_is(&[a, d, c, b]);

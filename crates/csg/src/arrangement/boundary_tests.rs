@@ -62,6 +62,7 @@ fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         reach: 10.0,
         weld: WELD,
         rounding: 1e-15,
+        given: None,
         control: &Control::default(),
     };
     run(&scene)

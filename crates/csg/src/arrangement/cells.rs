@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::control::{Control, Stage};
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
-use crate::program::{Cell, Pruner, Surface};
+use crate::program::{Cell, Given, Operand, Pruner, Side, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
 /// share their coordinates to the bit, so that they partition every line.
@@ -42,6 +42,9 @@ const FEW_PLANES: usize = 20;
 /// took next to no plane away: all of them pass near one point.
 const MOST_VAIN_CUTS: u32 = 3;
 
+/// Of blocks with more planes both halves are worked on at once. Tunes speed only.
+const MANY_PLANES: usize = 1000;
+
 /// No block is smaller than this share of the scene.
 const MOST_CUTS: u32 = 40;
 
@@ -58,13 +61,15 @@ const CUTS_TOLD: u32 = 3;
 /// Cuts the box around the whole scene.
 pub(super) fn cut(
     surfaces: &[Surface],
+    given: Option<&Given>,
     root: &Block,
     control: &Control,
 ) -> Result<(Vec<Block>, Counts), Error> {
     let mut cutter = Cutter {
         surfaces,
+        given,
         control,
-        stage: control.stage(1 << (3 * CUTS_TOLD), 0.0, 0.2),
+        stage: &control.stage(1 << (3 * CUTS_TOLD), 0.0, 0.2),
         // Looks are told by toggling single literals.
         pruner: Pruner::literal_by_literal(),
         blocks: Vec::new(),
@@ -76,14 +81,31 @@ pub(super) fn cut(
         cell: pruned,
         ..*root
     };
-    cutter.descend(root, 0, 0)?;
+    let way = Way {
+        cuts: 0,
+        vain: 0,
+        is_told: true,
+    };
+    cutter.descend(root, way)?;
     Ok((cutter.blocks, cutter.counts))
+}
+
+/// How a block came about.
+#[derive(Clone, Copy)]
+struct Way {
+    /// Cuts in halves along every axis.
+    cuts: u32,
+    /// The last of these that took next to no plane away.
+    vain: u32,
+    /// Whether progress is told of its parts.
+    is_told: bool,
 }
 
 struct Cutter<'a> {
     surfaces: &'a [Surface],
+    given: Option<&'a Given>,
     control: &'a Control,
-    stage: Stage<'a>,
+    stage: &'a Stage<'a>,
     pruner: Pruner,
     blocks: Vec<Block>,
     counts: Counts,
@@ -95,17 +117,87 @@ impl Cutter<'_> {
         // Rounded outward: a plane that touches a face matters on both sides.
         let slack = COORDINATE * (low.abs() + high.abs());
         let half = 0.5 * (high - low) + slack;
-        cell.prune_into(self.surfaces, center, half, &mut self.pruner, out);
+        match self.given {
+            None => cell.prune_into(self.surfaces, center, half, &mut self.pruner, out),
+            Some(given) => {
+                let side = |id: u32| {
+                    let surface = &self.surfaces[id as usize];
+                    if !given.is_cut(id) {
+                        return surface.side_of_box(center, half);
+                    }
+                    // Blocks end there: on neither side it matters any more.
+                    let (axis, at) = coordinate(surface);
+                    let is_below = high[axis] <= at;
+                    if !is_below && low[axis] < at {
+                        Side::Crossing
+                    } else if is_below == (surface.linear[axis] > 0.0) {
+                        Side::Inside
+                    } else {
+                        Side::Outside
+                    }
+                };
+                cell.prune_by(side, &mut self.pruner, out);
+            }
+        }
         self.counts.visited += 1;
         self.counts.pruned += u64::from(out.constant().is_some());
     }
 
-    fn descend(&mut self, block: Block, cuts: u32, vain: u32) -> Result<(), Error> {
+    /// The plane nearest to the formula's root that only parts space.
+    fn cut_of(&self, cell: &Cell) -> Option<u32> {
+        let given = self.given?;
+        let formula = &cell.formula;
+        let gates = formula.gates().iter().rev();
+        let operands = gates.flat_map(|gate| formula.operands_of(gate));
+        let surfaces = operands.filter_map(|&operand| match operand {
+            Operand::Literal(i) => Some(formula.literals()[i as usize].surface),
+            _ => None,
+        });
+        surfaces
+            .map(|position| cell.surfaces[position as usize])
+            .find(|&id| given.is_cut(id))
+    }
+
+    /// Goes on with what of a block is below a coordinate along an axis, or above.
+    fn half(
+        &mut self,
+        block: &Block,
+        (axis, at): (usize, f64),
+        half: usize,
+        way: Way,
+    ) -> Result<(), Error> {
+        let (mut low, mut high) = (block.low, block.high);
+        if half == 0 {
+            high[axis] = at;
+        } else {
+            low[axis] = at;
+        }
+        let mut cell = Cell::default();
+        self.prune(&block.cell, low, high, &mut cell);
+        self.descend(Block { low, high, cell }, way)
+    }
+
+    fn descend(&mut self, block: Block, way: Way) -> Result<(), Error> {
         self.control.spend(1, 0)?;
+        let Way {
+            cuts,
+            vain,
+            is_told,
+        } = way;
         let planes = block.cell.surfaces.len();
-        let is_last = planes <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS;
         let is_constant = block.cell.constant().is_some();
-        if cuts == CUTS_TOLD || cuts < CUTS_TOLD && (is_constant || is_last) {
+        let cut = self.cut_of(&block.cell);
+        // Where faces of polyhedra are few, or all pass near one point, is known already.
+        let others = match self.given {
+            None => planes,
+            Some(given) => {
+                let ids = block.cell.surfaces.iter();
+                ids.filter(|&&id| !given.has_faces(id)).count()
+            }
+        };
+        let is_last = others <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS;
+        let is_last = cut.is_none() && is_last;
+        if is_told && (cuts == CUTS_TOLD || is_constant || is_last || cut.is_some()) {
             self.stage.add(1 << (3 * (CUTS_TOLD - cuts)));
         }
         if is_constant {
@@ -115,6 +207,29 @@ impl Cutter<'_> {
             let bytes = size_of::<Block>() + block.cell.bytes();
             self.blocks.push(block);
             return self.control.spend(0, bytes as u64);
+        }
+        if let Some(cut) = cut {
+            let cut = coordinate(&self.surfaces[cut as usize]);
+            let is_told = false;
+            let way = Way { is_told, ..way };
+            if planes < MANY_PLANES {
+                self.half(&block, cut, 0, way)?;
+                return self.half(&block, cut, 1, way);
+            }
+            let mut other = Self {
+                pruner: Pruner::literal_by_literal(),
+                blocks: Vec::new(),
+                counts: Counts::default(),
+                ..*self
+            };
+            let halves = rayon::join(
+                || self.half(&block, cut, 0, way),
+                || other.half(&block, cut, 1, way),
+            );
+            self.blocks.append(&mut other.blocks);
+            self.counts.visited += other.counts.visited;
+            self.counts.pruned += other.counts.pruned;
+            return halves.0.and(halves.1);
         }
         let middle = 0.5 * (block.low + block.high);
         for octant in 0..8 {
@@ -129,9 +244,19 @@ impl Cutter<'_> {
             let mut cell = Cell::default();
             self.prune(&block.cell, low, high, &mut cell);
             let is_vain = 8 * cell.surfaces.len() > 7 * planes;
-            let part = Block { low, high, cell };
-            self.descend(part, cuts + 1, if is_vain { vain + 1 } else { 0 })?;
+            let part = Way {
+                cuts: cuts + 1,
+                vain: if is_vain { vain + 1 } else { 0 },
+                is_told: is_told && cuts < CUTS_TOLD,
+            };
+            self.descend(Block { low, high, cell }, part)?;
         }
         Ok(())
     }
+}
+
+/// The axis that a plane is across, and where it crosses that.
+fn coordinate(plane: &Surface) -> (usize, f64) {
+    let axis = plane.linear.abs().max_position();
+    (axis, plane.anchor[axis])
 }

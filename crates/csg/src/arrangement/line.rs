@@ -37,6 +37,31 @@ impl Line {
         })
     }
 
+    /// The line along a given edge of faces on two planes of a block, from end to end, in
+    /// the direction of [`Self::of_pair`].
+    pub fn along_edge(
+        scene: &Scene<'_>,
+        block: &Block,
+        pair: [u32; 2],
+        ends: [DVec3; 2],
+    ) -> Option<Self> {
+        let [p, q] = pair.map(|position| {
+            let id = block.cell.surfaces[position as usize];
+            scene.planes[id as usize].normal
+        });
+        let along = ends[1] - ends[0];
+        let length = along.length();
+        let runs_back = p.cross(q).dot(along) < 0.0;
+        let point = ends[usize::from(runs_back)];
+        let direction = if runs_back { -along } else { along };
+        (length > 0.0).then(|| Self {
+            point,
+            direction: direction / length,
+            start: 0.0,
+            end: length,
+        })
+    }
+
     /// Clips the line to a box (Liang and Barsky, *A New Concept and Method for
     /// Line Clipping*, 1984); false if nothing is left.
     pub fn clip(&mut self, low: DVec3, high: DVec3) -> bool {

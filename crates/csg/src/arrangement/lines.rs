@@ -9,6 +9,7 @@ use super::piece::{CurveId, Piece};
 use super::regions::{Candidate, Finder, merge};
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges, emit};
+use crate::program::{Ends, Given};
 use crate::undecided::{Stop, Why};
 
 /// Finds the edges in blocks. Holds scratch memory.
@@ -24,6 +25,45 @@ pub(super) struct Tracer {
 /// In blocks of no more planes every pair of them is traced: it takes less time
 /// than finding out which pairs meet on the boundary. Tunes speed only.
 const ALL_PAIRS: usize = 16;
+
+/// Where planes of faces beside each other cross lines at smaller sines, the places are
+/// found by the given edges. Less than half a digit is lost without.
+const NEARLY_ALONG: f64 = 0.3;
+
+fn everywhere(pair: [u32; 2]) -> Candidate {
+    Candidate {
+        pair,
+        start: f64::NEG_INFINITY,
+        end: f64::INFINITY,
+        edge: None,
+    }
+}
+
+/// How a given edge is to a plane of its polyhedron.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Along {
+    /// On one side: whether that is inside.
+    Beside(bool),
+    Across,
+    Through,
+}
+
+pub(super) fn side_of_edge(scene: &Scene<'_>, given: &Given, edge: Ends, plane: u32) -> Along {
+    let [from, to] = edge.map(|vertex| {
+        let is_corner = given.has_vertex(plane, vertex);
+        let value = scene.planes[plane as usize].value(given.vertex(vertex));
+        // As when the formula was made.
+        let is_on = is_corner || value.abs() <= given.slack();
+        if is_on { 0.0 } else { value }
+    });
+    if from == 0.0 && to == 0.0 {
+        Along::Through
+    } else if from * to < 0.0 {
+        Along::Across
+    } else {
+        Along::Beside(from + to <= 0.0)
+    }
+}
 
 /// Lines are traced beyond where they may carry edges by so many times the
 /// distance below which points are one.
@@ -42,21 +82,14 @@ impl Tracer {
         let count = block.cell.surfaces.len();
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
-        if count <= ALL_PAIRS {
-            candidates.extend((1..count as u32).flat_map(|second| {
-                (0..second).map(move |first| Candidate {
-                    pair: [first, second],
-                    start: f64::NEG_INFINITY,
-                    end: f64::INFINITY,
-                })
-            }));
+        if let Some(given) = scene.given {
+            self.find_beside(scene, given, block, &mut candidates);
+        } else if count <= ALL_PAIRS {
+            let pairs = (1..count as u32).flat_map(|b| (0..b).map(move |a| [a, b]));
+            candidates.extend(pairs.map(everywhere));
         } else {
             self.finder.find(scene, block, &mut candidates);
-            merge(&mut candidates);
-            for candidate in &mut candidates {
-                self.name_by_first_pair(scene, block, candidate);
-            }
-            merge(&mut candidates);
+            self.name_all(scene, block, &mut candidates);
         }
         let traced = candidates.iter().try_for_each(|candidate| {
             scene.go_on()?;
@@ -64,6 +97,50 @@ impl Tracer {
         });
         self.candidates = candidates;
         traced
+    }
+
+    /// Appends the candidates of a block beside polyhedra: the given edges of these, and
+    /// lines of all other planes.
+    fn find_beside(
+        &mut self,
+        scene: &Scene<'_>,
+        given: &Given,
+        block: &Block,
+        candidates: &mut Vec<Candidate>,
+    ) {
+        let ids = &block.cell.surfaces;
+        let count = ids.len() as u32;
+        let others = ids.iter().filter(|&&id| !given.is_of_polyhedron(id));
+        let is_many = others.count() > ALL_PAIRS;
+        if is_many {
+            for (position, &id) in (0u32..).zip(ids) {
+                if !given.is_of_polyhedron(id) {
+                    self.finder.find_on(scene, block, position, candidates);
+                }
+            }
+            self.name_all(scene, block, candidates);
+        }
+        for pair in (1..count).flat_map(|b| (0..b).map(move |a| [a, b])) {
+            let [one, other] = pair.map(|position| ids[position as usize]);
+            if given.are_of_one(one, other) {
+                let edges = given.edges_of([one, other]).iter();
+                candidates.extend(edges.map(|&ends| Candidate {
+                    edge: Some(ends),
+                    ..everywhere(pair)
+                }));
+            } else if !is_many || [one, other].iter().all(|&id| given.is_of_polyhedron(id)) {
+                candidates.push(everywhere(pair));
+            }
+        }
+    }
+
+    /// Makes one candidate of all on the same line, named by the first two planes.
+    fn name_all(&mut self, scene: &Scene<'_>, block: &Block, candidates: &mut Vec<Candidate>) {
+        merge(candidates);
+        for candidate in &mut *candidates {
+            self.name_by_first_pair(scene, block, candidate);
+        }
+        merge(candidates);
     }
 
     /// Names a line by the first two of all planes through it.
@@ -89,6 +166,7 @@ impl Tracer {
                 pair: first,
                 start: ends[0].min(ends[1]),
                 end: ends[0].max(ends[1]),
+                edge: None,
             };
         }
     }
@@ -103,10 +181,18 @@ impl Tracer {
         pieces: &mut Vec<Piece>,
     ) -> Result<(), Stop> {
         let pair = candidate.pair;
-        let Some(mut line) = Line::of_pair(scene, block, pair) else {
+        let edge = candidate.edge.zip(scene.given);
+        let line = match edge {
+            Some((ends, given)) => {
+                let ends = ends.map(|vertex| given.vertex(vertex));
+                Line::along_edge(scene, block, pair, ends)
+            }
+            None => Line::of_pair(scene, block, pair),
+        };
+        let Some(mut line) = line else {
             return Ok(());
         };
-        if !line.clip(block.low, block.high) || !self.cross(scene, block, &line, pair) {
+        if !line.clip(block.low, block.high) || !self.cross(scene, block, &line, candidate) {
             return Ok(());
         }
         self.sort_around(scene, block, &line, pair);
@@ -173,28 +259,53 @@ impl Tracer {
 
     /// Finds where the other planes cross the line, in order, and those that
     /// contain it. False if the line is another pair's to trace.
-    fn cross(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) -> bool {
+    fn cross(
+        &mut self,
+        scene: &Scene<'_>,
+        block: &Block,
+        line: &Line,
+        candidate: &Candidate,
+    ) -> bool {
+        let pair = candidate.pair;
+        let ids = &block.cell.surfaces;
+        let own = pair.map(|position| ids[position as usize]);
         self.sectors.crossings.clear();
         self.others.clear();
         self.sectors.inside.clear();
-        for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
+        for (position, &id) in (0u32..).zip(ids) {
             if pair.contains(&position) {
                 self.sectors.inside.push(true);
                 continue;
             }
             let plane = &scene.planes[id as usize];
-            let slope = plane.normal.dot(line.direction);
-            let value = plane.value(line.point);
-            let (first, last) = (value + slope * line.start, value + slope * line.end);
-            if line.lies_in(scene, plane) {
-                if position < pair[1] {
+            let edge = candidate.edge.zip(scene.given);
+            let edge = edge.filter(|(_, given)| given.are_of_one(id, own[0]));
+            let side = edge.map(|(edge, given)| side_of_edge(scene, given, edge, id));
+            if let Some(Along::Beside(is_inside)) = side {
+                self.sectors.inside.push(is_inside);
+                continue;
+            }
+            let is_through = match side {
+                Some(side) => side == Along::Through,
+                None => line.lies_in(scene, plane),
+            };
+            if is_through {
+                if scene.given.is_none() && position < pair[1] {
                     return false;
                 }
                 self.others.push(position);
                 self.sectors.inside.push(true);
                 continue;
             }
-            let at = -value / slope;
+            let slope = plane.normal.dot(line.direction);
+            let value = plane.value(line.point);
+            let (first, last) = (value + slope * line.start, value + slope * line.end);
+            let at = match scene.given {
+                Some(given) if slope.abs() < NEARLY_ALONG && given.is_beside(id, own) => {
+                    line.along(scene.common_point([own[0], own[1], id]))
+                }
+                _ => -value / slope,
+            };
             if line.start < at && at < line.end {
                 self.sectors.crossings.push((at, position));
                 self.sectors.inside.push(slope > 0.0);
@@ -205,7 +316,20 @@ impl Tracer {
         self.sectors
             .crossings
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        true
+        let Some(given) = scene.given.filter(|_| !self.others.is_empty()) else {
+            return true;
+        };
+        // Of several planes through a line the first two that are not of one polyhedron
+        // trace it, and its own edges, where there are no others.
+        let mut through: SmallVec<[u32; 8]> = pair.into_iter().chain(self.others.clone()).collect();
+        through.sort_unstable();
+        let differ = |a: u32, b: u32| !given.are_of_one(ids[a as usize], ids[b as usize]);
+        let mut pairs = (1..through.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let first = pairs.find(|&(a, b)| differ(through[a], through[b]));
+        match first {
+            Some((a, b)) => [through[a], through[b]] == pair,
+            None => true,
+        }
     }
 
     /// Whether another plane crosses at the same place: other edges may touch

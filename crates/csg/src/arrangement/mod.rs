@@ -44,6 +44,7 @@ mod contacts;
 mod contours;
 mod crossings;
 mod curve;
+mod edges;
 mod faces;
 mod frame;
 mod half_edges;
@@ -229,6 +230,7 @@ fn in_blocks<T>(
     let frames: Vec<Option<Frame>> = frames.collect();
     let looks = looks(task.program.origins());
     let rounding = rounding(task.origin, longest);
+    let given = task.program.given().map(|given| given.about(task.origin));
     let scene = Scene {
         surfaces: &task.surfaces,
         planes: &planes,
@@ -239,6 +241,7 @@ fn in_blocks<T>(
         reach,
         weld: WELD * longest + 10.0 * rounding,
         rounding,
+        given: given.as_ref(),
         control: task.control,
     };
     let root = Block {
@@ -246,7 +249,7 @@ fn in_blocks<T>(
         high: 0.5 * task.size + ABOVE * longest,
         cell: task.program.root_cell(),
     };
-    let (blocks, counts) = cut(&task.surfaces, &root, task.control)?;
+    let (blocks, counts) = cut(&task.surfaces, given.as_ref(), &root, task.control)?;
     report.cells_visited = counts.visited;
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;

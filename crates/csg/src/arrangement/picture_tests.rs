@@ -51,6 +51,7 @@ impl Stage {
             reach: 10.0,
             weld: 1e-11,
             rounding: 1e-15,
+            given: None,
             control: &self.control,
         }
     }

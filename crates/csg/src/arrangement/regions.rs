@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 use super::cells::Block;
 use super::line::Line;
 use super::scene::Scene;
-use crate::program::{Cell, Operand, Pruner, Side as Half};
+use crate::program::{Cell, Ends, Operand, Pruner, Side as Half};
 
 /// A stretch of the line common to two planes, which are named by position.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,8 @@ pub(super) struct Candidate {
     pub pair: [u32; 2],
     pub start: f64,
     pub end: f64,
+    /// The given edge that it is, if it is one.
+    pub edge: Option<Ends>,
 }
 
 /// A corner, and the plane that the side from it to the next lies on, by its
@@ -63,7 +65,8 @@ impl Finder {
         }
     }
 
-    fn find_on(
+    /// Appends the candidates on one plane.
+    pub fn find_on(
         &mut self,
         scene: &Scene<'_>,
         block: &Block,
@@ -271,6 +274,7 @@ fn record(
             pair,
             start: a.min(b),
             end: a.max(b),
+            edge: None,
         });
     }
 }

@@ -1,12 +1,13 @@
 //! What all blocks have in common.
 
 use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
 
 use super::frame::Frame;
 use super::piece::Side;
 use crate::control::Control;
 use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
-use crate::program::Surface;
+use crate::program::{Given, Surface};
 use crate::undecided::Stop;
 
 /// n·x - offset, at most 0 inside.
@@ -44,6 +45,8 @@ pub(super) struct Scene<'a> {
     pub weld: f64,
     /// Distances that rounding may make.
     pub rounding: f64,
+    /// The edges and vertices of polyhedra.
+    pub given: Option<&'a Given>,
     pub control: &'a Control,
 }
 
@@ -73,9 +76,48 @@ impl Scene<'_> {
     }
 
     /// The point common to three planes, the same to the bit in whatever order
-    /// they are named.
+    /// they are named: of faces of a polyhedron that share a vertex, this; of two
+    /// that share an edge and another one, where that crosses the edge.
     pub fn common_point(&self, mut ids: [u32; 3]) -> DVec3 {
         ids.sort_unstable();
+        self.given_point(ids)
+            .unwrap_or_else(|| self.point_of_planes(ids))
+    }
+
+    fn given_point(&self, ids: [u32; 3]) -> Option<DVec3> {
+        let given = self.given?;
+        let mut vertices = given.common_vertices(ids);
+        if let Some(first) = vertices.next() {
+            let others: SmallVec<[DVec3; 1]> = vertices.collect();
+            if others.is_empty() {
+                return Some(first);
+            }
+            let middle = self.point_of_planes(ids);
+            let distance = |p: &DVec3| p.distance_squared(middle);
+            let all = others.into_iter().chain([first]);
+            return all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        }
+        let [a, b, c] = ids;
+        // Whether the crossing is on the edge, by how much the plane's value changes along it.
+        let mut best: Option<((bool, f64), DVec3)> = None;
+        for (pair, third) in [([a, b], c), ([a, c], b), ([b, c], a)] {
+            for &ends in given.edges_of(pair) {
+                let ends = ends.map(|v| given.vertex(v));
+                let values = ends.map(|v| self.planes[third as usize].value(v));
+                let change = values[0] - values[1];
+                let share = values[0] / change;
+                let is_on = (-1e-6..=1.0 + 1e-6).contains(&share);
+                let merit = (is_on, change.abs() / ends[0].distance(ends[1]));
+                if share.is_finite() && best.is_none_or(|(known, _)| merit > known) {
+                    best = Some((merit, ends[0].lerp(ends[1], share)));
+                }
+            }
+        }
+        best.map(|(_, point)| point)
+    }
+
+    /// The point common to three planes, in ascending order.
+    fn point_of_planes(&self, ids: [u32; 3]) -> DVec3 {
         let planes = ids.map(|id| self.planes[id as usize]);
         let [p, q, r] = planes.map(|plane| plane.normal);
         let crosses = [q.cross(r), r.cross(p), p.cross(q)];

@@ -240,6 +240,7 @@ mod tests {
             reach: 10.0,
             weld: 1e-10,
             rounding: 1e-15,
+            given: None,
             control: &control,
         };
         let side = |plane| Side {

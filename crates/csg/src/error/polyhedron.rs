@@ -49,8 +49,10 @@ pub enum PolyhedronFault {
         /// A corner of one of them.
         place: DVec3,
     },
-    /// More faces than formulas over infinite planes can serve.
-    #[error("{faces} faces: at most {limit} can be made into a solid")]
+    /// More faces than there is memory for, or, of parts, time.
+    #[error(
+        "{faces} faces: at most {limit} can be made into a solid, or into convex parts; give a simpler mesh"
+    )]
     TooManyFaces {
         /// How many there are.
         faces: usize,

@@ -109,7 +109,8 @@ impl Cell {
         self.prune_by(side, pruner, out);
     }
 
-    fn prune_by(&self, side: impl Fn(u32) -> Side, pruner: &mut Pruner, out: &mut Self) {
+    /// The same by the sides that are told of each surface.
+    pub(crate) fn prune_by(&self, side: impl Fn(u32) -> Side, pruner: &mut Pruner, out: &mut Self) {
         let mut sides = std::mem::take(&mut pruner.sides);
         sides.clear();
         sides.extend(self.surfaces.iter().map(|&id| side(id)));

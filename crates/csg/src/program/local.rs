@@ -1,12 +1,14 @@
 //! Primitives as conjunctions of half-spaces, in their own coordinates.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
 use crate::error::NodeFault;
 use crate::numeric::tolerance::{COORDINATE, IN_PROFILE, WHOLE_TURN};
-use crate::solid::{Plane, Primitive};
+use crate::solid::polyhedron::FEW_FACES;
+use crate::solid::{Plane, Polyhedron, Primitive};
 use crate::surface::{Kind, Surface, from_coefficients};
 
 /// A primitive as half-spaces: all must hold; none at all is all of space.
@@ -15,6 +17,8 @@ pub(super) enum LocalShape {
     Constant(bool),
     /// The intersection of f <= 0 over these surfaces.
     HalfSpaces(Vec<Surface>),
+    /// A closed surface of many faces.
+    Polyhedron(Arc<Polyhedron>),
 }
 
 /// Lengths beyond these would leave the range of f64 when multiplied.
@@ -168,9 +172,26 @@ pub(super) fn half_spaces(primitive: &Primitive) -> Result<LocalShape, NodeFault
                     operation: "convex polyhedron",
                 });
             }
-            planes.iter().map(face).collect::<Result<_, _>>()?
+            let surfaces = planes.iter().map(face).collect::<Result<_, _>>()?;
+            if planes.len() > FEW_FACES
+                && let Some(polyhedron) = Polyhedron::within(planes)
+            {
+                return Ok(LocalShape::Polyhedron(Arc::new(polyhedron)));
+            }
+            surfaces
         }
-        Primitive::Prism { polygon, z } => prism(polygon, z)?,
+        Primitive::Prism { polygon, z } => {
+            let surfaces = prism(polygon, z)?;
+            if polygon.len() > FEW_FACES
+                && let Some(polyhedron) = upright(polygon, z, &surfaces)
+            {
+                return Ok(LocalShape::Polyhedron(Arc::new(polyhedron)));
+            }
+            surfaces
+        }
+        Primitive::Polyhedron(polyhedron) => {
+            return Ok(LocalShape::Polyhedron(Arc::clone(polyhedron)));
+        }
     };
     Ok(LocalShape::HalfSpaces(surfaces))
 }
@@ -259,6 +280,31 @@ fn face(face: &Plane) -> Result<Surface, NodeFault> {
     let normal = direction("a face's normal", face.normal)?;
     let offset = coordinate("a face's offset", face.offset / length)?;
     Ok(Surface::plane(normal * offset, normal))
+}
+
+/// A prism with the planes of its sides, then of its ends.
+fn upright(polygon: &[DVec2], z: &Range<f64>, surfaces: &[Surface]) -> Option<Polyhedron> {
+    let count = polygon.len() as u32;
+    let next = polygon.iter().cycle().skip(1);
+    let doubled: f64 = polygon.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum();
+    let at = |z: f64| polygon.iter().map(move |corner| corner.extend(z));
+    let vertices = at(z.start).chain(at(z.end)).collect();
+    let mut faces: Vec<Vec<u32>> = (0..count)
+        .map(|k| {
+            let next = (k + 1) % count;
+            vec![k, next, count + next, count + k]
+        })
+        .collect();
+    faces.push((0..count).rev().collect());
+    faces.push((count..2 * count).collect());
+    if doubled < 0.0 {
+        faces.iter_mut().for_each(|face| face.reverse());
+    }
+    let planes = surfaces.iter().map(|surface| Plane {
+        normal: surface.linear,
+        offset: surface.linear.dot(surface.anchor),
+    });
+    Polyhedron::of_convex_faces(vertices, &faces, planes.collect())
 }
 
 fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {

@@ -8,6 +8,7 @@
 //! than once are remembered per map, name, colour and polarity.
 
 mod builder;
+mod polyhedron;
 
 pub(super) use self::builder::{avalanche, simplified};
 
@@ -17,6 +18,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use self::builder::{Builder, compact, push_index};
 use super::formula::{Literal, Operand, Operation};
+use super::given::Gathered;
 use super::local::{LocalShape, half_spaces};
 use super::reach::reach;
 use super::unify::WorldMap;
@@ -44,11 +46,14 @@ impl Program {
             ..
         } = lowering.builder;
         formula.root = root.operand;
+        let others = lowering.others.into_iter();
+        let given = lowering.gathered.finish(table.len(), others);
         Ok(Self {
             surfaces: table.into_surfaces(),
             formula: compact(&formula),
             origins,
             reach: root.bounds,
+            given: given.map(Arc::new),
         })
     }
 }
@@ -123,6 +128,10 @@ struct Lowering<'a> {
     repeated: FxHashSet<usize>,
     known: FxHashMap<(usize, Context), Value>,
     builder: Builder,
+    /// The edges and vertices of polyhedra.
+    gathered: Gathered,
+    /// The surfaces of other primitives.
+    others: Vec<u32>,
 }
 
 impl<'a> Lowering<'a> {
@@ -139,6 +148,8 @@ impl<'a> Lowering<'a> {
             repeated: find_repeated(root),
             known: FxHashMap::default(),
             builder: Builder::default(),
+            gathered: Gathered::default(),
+            others: Vec::new(),
         };
         lowering.intern_map(WorldMap::IDENTITY);
         lowering
@@ -334,15 +345,11 @@ impl<'a> Lowering<'a> {
                 return Ok(());
             }
             LocalShape::HalfSpaces(surfaces) => surfaces,
+            LocalShape::Polyhedron(polyhedron) => {
+                return self.lower_polyhedron(primitive, &polyhedron, context);
+            }
         };
-        let origin = push_index(
-            &mut self.builder.origins,
-            Origin {
-                kind: primitive.kind(),
-                name: self.names[context.name as usize].clone(),
-                color: self.colors[context.color as usize],
-            },
-        );
+        let origin = self.add_origin(primitive, context);
         let base = self.values.len();
         let map = self.maps[context.map as usize];
         // Together with the primitive's other half-spaces, each is within its box.
@@ -358,6 +365,7 @@ impl<'a> Lowering<'a> {
                 })
             })?;
             let (surface, flipped) = self.builder.table.insert(placed);
+            self.others.push(surface);
             let operand = self.builder.literal(Literal {
                 surface,
                 origin,
@@ -380,6 +388,15 @@ impl<'a> Lowering<'a> {
             self.values.push(value);
         }
         Ok(())
+    }
+
+    fn add_origin(&mut self, primitive: &Primitive, context: Context) -> u32 {
+        let origin = Origin {
+            kind: primitive.kind(),
+            name: self.names[context.name as usize].clone(),
+            color: self.colors[context.color as usize],
+        };
+        push_index(&mut self.builder.origins, origin)
     }
 
     /// The fault as an error at the node on top of the stack.

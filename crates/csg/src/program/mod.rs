@@ -5,9 +5,11 @@ mod cell;
 mod changes;
 mod extent;
 mod formula;
+mod given;
 mod local;
 mod lower;
 mod reach;
+mod region;
 mod settle;
 mod unify;
 
@@ -21,6 +23,7 @@ use crate::color::Color;
 pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
+pub(crate) use given::{Ends, Given};
 pub(crate) use settle::Settled;
 
 pub use crate::surface::{Bounds, Placement, Side, Surface, SurfaceShape};
@@ -50,6 +53,8 @@ pub struct Program {
     origins: Vec<Origin>,
     /// A box around the solid from those of its primitives, if these have an end.
     reach: Bounds,
+    /// The edges and vertices of polyhedra, if there are any of many faces.
+    given: Option<Arc<Given>>,
 }
 
 impl Program {
@@ -57,6 +62,11 @@ impl Program {
     #[must_use]
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
+    }
+
+    /// The edges and vertices of polyhedra.
+    pub(crate) fn given(&self) -> Option<&Given> {
+        self.given.as_deref()
     }
 
     /// The Boolean formula over literals.

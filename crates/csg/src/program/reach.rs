@@ -99,6 +99,9 @@ pub(super) fn reach(primitive: &Primitive, map: &DAffine3) -> Bounds {
             let at = |z: f64| polygon.iter().map(move |corner| corner.extend(z));
             Bounds::of_points(map, ends.into_iter().flat_map(at))
         }
+        Primitive::Polyhedron(polyhedron) => {
+            Bounds::of_points(map, polyhedron.vertices().iter().copied())
+        }
         _ => return Bounds::EVERYTHING,
     };
     bounds.rounded_outward(map)

@@ -12,6 +12,8 @@ mod chains;
 mod distance;
 mod rounding;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use self::chains::Chains;
@@ -66,13 +68,16 @@ impl Program {
         const SAME_DECIMALS: f64 = 1e-3;
         let step = Decimal::below(SHARE * most);
         let turn = Decimal::below(SHARE * most / reach);
-        let round = |surface: &Surface| {
+        let round = |index: u32, surface: &Surface| {
+            if self.is_given(index) {
+                return None;
+            }
             let rounded = surface.rounded((origin, reach), step, turn)?;
             let [one, other] = [surface, &rounded].map(|s| s.relative_to(origin));
             (one.distance_bound(&other, reach) <= most).then_some(rounded)
         };
-        let surfaces = self.surfaces.iter();
-        let surfaces = surfaces.map(|s| round(s).unwrap_or(*s)).collect();
+        let surfaces = (0..).zip(&self.surfaces);
+        let surfaces = surfaces.map(|(k, s)| round(k, s).unwrap_or(*s)).collect();
         self.united(surfaces, (origin, reach), SAME_DECIMALS * step.step(), most)
     }
 
@@ -135,6 +140,12 @@ impl Program {
         }))
     }
 
+    /// Whether a surface carries faces whose vertices were given: it stays where these are.
+    fn is_given(&self, surface: u32) -> bool {
+        let given = self.given.as_ref();
+        given.is_some_and(|given| given.has_faces(surface) || given.is_cut(surface))
+    }
+
     /// The program with other surfaces in place of its own, and those that nearly
     /// coincide made one.
     fn united(
@@ -186,12 +197,22 @@ impl Program {
             literal.surface = surface;
             literal.outside ^= is_flipped;
         }
+        // Edges and vertices of faces that were moved are elsewhere.
+        let is_in_place = |id: u32| {
+            let id = id as usize;
+            surfaces[id] == self.surfaces[id]
+        };
+        let mut ids = 0..surfaces.len() as u32;
+        let are_in_place = ids.all(|id| !self.is_given(id) || is_in_place(id));
+        let given = self.given.as_ref().filter(|_| are_in_place);
+        let given = given.map(|given| given.renumbered(|id| in_place[id as usize].0));
         Ok(Some(Settled {
             program: Self {
                 surfaces,
                 formula: simplified(&formula)?,
                 origins: self.origins.clone(),
                 reach: self.reach.grown(moved),
+                given: given.map(Arc::new),
             },
             merged,
             moved,

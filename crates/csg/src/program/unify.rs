@@ -251,6 +251,10 @@ impl SurfaceTable {
             .find(|&index| self.placed[index as usize].coincides(placed))
     }
 
+    pub fn surface(&self, index: u32) -> &Surface {
+        &self.placed[index as usize].surface
+    }
+
     pub fn len(&self) -> usize {
         self.placed.len()
     }

@@ -144,9 +144,8 @@ impl fmt::Display for MeshFaults {
 impl std::error::Error for MeshFaults {}
 
 impl Solid {
-    /// The solid that a mesh bounds, its triangles' planes as half-spaces
-    /// ([`Solid::polyhedron`], which says what that costs: at most 20,000
-    /// triangles). Names, colours and the unit of the mesh are not kept.
+    /// The solid that a mesh bounds ([`Solid::polyhedron`], which says what that
+    /// costs). Names, colours and the unit of the mesh are not kept.
     ///
     /// # Errors
     /// All that is wrong with the mesh, if it bounds no solid: nothing is mended

@@ -10,7 +10,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::primitive::Plane;
+use super::primitive::{Plane, Polyhedron};
 use super::tree::Solid;
 use crate::error::{NodeFault, ProfileFault};
 use crate::numeric::tolerance::{OFF_HULL, ON_FACE, SAME_FACE};
@@ -222,6 +222,17 @@ impl<'a> Hull<'a> {
 
     /// One plane for all triangles of a flat side, from the largest of them.
     fn planes(&self, flat: f64) -> Vec<Plane> {
+        let (largest, _) = self.sides(flat);
+        largest.into_iter().map(|face| self.plane(face)).collect()
+    }
+
+    fn plane(&self, face: usize) -> Plane {
+        let face = &self.faces[face];
+        Plane::through(self.points[face.corners[0]], face.normal)
+    }
+
+    /// The largest triangle of each flat side, and of each triangle the number of its side.
+    fn sides(&self, flat: f64) -> (Vec<usize>, Vec<Option<usize>>) {
         let mut order: Vec<usize> = (0..self.faces.len())
             .filter(|&face| self.faces[face].alive)
             .collect();
@@ -231,16 +242,15 @@ impl<'a> Hull<'a> {
                 .total_cmp(&self.faces[a].area)
                 .then(a.cmp(&b))
         });
-        let mut taken = vec![false; self.faces.len()];
-        let mut planes = Vec::new();
+        let mut side_of = vec![None; self.faces.len()];
+        let mut largest = Vec::new();
         for face in order {
-            if std::mem::replace(&mut taken[face], true) {
+            if side_of[face].is_some() {
                 continue;
             }
-            let plane = Plane::through(
-                self.points[self.faces[face].corners[0]],
-                self.faces[face].normal,
-            );
+            let side = Some(largest.len());
+            side_of[face] = side;
+            let plane = self.plane(face);
             let on_plane = |corners: [usize; 3]| {
                 corners
                     .iter()
@@ -251,16 +261,167 @@ impl<'a> Hull<'a> {
                 let [a, b, c] = self.faces[face].corners;
                 for edge in [(b, a), (c, b), (a, c)] {
                     if let Some(&other) = self.edges.get(&edge)
-                        && !taken[other]
+                        && side_of[other].is_none()
                         && on_plane(self.faces[other].corners)
                     {
-                        taken[other] = true;
+                        side_of[other] = side;
                         pending.push(other);
                     }
                 }
             }
-            planes.push(plane);
+            largest.push(face);
         }
-        planes
+        (largest, side_of)
     }
+}
+
+impl Polyhedron {
+    /// The convex polyhedron within some planes, with its vertices; none where these
+    /// cannot be found for sure, or there is no inside.
+    ///
+    /// By duality (F. P. Preparata, D. E. Muller, "Finding the intersection of n
+    /// half-spaces in time O(n log n)", 1979): planes seen from a point inside are points,
+    /// whose hull has a triangle for each three planes that meet in a vertex.
+    pub(crate) fn within(planes: &[Plane]) -> Option<Self> {
+        let unit = |plane: &Plane| {
+            let length = plane.normal.length();
+            Plane {
+                normal: plane.normal / length,
+                offset: plane.offset / length,
+            }
+        };
+        let planes: Vec<Plane> = planes.iter().map(unit).collect();
+        let center = inside(&planes)?;
+        let dual = |plane: &Plane| plane.normal / (plane.offset - plane.normal.dot(center));
+        let points: Vec<DVec3> = planes.iter().map(dual).collect();
+        let (min, max) = extent(&points);
+        let size = (max - min).max_element();
+        let mut hull = Hull::start(&points, ON_FACE * size)?;
+        hull.grow();
+        let (largest, side_of) = hull.sides(SAME_FACE * size);
+        let vertex = |&face: &usize| {
+            let [p, q, r] = hull.faces[face].corners.map(|k| planes[k]);
+            let offset = |plane: Plane| plane.offset - plane.normal.dot(center);
+            let cross = q.normal.cross(r.normal);
+            let sum = offset(p) * cross
+                + offset(q) * r.normal.cross(p.normal)
+                + offset(r) * p.normal.cross(q.normal);
+            center + sum / p.normal.dot(cross)
+        };
+        let vertices: Vec<DVec3> = largest.iter().map(vertex).collect();
+        // All are on planes of theirs and behind all others, but for rounding.
+        let reach = vertices
+            .iter()
+            .map(|v| v.distance(center))
+            .fold(0.0, f64::max);
+        let slack = OFF_HULL * (reach + center.length());
+        for (face, side) in hull.faces.iter().zip(&side_of) {
+            let Some(side) = *side else { continue };
+            let off = |k: usize| planes[k].normal.dot(vertices[side]) - planes[k].offset;
+            if !face.corners.iter().all(|&k| off(k).abs() <= slack) {
+                return None;
+            }
+        }
+        // Around each plane, by the triangles around its point.
+        let mut around: Vec<FxHashMap<usize, (usize, usize)>> =
+            vec![FxHashMap::default(); planes.len()];
+        for (face, side) in hull.faces.iter().zip(&side_of) {
+            let Some(side) = *side else { continue };
+            let [a, b, c] = face.corners;
+            for (at, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+                around[at].insert(from, (to, side));
+            }
+        }
+        let mut polygons = Vec::with_capacity(planes.len());
+        let mut kept = Vec::with_capacity(planes.len());
+        for (plane, next) in planes.iter().zip(&around) {
+            let Some(&start) = next.keys().min() else {
+                continue;
+            };
+            let mut polygon: Vec<u32> = Vec::with_capacity(next.len());
+            let mut at = start;
+            for _ in 0..next.len() {
+                let &(to, side) = next.get(&at)?;
+                polygon.push(side as u32);
+                at = to;
+            }
+            if at != start {
+                return None;
+            }
+            polygon.dedup();
+            if polygon.len() > 1 && polygon.first() == polygon.last() {
+                polygon.pop();
+            }
+            if polygon.len() > 2 {
+                polygons.push(polygon);
+                kept.push(*plane);
+            }
+        }
+        Self::of_convex_faces(vertices, &polygons, kept)
+    }
+
+    /// A polyhedron of convex faces on given planes; none where faces do not pair up
+    /// along their edges.
+    pub(crate) fn of_convex_faces(
+        vertices: Vec<DVec3>,
+        polygons: &[Vec<u32>],
+        planes: Vec<Plane>,
+    ) -> Option<Self> {
+        let mut triangles = Vec::new();
+        let mut faces = Vec::new();
+        let mut sides: FxHashMap<[u32; 2], i32> = FxHashMap::default();
+        for (face, polygon) in (0..).zip(polygons) {
+            for (&a, &b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+                *sides.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+            }
+            // Every second corner is cut off, again and again: no triangle is longer than
+            // it must be.
+            let mut polygon = polygon.clone();
+            while polygon.len() > 2 {
+                let mut rest = Vec::with_capacity(polygon.len() / 2 + 1);
+                let mut k = 0;
+                while k < polygon.len() {
+                    rest.push(polygon[k]);
+                    if k + 2 <= polygon.len() && polygon.len() > 2 {
+                        let ends = [polygon[k], polygon[k + 1], polygon[(k + 2) % polygon.len()]];
+                        if ends[2] != ends[0] {
+                            triangles.push(ends);
+                            faces.push(face);
+                        }
+                    }
+                    k += 2;
+                }
+                polygon = rest;
+            }
+        }
+        sides.values().all(|&sum| sum == 0).then_some(Self {
+            vertices,
+            triangles,
+            faces,
+            planes,
+        })
+    }
+}
+
+/// A point behind all planes, not near any of them: from the mean of their feet by steps
+/// away from the one that it is farthest beyond, or least behind.
+fn inside(planes: &[Plane]) -> Option<DVec3> {
+    const STEPS: u32 = 400;
+    let feet = planes.iter().map(|plane| plane.offset * plane.normal);
+    let mut at = feet.clone().sum::<DVec3>() / planes.len() as f64;
+    let reach = feet.map(|foot| foot.distance(at)).fold(0.0, f64::max);
+    let mut best = (0.0, None);
+    for step in 1..=STEPS {
+        let value = |plane: &Plane| plane.normal.dot(at) - plane.offset;
+        let nearest = planes.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        let most = value(nearest);
+        if most < best.0 {
+            best = (most, Some(at));
+        }
+        if most < -0.1 * reach {
+            break;
+        }
+        at -= (most.max(0.0) + reach / f64::from(step + 1)) * nearest.normal;
+    }
+    best.1.filter(|_| best.0 < -1e-3 * reach)
 }

@@ -8,8 +8,8 @@
 mod extrude;
 mod from_mesh;
 mod hull;
-mod partition;
-mod polyhedron;
+pub(crate) mod partition;
+pub(crate) mod polyhedron;
 mod primitive;
 mod primitives;
 pub(crate) mod profile;
@@ -21,7 +21,7 @@ mod twist;
 
 pub use crate::error::PolyhedronFault;
 pub use from_mesh::MeshFaults;
-pub use primitive::{Plane, Primitive};
+pub use primitive::{Plane, Polyhedron, Primitive};
 pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};
 pub use twist::Twist;

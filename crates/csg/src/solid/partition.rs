@@ -1,54 +1,63 @@
 //! Space cut by the planes of a polyhedron's own faces.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::primitive::Plane;
 use super::tree::Solid;
-use crate::numeric::tolerance::SAME_FACE;
 
 /// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
 
 /// A face, or what cuts have left of it.
-pub(super) struct Facet {
+#[derive(Clone, Debug)]
+pub(crate) struct Facet {
+    /// The same for all on one plane.
+    pub face: u32,
     /// With a unit normal.
     pub plane: Plane,
-    pub points: Vec<DVec3>,
+    pub points: SmallVec<[DVec3; 6]>,
+    /// Its corners before any cut.
+    pub whole: SmallVec<[DVec3; 3]>,
 }
 
 /// A node, and whether what is before its plane is meant.
 type Place = (usize, bool);
 
 /// What is on one side of a cut.
-#[derive(Clone, Copy)]
-enum Child {
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Child {
     Inside,
     Outside,
     Node(usize),
 }
 
-struct Node {
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    /// The face whose plane it is.
+    pub face: u32,
     plane: Plane,
-    front: Child,
-    back: Child,
+    pub front: Child,
+    pub back: Child,
 }
 
 /// A binary space partition; every node comes before its children.
-pub(super) struct Tree {
-    nodes: Vec<Node>,
+#[derive(Clone, Debug)]
+pub(crate) struct Tree {
+    pub nodes: Vec<Node>,
 }
 
 impl Tree {
-    /// The tree of the faces of a closed polyhedron.
-    pub(super) fn of(facets: Vec<Facet>, size: f64) -> Self {
-        let slack = SAME_FACE * size;
+    /// The tree of the faces of a closed polyhedron, or of those in a box; points
+    /// nearer to a plane than `slack` are on it.
+    pub(crate) fn of(facets: Vec<Facet>, slack: f64) -> Self {
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
         let mut pending: Vec<(Vec<Facet>, Option<Place>)> = vec![(facets, None)];
         while let Some((facets, above)) = pending.pop() {
-            let plane = best(&facets, slack);
+            let cut_by = best(&facets, slack);
             if let Some((parent, is_front)) = above {
-                let child = match plane {
+                let child = match cut_by {
                     Some(_) => Child::Node(nodes.len()),
                     None if is_front => Child::Outside,
                     None => Child::Inside,
@@ -60,12 +69,13 @@ impl Tree {
                     &mut node.back
                 }) = child;
             }
-            let Some(plane) = plane else {
+            let Some((face, plane)) = cut_by else {
                 continue;
             };
-            let (front, back) = cut(facets, &plane, slack);
+            let (front, back) = cut(facets, (face, &plane), slack);
             let index = nodes.len();
             nodes.push(Node {
+                face,
                 plane,
                 front: Child::Outside,
                 back: Child::Inside,
@@ -134,25 +144,40 @@ fn distance(plane: &Plane, point: DVec3) -> f64 {
     plane.normal.dot(point) - plane.offset
 }
 
-/// Whether a facet has points before and behind a plane.
-fn sides(facet: &Facet, plane: &Plane, slack: f64) -> (bool, bool) {
-    facet
-        .points
-        .iter()
-        .fold((false, false), |(front, back), &p| {
+/// Whether a facet has points before and behind a plane: by its corners before any cut
+/// where these tell, as what is left of it may be smaller than rounding. It is on the plane
+/// only as a whole.
+fn sides(facet: &Facet, (face, plane): (u32, &Plane), slack: f64) -> (bool, bool) {
+    if facet.face == face {
+        return (false, false);
+    }
+    let range = |points: &[DVec3]| {
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        points.iter().fold(none, |(low, high), &p| {
             let d = distance(plane, p);
-            (front || d > slack, back || d < -slack)
+            (low.min(d), high.max(d))
         })
+    };
+    let flags = |(low, high): (f64, f64)| (high > slack, low < -slack);
+    let whole = flags(range(&facet.whole));
+    if whole != (true, true) {
+        return whole;
+    }
+    let (low, high) = range(&facet.points);
+    match flags((low, high)) {
+        (false, false) => (high > -low, high <= -low),
+        sides => sides,
+    }
 }
 
 /// The plane that cuts fewest facets and, of several such, has most on one
 /// side: a plane of the convex hull first.
-fn best(facets: &[Facet], slack: f64) -> Option<Plane> {
+fn best(facets: &[Facet], slack: f64) -> Option<(u32, Plane)> {
     let step = facets.len().div_ceil(CANDIDATES).max(1);
-    let cost = |plane: &Plane| {
+    let cost = |(face, plane): &(u32, Plane)| {
         let (mut front, mut back, mut both) = (0, 0, 0);
         for facet in facets {
-            match sides(facet, plane, slack) {
+            match sides(facet, (*face, plane), slack) {
                 (true, true) => both += 1,
                 (true, false) => front += 1,
                 (false, true) => back += 1,
@@ -161,21 +186,27 @@ fn best(facets: &[Facet], slack: f64) -> Option<Plane> {
         }
         8 * both + front.min(back)
     };
-    let candidates = facets.iter().step_by(step).map(|facet| facet.plane);
+    let candidates = facets
+        .iter()
+        .step_by(step)
+        .map(|facet| (facet.face, facet.plane));
     candidates.min_by_key(cost)
 }
 
 /// The facets before and behind a plane; those on it are done with.
-fn cut(facets: Vec<Facet>, plane: &Plane, slack: f64) -> (Vec<Facet>, Vec<Facet>) {
+fn cut(facets: Vec<Facet>, by: (u32, &Plane), slack: f64) -> (Vec<Facet>, Vec<Facet>) {
     let (mut front, mut back) = (Vec::new(), Vec::new());
     for facet in facets {
-        match sides(&facet, plane, slack) {
+        match sides(&facet, by, slack) {
             (true, true) => {
                 for (list, sign) in [(&mut front, 1.0), (&mut back, -1.0)] {
-                    let points = clipped(&facet.points, plane, sign, slack);
+                    let points = clipped(&facet.points, by.1, sign, slack);
                     if points.len() >= 3 {
-                        let plane = facet.plane;
-                        list.push(Facet { plane, points });
+                        list.push(Facet {
+                            points,
+                            whole: facet.whole.clone(),
+                            ..facet
+                        });
                     }
                 }
             }
@@ -189,8 +220,8 @@ fn cut(facets: Vec<Facet>, plane: &Plane, slack: f64) -> (Vec<Facet>, Vec<Facet>
 
 /// The part of a polygon on one side of a plane (I. E. Sutherland, G. W.
 /// Hodgman, "Reentrant polygon clipping", 1974).
-fn clipped(points: &[DVec3], plane: &Plane, sign: f64, slack: f64) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(points.len() + 2);
+fn clipped(points: &[DVec3], plane: &Plane, sign: f64, slack: f64) -> SmallVec<[DVec3; 6]> {
+    let mut kept = SmallVec::new();
     for (&a, &b) in points.iter().zip(points.iter().cycle().skip(1)) {
         let [da, db] = [a, b].map(|p| sign * distance(plane, p));
         if da >= -slack {

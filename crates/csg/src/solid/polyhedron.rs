@@ -1,24 +1,33 @@
 //! Closed polyhedra from vertices and faces.
 //!
-//! Faces are checked, put on planes, and these combined: a convex polyhedron is
-//! the intersection of its half-spaces; any other is cut by the planes of its
-//! own faces until nothing is left on either side (W. C. Thibault, B. F. Naylor,
-//! "Set operations on polyhedra using binary space partitioning trees", 1987),
-//! and that tree read as a formula.
+//! Faces are checked and put on planes. Of few faces these are combined: a convex
+//! polyhedron is the intersection of its half-spaces; any other is cut by the
+//! planes of its own faces until nothing is left on either side (W. C. Thibault,
+//! B. F. Naylor, "Set operations on polyhedra using binary space partitioning
+//! trees", 1987), and that tree read as a formula. Of many faces the polyhedron is
+//! a primitive, so that lowering can do the same in small boxes.
+
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 
 use super::partition::{Facet, Tree};
-use super::primitive::Plane;
+use super::primitive::{Plane, Polyhedron, Primitive};
 use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::{NodeFault, PolyhedronFault};
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::{NO_AREA, NO_VOLUME, ON_FACE};
+use crate::numeric::tolerance::{NO_AREA, NO_VOLUME, ON_FACE, SAME_FACE};
 
-/// The most faces: each is an infinite plane to whatever is cut by it.
-const MOST_FACES: usize = 20_000;
+/// The most faces: what is held of them while a boundary is evaluated takes some kilobytes
+/// each.
+const MOST_FACES: usize = 4_000_000;
+
+/// The most faces of which a formula of half-spaces is made, and of which convex parts are:
+/// time grows with the square of their number, or faster.
+pub(crate) const FEW_FACES: usize = 48;
+const MOST_FACES_IN_PARTS: usize = 20_000;
 
 impl Solid {
     /// The solid that faces bound: closed, each listing the indices of its
@@ -27,9 +36,8 @@ impl Solid {
     /// over. Vertices at the same place are one.
     ///
     /// Lowering reports faces that are open, inside out or run through each
-    /// other, with their numbers and places. Every face is an infinite plane to
-    /// whatever is cut by it: cheap up to some hundred faces, slow beyond a few
-    /// thousand, refused beyond 20,000.
+    /// other, with their numbers and places. Takes n log n steps for n faces, and
+    /// so does what is made of it; refused beyond 4,000,000.
     #[must_use]
     pub fn polyhedron<P: Into<DVec3>, F: AsRef<[u32]>>(
         vertices: impl IntoIterator<Item = P>,
@@ -51,6 +59,7 @@ impl Solid {
     /// As with [`Solid::polyhedron`].
     pub fn convex_parts(mesh: &Mesh) -> Result<Vec<Vec<Plane>>, NodeFault> {
         let faces: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
+        most(faces.len(), MOST_FACES_IN_PARTS)?;
         let faces = Faces::new(mesh.positions.clone(), &faces)?;
         Ok(match faces.convex() {
             Some(planes) => vec![planes],
@@ -90,12 +99,7 @@ struct Faces {
 
 impl Faces {
     fn new(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Result<Self, PolyhedronFault> {
-        if faces.len() > MOST_FACES {
-            return Err(PolyhedronFault::TooManyFaces {
-                faces: faces.len(),
-                limit: MOST_FACES,
-            });
-        }
+        most(faces.len(), MOST_FACES)?;
         let far = |v: &DVec3| v.is_nan() || v.abs().max_element() >= 1e100;
         if let Some(vertex) = vertices.iter().position(far) {
             return Err(PolyhedronFault::NotFinite { vertex });
@@ -211,11 +215,40 @@ impl Faces {
         let mut used: Vec<u32> = self.faces.iter().flat_map(|(c, _)| c).copied().collect();
         used.sort_unstable();
         used.dedup();
-        let solid = match self.convex() {
-            Some(planes) => Solid::convex_polyhedron(planes),
-            None => self.tree().solid(),
+        let solid = if self.faces.len() > FEW_FACES {
+            Solid::primitive(Primitive::Polyhedron(Arc::new(self.polyhedron())))
+        } else if let Some(planes) = self.convex() {
+            Solid::convex_polyhedron(planes)
+        } else {
+            self.tree().solid()
         };
         (solid, self.points(&used))
+    }
+
+    /// All faces with planes of their own.
+    fn polyhedron(&self) -> Polyhedron {
+        let mut triangles = Vec::new();
+        let mut faces = Vec::new();
+        let mut planes = Vec::new();
+        for (corners, _) in &self.faces {
+            let points = self.points(corners);
+            let face = plane_of(&points).map_or(NO_FACE, |plane| {
+                planes.push(plane);
+                planes.len() as u32 - 1
+            });
+            for triangle in triangles_of(&points) {
+                let flat = plane_of(&triangle.map(|k| points[k])).is_none();
+                triangles.push(triangle.map(|k| corners[k]));
+                faces.push(if flat { NO_FACE } else { face });
+            }
+        }
+        flip_flat(&self.vertices, &mut triangles, &mut faces);
+        Polyhedron {
+            vertices: self.vertices.clone(),
+            triangles,
+            faces,
+            planes,
+        }
     }
 
     /// The planes, if all vertices are behind or on each.
@@ -239,12 +272,17 @@ impl Faces {
     }
 
     fn tree(&self) -> Tree {
-        let facets = self.faces.iter().filter_map(|(corners, _)| {
+        let facets = (0..).zip(&self.faces).filter_map(|(face, (corners, _))| {
             let points = self.points(corners);
             let plane = plane_of(&points)?;
-            Some(Facet { plane, points })
+            Some(Facet {
+                face,
+                plane,
+                whole: points.as_slice().into(),
+                points: points.into(),
+            })
         });
-        Tree::of(facets.collect(), self.size)
+        Tree::of(facets.collect(), SAME_FACE * self.size)
     }
 }
 
@@ -252,6 +290,78 @@ impl From<PolyhedronFault> for NodeFault {
     fn from(fault: PolyhedronFault) -> Self {
         Self::Polyhedron(Box::new(fault))
     }
+}
+
+fn most(faces: usize, limit: usize) -> Result<(), PolyhedronFault> {
+    if faces > limit {
+        return Err(PolyhedronFault::TooManyFaces { faces, limit });
+    }
+    Ok(())
+}
+
+/// The face of triangles without area.
+const NO_FACE: u32 = u32::MAX;
+
+/// Takes triangles without area away: their longest edge is flipped, so that they and the
+/// neighbour there become two parts of the neighbour.
+fn flip_flat(vertices: &[DVec3], triangles: &mut Vec<[u32; 3]>, faces: &mut Vec<u32>) {
+    let mut pending: Vec<u32> = (0..triangles.len() as u32)
+        .filter(|&t| faces[t as usize] == NO_FACE)
+        .collect();
+    if pending.is_empty() {
+        return;
+    }
+    let mut beside: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+    for (index, &triangle) in (0u32..).zip(&*triangles) {
+        beside.extend(sides(triangle).map(|side| (side, index)));
+    }
+    // Chains of them are passed on; more steps than that would go round in circles.
+    let mut left = 16 * pending.len();
+    while let Some(flat) = pending.pop() {
+        if left == 0 {
+            break;
+        }
+        left -= 1;
+        let at = |v: u32| vertices[v as usize];
+        let length = |[a, b]: &[u32; 2]| at(*a).distance_squared(at(*b));
+        let corners = triangles[flat as usize];
+        let longest = sides(corners)
+            .into_iter()
+            .max_by(|s, t| length(s).total_cmp(&length(t)));
+        let Some([a, c]) = longest else { continue };
+        let Some(&b) = corners.iter().find(|&&v| v != a && v != c) else {
+            continue;
+        };
+        let Some(&other) = beside.get(&[c, a]) else {
+            continue;
+        };
+        let Some(&d) = triangles[other as usize]
+            .iter()
+            .find(|&&v| v != a && v != c)
+        else {
+            continue;
+        };
+        if d == b || other == flat {
+            // Two of them back to back.
+            continue;
+        }
+        let face = faces[other as usize];
+        for (index, triangle) in [(flat, [b, a, d]), (other, [c, b, d])] {
+            triangles[index as usize] = triangle;
+            let points = triangle.map(at);
+            faces[index as usize] = if plane_of(&points).is_none() {
+                pending.push(index);
+                NO_FACE
+            } else {
+                face
+            };
+            beside.extend(sides(triangle).map(|side| (side, index)));
+        }
+    }
+    let mut is_kept = faces.iter().map(|&face| face != NO_FACE);
+    triangles.retain(|_| is_kept.next().unwrap_or(false));
+    faces.retain(|&face| face != NO_FACE);
 }
 
 /// The plane of a polygon (M. E. Newell's method, about its middle), with a

@@ -105,6 +105,34 @@ pub enum Primitive {
         /// Extent along z.
         z: Range<f64>,
     },
+    /// What a closed surface of many flat faces bounds.
+    Polyhedron(Arc<Polyhedron>),
+}
+
+/// A closed surface of triangles, the faces that these make up, and their planes: made by
+/// [`Solid::polyhedron`](crate::Solid::polyhedron), which checks it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Polyhedron {
+    pub(crate) vertices: Vec<DVec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Of each triangle.
+    pub(crate) faces: Vec<u32>,
+    /// Of each face, with unit normals.
+    pub(crate) planes: Vec<Plane>,
+}
+
+impl Polyhedron {
+    /// The corners of triangles.
+    #[must_use]
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// Triangles, counter-clockwise seen from outside.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
 }
 
 impl Primitive {
@@ -135,6 +163,7 @@ impl Primitive {
             Self::HyperboloidTwoSheets { .. } => "hyperboloid_two_sheets",
             Self::ConvexPolyhedron(_) => "convex_polyhedron",
             Self::Prism { .. } => "prism",
+            Self::Polyhedron(_) => "polyhedron",
         }
     }
 }

@@ -10,7 +10,7 @@ use super::polyhedron::plane_of;
 use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::NodeFault;
-use crate::numeric::tolerance::PROFILE_CHORD;
+use crate::numeric::tolerance::{PROFILE_CHORD, SAME_FACE};
 
 /// How an extrusion turns and narrows on its way up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,16 +126,20 @@ fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -
             } else {
                 [[a, b, c], [a, c, d]]
             };
-            facets.extend(triangles.iter().filter_map(|points| {
-                Some(Facet {
-                    plane: plane_of(points)?,
-                    points: points.to_vec(),
-                })
-            }));
+            for points in triangles {
+                if let Some(plane) = plane_of(&points) {
+                    facets.push(Facet {
+                        face: facets.len() as u32,
+                        plane,
+                        points: points.into_iter().collect(),
+                        whole: points.into(),
+                    });
+                }
+            }
         }
     }
     Solid::intersection([
-        Tree::of(facets, size).solid(),
+        Tree::of(facets, SAME_FACE * size).solid(),
         Solid::half_space_through(low.z * DVec3::Z, -DVec3::Z),
         Solid::half_space_through(high.z * DVec3::Z, DVec3::Z),
     ])

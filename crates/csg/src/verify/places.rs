@@ -66,7 +66,7 @@ pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<
 
 /// Whether points behind places, and before them, are in the solid.
 fn sides(program: &Program, places: &[Place], distance: f64) -> Vec<[bool; 2]> {
-    let mut tape = Tape::new(program);
+    let mut tape = Tape::new(program.formula(), program.surfaces().len());
     for (number, place) in (0..).zip(places) {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let point = place.at + sign * distance * place.normal;

@@ -1,8 +1,10 @@
 //! The parts of rays in a program's solid: the roots of its surfaces, and the formula
 //! between them, for 64 pieces at once.
 
+use glam::DVec3;
+
 use super::rays::{Lattice, Ray};
-use crate::program::{Bounds, Program, Surface};
+use crate::program::{Bounds, Cell, Formula, Program, Pruner, Surface};
 
 /// A part of a ray in the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,30 +15,77 @@ pub(super) struct Span {
     pub ends: [f64; 2],
 }
 
+/// Of programs with more surfaces only those near each piece of a ray are looked at. Tunes
+/// speed only.
+const MANY_SURFACES: usize = 1000;
+/// So few are near enough.
+const FEW_SURFACES: usize = 48;
+/// A ray is halved no more often.
+const MOST_HALVINGS: u32 = 30;
+
 /// The parts of rays in a solid within bounds: disjoint, ray by ray, ascending.
 pub(super) fn along(program: &Program, lattice: &Lattice, bounds: &Bounds) -> Vec<Span> {
-    let mut tape = Tape::new(program);
-    let mut events: Vec<(f64, u32)> = Vec::new();
+    let root = program.root_cell();
+    let is_many = root.surfaces.len() > MANY_SURFACES;
+    let mut walk = Walk {
+        surfaces: program.surfaces(),
+        pruner: Pruner::default(),
+        found: Vec::new(),
+    };
+    let mut tape = Tape::new(&root.formula, root.surfaces.len());
     for (ray, line) in (0..).zip((0..lattice.len()).map(|number| lattice.ray(number))) {
-        let (low, high) = (bounds.min[line.axis], bounds.max[line.axis]);
-        events.clear();
-        for (number, surface) in (0..).zip(program.surfaces()) {
-            let (is_inside, roots) = changes(surface, &line);
-            let before = roots.iter().filter(|&&t| t <= low).count();
-            tape.set(number, is_inside != (before == 1));
-            let within = roots.into_iter().filter(|&t| t > low && t < high);
-            events.extend(within.map(|t| (t, number)));
+        let ends = [bounds.min[line.axis], bounds.max[line.axis]];
+        if is_many {
+            walk.descend(&root, (ray, &line), ends, 0);
+        } else {
+            tape.add_all(&root, program.surfaces(), (ray, &line), ends);
         }
-        events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let mut from = low;
-        for &(at, surface) in &events {
-            tape.add(ray, [from, at]);
-            tape.change(surface);
-            from = at;
-        }
-        tape.add(ray, [from, high]);
     }
-    tape.finish()
+    if is_many { walk.found } else { tape.finish() }
+}
+
+/// A walk along rays.
+struct Walk<'a> {
+    surfaces: &'a [Surface],
+    pruner: Pruner,
+    found: Vec<Span>,
+}
+
+impl Walk<'_> {
+    fn descend(&mut self, cell: &Cell, line: (u32, &Ray), ends: [f64; 2], halvings: u32) {
+        let [low, high] = ends;
+        let middle = low.midpoint(high);
+        let mut half = DVec3::ZERO;
+        half[line.1.axis] = 0.5 * (high - low);
+        let mut pruned = Cell::default();
+        let center = line.1.at(middle);
+        cell.prune_into(self.surfaces, center, half, &mut self.pruner, &mut pruned);
+        match pruned.constant() {
+            Some(false) => {}
+            Some(true) => join(&mut self.found, Span { ray: line.0, ends }),
+            None if pruned.surfaces.len() <= FEW_SURFACES || halvings == MOST_HALVINGS => {
+                let mut tape = Tape::new(&pruned.formula, pruned.surfaces.len());
+                tape.add_all(&pruned, self.surfaces, line, ends);
+                for span in tape.finish() {
+                    join(&mut self.found, span);
+                }
+            }
+            None => {
+                self.descend(&pruned, line, [low, middle], halvings + 1);
+                self.descend(&pruned, line, [middle, high], halvings + 1);
+            }
+        }
+    }
+}
+
+/// Adds a part of a ray, or makes it one with the last.
+fn join(found: &mut Vec<Span>, span: Span) {
+    match found.last_mut() {
+        Some(last) if last.ray == span.ray && last.ends[1] == span.ends[0] => {
+            last.ends[1] = span.ends[1];
+        }
+        _ => found.push(span),
+    }
 }
 
 /// Whether the far end of a ray, towards negative coordinates, is in a surface's
@@ -70,7 +119,7 @@ pub(super) fn roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
 
 /// Pieces of rays, a bit each of a word for every surface.
 pub(super) struct Tape<'a> {
-    program: &'a Program,
+    formula: &'a Formula,
     words: Vec<u64>,
     /// At most 64.
     pieces: Vec<Span>,
@@ -79,10 +128,11 @@ pub(super) struct Tape<'a> {
 }
 
 impl<'a> Tape<'a> {
-    pub fn new(program: &'a Program) -> Self {
+    /// Of a formula over so many surfaces.
+    pub fn new(formula: &'a Formula, surfaces: usize) -> Self {
         Self {
-            program,
-            words: vec![0; program.surfaces().len()],
+            formula,
+            words: vec![0; surfaces],
             pieces: Vec::with_capacity(64),
             gates: Vec::new(),
             found: Vec::new(),
@@ -105,6 +155,32 @@ impl<'a> Tape<'a> {
         self.words[surface as usize] ^= u64::MAX << self.pieces.len();
     }
 
+    /// Adds the pieces between all surfaces of a cell along a ray.
+    fn add_all(
+        &mut self,
+        cell: &Cell,
+        surfaces: &[Surface],
+        (ray, line): (u32, &Ray),
+        [low, high]: [f64; 2],
+    ) {
+        let mut events: Vec<(f64, u32)> = Vec::new();
+        for (position, &id) in (0..).zip(&cell.surfaces) {
+            let (is_inside, roots) = changes(&surfaces[id as usize], line);
+            let before = roots.iter().filter(|&&t| t <= low).count();
+            self.set(position, is_inside != (before == 1));
+            let within = roots.into_iter().filter(|&t| t > low && t < high);
+            events.extend(within.map(|t| (t, position)));
+        }
+        events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut from = low;
+        for &(at, position) in &events {
+            self.add(ray, [from, at]);
+            self.change(position);
+            from = at;
+        }
+        self.add(ray, [from, high]);
+    }
+
     pub fn add(&mut self, ray: u32, ends: [f64; 2]) {
         if ends[0] < ends[1] {
             self.pieces.push(Span { ray, ends });
@@ -122,19 +198,15 @@ impl<'a> Tape<'a> {
 
     /// Tells which pieces are in the solid, and goes on where the last one ends.
     fn evaluate(&mut self) {
-        let formula = self.program.formula();
         let words = &self.words;
-        let inside = formula.evaluate_words(&mut self.gates, |_, surface| words[surface as usize]);
+        let inside = self
+            .formula
+            .evaluate_words(&mut self.gates, |_, surface| words[surface as usize]);
         for (bit, piece) in self.pieces.drain(..).enumerate() {
             if inside >> bit & 1 == 0 {
                 continue;
             }
-            match self.found.last_mut() {
-                Some(last) if last.ray == piece.ray && last.ends[1] == piece.ends[0] => {
-                    last.ends[1] = piece.ends[1];
-                }
-                _ => self.found.push(piece),
-            }
+            join(&mut self.found, piece);
         }
         for word in &mut self.words {
             *word = ((*word as i64) >> 63) as u64;

@@ -131,6 +131,7 @@ pub(super) fn is_flat(solid: &Solid) -> bool {
                     | Primitive::Cuboid { .. }
                     | Primitive::ConvexPolyhedron(_)
                     | Primitive::Prism { .. }
+                    | Primitive::Polyhedron(_)
             );
             if !flat {
                 return false;

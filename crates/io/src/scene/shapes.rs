@@ -59,6 +59,14 @@ pub(super) fn shape(primitive: &Primitive) -> Result<Shape, String> {
                 },
             ),
         },
+        Primitive::Polyhedron(polyhedron) => {
+            let (vertices, triangles) = (polyhedron.vertices(), polyhedron.triangles());
+            let mesh = csg::Mesh::new(vertices.to_vec(), triangles.to_vec());
+            Ok(Shape {
+                map: None,
+                node: polyhedra::node(&mesh),
+            })
+        }
         other => Err(format!("{} has no end, and no node", other.kind())),
     }
 }

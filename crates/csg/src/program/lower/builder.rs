@@ -204,7 +204,7 @@ impl Builder {
     }
 
     /// A gate over operands that need no more simplifying.
-    fn gate(&mut self, operation: Operation, operands: &[Operand]) -> Result<Operand, Error> {
+    pub fn gate(&mut self, operation: Operation, operands: &[Operand]) -> Result<Operand, Error> {
         match operands {
             [] => return Ok(Operand::Constant(!operation.absorbing())),
             &[only] => return Ok(only),

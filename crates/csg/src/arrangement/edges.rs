@@ -1,0 +1,64 @@
+//! The given edges of polyhedra beside curved surfaces.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::curve::Curve;
+use super::roots::Roots;
+use super::scene::Scene;
+use crate::program::{Ends, Given, Surface};
+
+impl Scene<'_> {
+    /// The given edges in which two surfaces alone meet, if these carry faces of one
+    /// polyhedron and of nothing else.
+    pub fn only_edges(&self, one: u32, other: u32) -> Option<&[Ends]> {
+        let given = self.given?;
+        let are_of_one = given.are_of_one(one, other);
+        are_of_one.then(|| given.edges_of([one, other]))
+    }
+
+    /// Where the edges that faces on two planes share cross a surface.
+    pub fn on_edges(&self, pair: [u32; 2], surface: &Surface) -> SmallVec<[DVec3; 2]> {
+        let mut points = SmallVec::new();
+        let Some(given) = self.given else {
+            return points;
+        };
+        let mut roots = Roots::default();
+        for &ends in given.edges_of(pair) {
+            let Some((line, length)) = along(given, ends) else {
+                continue;
+            };
+            roots.clear();
+            let tolerances = [self.on_plane, self.near];
+            line.meet(surface, [0.0, length], tolerances, &mut roots);
+            points.extend(roots.simple.iter().map(|&t| line.at(t)));
+        }
+        points
+    }
+
+    /// Of the planes through a curve, and other surfaces, by their numbers, the two that
+    /// it is traced by: the first of which one may carry a face and that are not of one
+    /// polyhedron. None if all are: then its edges are.
+    pub fn first_of_through(
+        &self,
+        through: &[u32],
+        may_carry: impl Fn(u32) -> bool,
+    ) -> Option<[u32; 2]> {
+        let given = self.given?;
+        let rest = |k: usize| through[k + 1..].iter();
+        let pairs = (0..through.len()).flat_map(|k| rest(k).map(move |&b| [through[k], b]));
+        let mut pairs = pairs.filter(|&[a, b]| may_carry(a) && !given.are_of_one(a, b));
+        pairs.next()
+    }
+}
+
+/// The line along an edge, and how long that is.
+pub(super) fn along(given: &Given, ends: Ends) -> Option<(Curve, f64)> {
+    let [from, to] = ends.map(|vertex| given.vertex(vertex));
+    let length = from.distance(to);
+    (length > 0.0).then(|| {
+        let direction = (to - from) / length;
+        let point = from;
+        (Curve::Line { point, direction }, length)
+    })
+}

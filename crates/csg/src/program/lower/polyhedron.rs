@@ -1,0 +1,248 @@
+//! Polyhedra of many faces: their formula, and what is known of their edges.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use super::builder::Builder;
+use super::{Context, Lowering, Value};
+use crate::error::{Error, NodeFault, PolyhedronFault};
+use crate::program::Bounds;
+use crate::program::formula::{Literal, Operand, Operation};
+use crate::program::reach::reach;
+use crate::program::region::{Halved, Partition};
+use crate::program::unify::WorldMap;
+use crate::solid::partition::{Child, Facet, Tree};
+use crate::solid::{Plane, Polyhedron, Primitive};
+use crate::surface::Surface;
+
+impl Lowering<'_> {
+    /// Leaves the value of a polyhedron on the stack.
+    pub(super) fn lower_polyhedron(
+        &mut self,
+        primitive: &Primitive,
+        polyhedron: &Polyhedron,
+        context: Context,
+    ) -> Result<(), Error> {
+        let Polyhedron {
+            vertices,
+            triangles,
+            faces,
+            planes,
+        } = polyhedron;
+        // It may have been read from a file.
+        let count = vertices.len();
+        for (face, corners) in triangles.iter().enumerate() {
+            let missing = corners.iter().find(|&&v| v as usize >= count);
+            let missing = missing.copied().or(match faces.get(face) {
+                Some(&face) if (face as usize) < planes.len() => None,
+                _ => Some(u32::MAX),
+            });
+            if let Some(vertex) = missing {
+                let fault = PolyhedronFault::NoSuchVertex {
+                    face,
+                    vertex,
+                    vertices: count,
+                };
+                return Err(self.error(fault.into()));
+            }
+        }
+        let origin = self.add_origin(primitive, context);
+        let map = self.maps[context.map as usize];
+        let out_of_range = NodeFault::OutOfRange {
+            what: "the polyhedron under the maps above it",
+        };
+        // Of each face the surface, and whether that looks the other way.
+        let mut placed: Vec<Option<(u32, bool)>> = vec![None; planes.len()];
+        for &face in faces {
+            if placed[face as usize].is_some() {
+                continue;
+            }
+            let Plane { normal, offset } = planes[face as usize];
+            let plane = Surface::plane(offset * normal, normal);
+            let Some(surface) = map.apply(&plane) else {
+                return Err(self.error(out_of_range));
+            };
+            placed[face as usize] = Some(self.builder.table.insert(surface));
+        }
+        let surface_of = |face: u32| placed[face as usize].unwrap_or_default();
+        let in_place: Vec<DVec3> = vertices
+            .iter()
+            .map(|&v| map.map.transform_point3(v))
+            .collect();
+        if !in_place.iter().all(|v| v.is_finite()) {
+            return Err(self.error(out_of_range));
+        }
+        let on_surfaces = triangles.iter().zip(faces);
+        let on_surfaces = on_surfaces.map(|(&corners, &face)| (corners, surface_of(face).0));
+        self.gathered.add(in_place.iter().copied(), on_surfaces);
+        let mut facets = Vec::with_capacity(triangles.len());
+        for (corners, &face) in triangles.iter().zip(faces) {
+            let (surface, flipped) = surface_of(face);
+            let normal = self.builder.table.surface(surface).linear;
+            let anchor = self.builder.table.surface(surface).anchor;
+            let normal = if flipped { -normal } else { normal };
+            let mut points = corners.map(|v| in_place[v as usize]);
+            // A mirror turns triangles round, not planes.
+            if map.map.matrix3.determinant() < 0.0 {
+                points.reverse();
+            }
+            facets.push(Facet {
+                face: 2 * surface + u32::from(flipped),
+                plane: Plane::through(anchor, normal),
+                points: points.as_slice().into(),
+                whole: points.into(),
+            });
+        }
+        let partition = Partition::new(facets);
+        self.gathered.slack = self.gathered.slack.max(partition.slack);
+        let mut writer = Writer {
+            builder: &mut self.builder,
+            origin,
+            negated: context.negated,
+            literals: FxHashMap::default(),
+            cuts: &mut self.gathered.cuts,
+        };
+        let operand = writer.partition(&partition)?;
+        let bounds = if context.negated {
+            Bounds::EVERYTHING
+        } else {
+            reach(primitive, &map.map)
+        };
+        self.values.push(Value { operand, bounds });
+        Ok(())
+    }
+}
+
+/// Writes a polyhedron, or what is outside of it, as a formula.
+struct Writer<'a> {
+    builder: &'a mut Builder,
+    origin: u32,
+    negated: bool,
+    /// By surface, and whether its outside is meant.
+    literals: FxHashMap<(u32, bool), Operand>,
+    cuts: &'a mut Vec<u32>,
+}
+
+impl Writer<'_> {
+    fn partition(&mut self, partition: &Partition) -> Result<Operand, Error> {
+        let mut operands = Vec::with_capacity(7);
+        for axis in 0..3 {
+            let above = self.cut(axis, partition.low[axis], true)?;
+            let below = self.cut(axis, partition.high[axis], false)?;
+            operands.extend([above, below]);
+        }
+        let inner = self.halved(&partition.root)?;
+        if inner == self.constant(false) {
+            return Ok(inner);
+        }
+        if inner != self.constant(true) {
+            operands.push(inner);
+        }
+        self.builder.gate(self.operation(Operation::And), &operands)
+    }
+
+    fn constant(&self, value: bool) -> Operand {
+        Operand::Constant(value != self.negated)
+    }
+
+    fn operation(&self, operation: Operation) -> Operation {
+        if self.negated {
+            operation.dual()
+        } else {
+            operation
+        }
+    }
+
+    fn literal(&mut self, surface: u32, outside: bool) -> Result<Operand, Error> {
+        let outside = outside != self.negated;
+        if let Some(&known) = self.literals.get(&(surface, outside)) {
+            return Ok(known);
+        }
+        let literal = self.builder.literal(Literal {
+            surface,
+            origin: self.origin,
+            outside,
+        })?;
+        self.literals.insert((surface, outside), literal);
+        Ok(literal)
+    }
+
+    /// The half-space below a coordinate along an axis, or above it.
+    fn cut(&mut self, axis: usize, at: f64, above: bool) -> Result<Operand, Error> {
+        let normal = DVec3::AXES[axis];
+        let plane = Surface::plane(at * normal, normal);
+        let Some(placed) = WorldMap::IDENTITY.apply(&plane) else {
+            return Ok(self.constant(true));
+        };
+        let (surface, flipped) = self.builder.table.insert(placed);
+        self.cuts.push(surface);
+        self.literal(surface, flipped != above)
+    }
+
+    fn pair(&mut self, operation: Operation, pair: [Operand; 2]) -> Result<Operand, Error> {
+        let absorbing = self.constant(operation.absorbing());
+        let neutral = self.constant(!operation.absorbing());
+        match pair {
+            [one, other] if one == absorbing || other == absorbing => Ok(absorbing),
+            [rest, known] | [known, rest] if known == neutral => Ok(rest),
+            pair => self.builder.gate(self.operation(operation), &pair),
+        }
+    }
+
+    /// `inner` where a half-space holds, and `outer` where its complement does.
+    fn choice(
+        &mut self,
+        [holds, fails]: [Operand; 2],
+        [inner, outer]: [Operand; 2],
+    ) -> Result<Operand, Error> {
+        let [all, none] = [true, false].map(|value| self.constant(value));
+        match [inner, outer] {
+            [one, other] if one == other => Ok(one),
+            [one, other] if other == none => self.pair(Operation::And, [holds, one]),
+            [one, other] if one == none => self.pair(Operation::And, [fails, other]),
+            [one, other] if one == all => self.pair(Operation::Or, [holds, other]),
+            [one, other] if other == all => self.pair(Operation::Or, [fails, one]),
+            [one, other] => {
+                let one = self.pair(Operation::And, [holds, one])?;
+                let other = self.pair(Operation::And, [fails, other])?;
+                self.pair(Operation::Or, [one, other])
+            }
+        }
+    }
+
+    /// Recursion is as deep as boxes are halved.
+    fn halved(&mut self, halved: &Halved) -> Result<Operand, Error> {
+        match halved {
+            Halved::Constant(value) => Ok(self.constant(*value)),
+            Halved::Faces(tree) => self.tree(tree),
+            Halved::Cut(axis, at, halves) => {
+                let below = self.halved(&halves[0])?;
+                let above = self.halved(&halves[1])?;
+                if below == above {
+                    return Ok(below);
+                }
+                let cuts = [self.cut(*axis, *at, false)?, self.cut(*axis, *at, true)?];
+                self.choice(cuts, [below, above])
+            }
+        }
+    }
+
+    fn tree(&mut self, tree: &Tree) -> Result<Operand, Error> {
+        let mut values: Vec<Operand> = vec![self.constant(false); tree.nodes.len()];
+        for (index, node) in tree.nodes.iter().enumerate().rev() {
+            let (surface, flipped) = (node.face / 2, node.face % 2 == 1);
+            let value = |child: Child| match child {
+                Child::Node(index) => values[index],
+                Child::Inside => self.constant(true),
+                Child::Outside => self.constant(false),
+            };
+            let children = [value(node.back), value(node.front)];
+            let sides = [
+                self.literal(surface, flipped)?,
+                self.literal(surface, !flipped)?,
+            ];
+            values[index] = self.choice(sides, children)?;
+        }
+        Ok(values.first().copied().unwrap_or(self.constant(false)))
+    }
+}
