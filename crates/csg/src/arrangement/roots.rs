@@ -179,7 +179,8 @@ impl Roots {
             if candidate.reach == 0.0 {
                 self.find_between(&[from, sample(candidate.place), to], &value, &tolerance);
             } else {
-                self.find_on_stretch([from, to], stretch, &value, &tolerance);
+                let ends = [from, to];
+                self.find_on_stretch(ends, candidate.place, stretch, &value, &tolerance);
             }
             before = last;
             low = Some(to);
@@ -208,11 +209,12 @@ impl Roots {
         }
     }
 
-    /// Adds the roots on a stretch on which they are too close to be told apart otherwise,
-    /// and between it and samples on both sides.
+    /// Adds the roots on a stretch around a place on which they are too close to be told apart
+    /// otherwise, and between it and samples on both sides.
     fn find_on_stretch(
         &mut self,
         [from, to]: [Sample; 2],
+        place: f64,
         [first, last]: [f64; 2],
         value: impl Fn(f64) -> f64,
         tolerance: impl Fn(f64) -> f64,
@@ -230,6 +232,11 @@ impl Roots {
         samples.push(to);
         let crosses = is_negative(&from) != is_negative(&to);
         if !crosses {
+            // The equation tells best where it touches.
+            if is_nothing(&sample(place)) {
+                self.touching.push(place);
+                return;
+            }
             let sign = from.1.signum();
             let inner = 1..samples.len() - 1;
             let nearest =

@@ -185,7 +185,7 @@ impl Ball {
 pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 2]> {
     ids.sort_unstable();
     let surfaces = ids.map(|id| &scene.surfaces[id as usize]);
-    let mut found: SmallVec<[(Ball, bool); 8]> = SmallVec::new();
+    let mut found: SmallVec<[Doubtful; 8]> = SmallVec::new();
     for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]].map(|order| order.map(|k| surfaces[k])) {
         for branch in curves(a, b, scene.near).unwrap_or_default() {
             let triple = Triple {
@@ -199,16 +199,16 @@ pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 
     // The curve on which a contact is sharpest tells where it is: where one surface meets
     // two that touch each other along a curve, only along that one it is no more than
     // tangent.
-    found.sort_by(|(one, _), (other, _)| one.radius.total_cmp(&other.radius));
+    found.sort_by(|one, other| one.blur.total_cmp(&other.blur));
     // Whatever cannot be told from one of them is the same.
     let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
-    while let Some(first) = found.iter().position(|(_, is_contact)| *is_contact) {
-        let (mut ball, _) = found.remove(first);
+    while let Some(first) = found.iter().position(|place| place.is_contact) {
+        let mut ball = found.remove(first).ball;
         while let Some(same) = found
             .iter()
-            .position(|(other, _)| ball.is_same(scene, &surfaces, other))
+            .position(|other| ball.is_same(scene, &surfaces, &other.ball))
         {
-            ball = ball.with(&found.remove(same).0);
+            ball = ball.with(&found.remove(same).ball);
         }
         let apexes = surfaces.iter().filter_map(|surface| surface.apex());
         let mut near = apexes.filter(|apex| apex.distance(ball.center) <= ball.radius + scene.near);
@@ -220,9 +220,32 @@ pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 
     contacts
 }
 
+/// Where roots along a curve cannot be told apart for sure.
+struct Doubtful {
+    ball: Ball,
+    /// Whether that is a contact by what this curve tells.
+    is_contact: bool,
+    /// How far along the curve it may as well be.
+    blur: f64,
+}
+
 impl Triple<'_> {
-    /// Adds where roots cannot be told apart for sure, and whether that is a contact.
-    fn add_doubtful(&self, scene: &Scene<'_>, found: &mut SmallVec<[(Ball, bool); 8]>) {
+    /// How far along the curve from a place the third surface is no farther than rounding
+    /// tells.
+    fn blur(&self, at: f64, range: f64, rounding: f64) -> f64 {
+        /// Shares of the range.
+        const LEAST: f64 = 1e-10;
+        const MOST: f64 = 1e-2;
+        let is_nothing = |t: f64| self.distance(t).abs() <= DOUBTFUL * rounding;
+        let mut reach = LEAST * range;
+        while reach < MOST * range && is_nothing(at - reach) && is_nothing(at + reach) {
+            reach *= 2.0;
+        }
+        self.curve.at(at + reach).distance(self.curve.at(at))
+    }
+
+    /// Adds where roots cannot be told apart for sure.
+    fn add_doubtful(&self, scene: &Scene<'_>, found: &mut SmallVec<[Doubtful; 8]>) {
         let Some(range) = self.curve.range(DVec3::ZERO, scene.reach) else {
             return;
         };
@@ -242,7 +265,11 @@ impl Triple<'_> {
             if on_curve.residual <= scene.weld && on_curve.point.distance(ball.center) <= reach {
                 ball.center = on_curve.point;
             }
-            found.push((ball, cluster.is_contact));
+            found.push(Doubtful {
+                ball,
+                is_contact: cluster.is_contact,
+                blur: self.blur(at, range[1] - range[0], scene.rounding),
+            });
         }
     }
 }

@@ -84,8 +84,8 @@ impl Program {
     /// The program with every surface that is meant moved on its own, by up to `most` where
     /// the solid is, and a fifth of that at least: what touches or meets by chance, more than
     /// two surfaces in a curve or three in a point, then clearly does or does not. What is
-    /// one surface stays one, and surfaces that nearly coincide move together: walls and
-    /// gaps thinner than the moves stay. The same moves in every run. None if no surface is
+    /// one surface stays one, and curved surfaces that nearly coincide move together: walls
+    /// and gaps between them that are thinner than the moves stay. The same moves in every run. None if no surface is
     /// meant.
     pub(crate) fn perturbed(
         &self,
@@ -103,7 +103,7 @@ impl Program {
         let chains = Chains::of(&about, reach, TOGETHER * most);
         let mut leaders: Vec<usize> = (0..about.len()).collect();
         for chain in chains.longer_than_one() {
-            for &other in &chain {
+            for &other in chain.iter().filter(|&&k| !about[k as usize].is_plane()) {
                 leaders[other as usize] = chain[0] as usize;
             }
         }
@@ -120,9 +120,7 @@ impl Program {
             let direction = DVec3::new(number(0), number(1), number(2));
             let distance = (0.6 + 0.4 * number(3)) * most;
             let step = if surface.is_plane() {
-                let leads = self.surfaces[leader].linear;
-                let normal = surface.linear * leads.dot(surface.linear).signum();
-                direction.x.signum() * distance * normal
+                direction.x.signum() * distance * surface.linear
             } else {
                 distance * direction.normalize_or_zero()
             };
@@ -361,8 +359,8 @@ mod tests {
             let walls = [
                 Solid::sphere(0.7) - Solid::sphere(0.7 - by),
                 Solid::infinite_cylinder(0.6) - Solid::infinite_cylinder(0.6 - by),
-                Solid::half_space([0.0, 0.0, 1.0], 0.1)
-                    - Solid::half_space([0.0, 0.0, 1.0], 0.1 - by),
+                Solid::ellipsoid([0.4, 0.3, 0.5])
+                    - Solid::ellipsoid([0.4, 0.3, 0.5]).scale(1.0 - by),
             ];
             lowered(&pose(walls.into_iter().reduce(|a, b| a | b).expect("some")))
         };
