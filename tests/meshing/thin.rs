@@ -123,3 +123,29 @@ fn so_may_those_of_files() {
         assert!(meshed.mesh.triangles.len() < 2000, "{name}");
     }
 }
+
+/// Walls far thinner than the tolerance: both sides are cut up alike, at as many triangles
+/// as one side takes by itself.
+#[test]
+fn shells_take_what_their_sides_take() {
+    for wall in [3e-3, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
+        let ball = 4.0 / 3.0 * PI;
+        let inner = 1.0 - wall;
+        let shell = Solid::sphere(1.0) - Solid::sphere(inner);
+        let volume = ball * (1.0 - inner.powi(3));
+        check(&format!("shell, {wall}"), &turned(&shell), volume);
+        // Thinner on one side than on the other one.
+        let off = Solid::sphere(inner).translate([0.3 * wall, 0.6 * wall, 0.0]);
+        let shell = Solid::sphere(1.0) - off;
+        check(&format!("off its centre, {wall}"), &turned(&shell), volume);
+        let axes = [1.0, 0.7, 0.4];
+        let ellipsoid = |share: f64| Solid::ellipsoid(axes.map(|axis| share * axis));
+        let shell = ellipsoid(1.0) - ellipsoid(inner);
+        let volume = 0.28 * volume;
+        check(&format!("ellipsoid, {wall}"), &turned(&shell), volume);
+        let within = ellipsoid(1.0 - 2.0 * wall) - ellipsoid(1.0 - 3.0 * wall);
+        let volume =
+            volume + 0.28 * ball * ((1.0 - 2.0 * wall).powi(3) - (1.0 - 3.0 * wall).powi(3));
+        check(&format!("two, {wall}"), &turned(&(shell | within)), volume);
+    }
+}

@@ -10,6 +10,7 @@ use super::data::{
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
 use crate::arrangement::{Arrangement, CurveId, Side};
+use crate::numeric::Groups;
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 
@@ -205,29 +206,6 @@ impl Faces {
             self.genus.push((twice_genus / 4) as u32);
         }
         Ok(())
-    }
-}
-
-/// Things joined to groups (Galler and Fischer's disjoint sets), each named by its first.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn first(&mut self, mut of: u32) -> u32 {
-        while self.0[of as usize] != of {
-            let above = self.0[self.0[of as usize] as usize];
-            self.0[of as usize] = above;
-            of = above;
-        }
-        of
-    }
-
-    fn join(&mut self, pair: [u32; 2]) {
-        let [a, b] = pair.map(|of| self.first(of));
-        self.0[a.max(b) as usize] = a.min(b);
     }
 }
 

@@ -5,9 +5,10 @@ use std::fmt;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::components::{Components, find};
+use super::components::Components;
 use super::star::{Stars, degenerate, in_range};
 use crate::mesh::Mesh;
+use crate::numeric::Groups;
 
 /// How many places of each defect a [`MeshCheck`] keeps.
 pub const PLACES_PER_DEFECT: usize = 8;
@@ -313,7 +314,7 @@ struct StarCheck {
     /// `2 * end`, or towards it, as `2 * end + 1`.
     sides: Vec<u64>,
     neighbours: Vec<u32>,
-    parents: Vec<u32>,
+    parts: Groups,
 }
 
 impl StarCheck {
@@ -384,18 +385,14 @@ impl StarCheck {
     /// Whether the link hangs together (union-find over the neighbours).
     fn link_is_connected(&mut self, links: &[[u32; 2]]) -> bool {
         let neighbours = &self.neighbours;
-        self.parents.clear();
-        self.parents.extend(0..neighbours.len() as u32);
+        self.parts.reset(neighbours.len());
         let mut parts = neighbours.len();
         for link in links {
-            let [a, b] = link.map(|end| {
+            let pair = link.map(|end| {
                 let slot = neighbours.partition_point(|&neighbour| neighbour < end);
-                find(&mut self.parents, slot as u32)
+                slot as u32
             });
-            if a != b {
-                self.parents[a.max(b) as usize] = a.min(b);
-                parts -= 1;
-            }
+            parts -= usize::from(self.parts.join(pair));
         }
         parts == 1
     }

@@ -2,6 +2,7 @@
 
 use super::star::usable;
 use crate::mesh::Mesh;
+use crate::numeric::Groups;
 
 /// The parts of a mesh that share no vertex.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,14 +21,10 @@ impl Components {
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let vertices = mesh.positions.len();
-        // (Vertices beyond the range of indices belong to no triangle.)
-        let mut parents: Vec<u32> = (0..=u32::MAX).take(vertices).collect();
-        for triangle in mesh.triangles.iter().filter(|t| usable(t, vertices)) {
-            let [a, b, c] = triangle.map(|vertex| find(&mut parents, vertex));
-            let root = a.min(b).min(c);
-            for other in [a, b, c] {
-                parents[other as usize] = root;
-            }
+        let mut parts = Groups::new(vertices);
+        for &[a, b, c] in mesh.triangles.iter().filter(|t| usable(t, vertices)) {
+            parts.join([a, b]);
+            parts.join([b, c]);
         }
         let mut labels = vec![None; vertices];
         let mut count = 0;
@@ -36,7 +33,7 @@ impl Components {
             .iter()
             .map(|triangle| {
                 usable(triangle, vertices).then(|| {
-                    let root = find(&mut parents, triangle[0]);
+                    let root = parts.first(triangle[0]);
                     *labels[root as usize].get_or_insert_with(|| {
                         count += 1;
                         count - 1
@@ -57,14 +54,4 @@ impl Mesh {
     pub fn components(&self) -> Components {
         Components::of(self)
     }
-}
-
-/// The root of a vertex's tree, halving the path on the way.
-pub(super) fn find(parents: &mut [u32], mut vertex: u32) -> u32 {
-    while parents[vertex as usize] != vertex {
-        let grandparent = parents[parents[vertex as usize] as usize];
-        parents[vertex as usize] = grandparent;
-        vertex = grandparent;
-    }
-    vertex
 }

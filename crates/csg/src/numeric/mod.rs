@@ -1,7 +1,9 @@
 //! Numbers alone: what knows of no surface and no solid.
 
 mod eigen;
+mod groups;
 pub(crate) mod lanes;
 pub(crate) mod tolerance;
 
 pub(crate) use self::eigen::{eigen_symmetric, jacobi};
+pub(crate) use self::groups::Groups;

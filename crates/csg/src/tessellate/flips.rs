@@ -141,7 +141,7 @@ mod tests {
         let groups = groups.map(|triangle| (triangle + 3).saturating_sub(count));
         let surfaced = Surfaced {
             positions: corners.collect(),
-            surface_of_group: vec![0; triangles.len()],
+            surface_of_group: vec![0; triangles.len()].into(),
             groups: groups.collect(),
             triangles,
             ..Surfaced::default()

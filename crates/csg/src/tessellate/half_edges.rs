@@ -56,6 +56,8 @@ pub(super) struct HalfEdges<'a> {
     /// other surface on whose curve they are, where it is known; and for some that
     /// are no more.
     pub borders: Borders,
+    /// How near points must come to their surfaces.
+    pub precision: f64,
 }
 
 impl<'a> HalfEdges<'a> {

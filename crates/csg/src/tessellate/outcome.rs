@@ -55,4 +55,13 @@ impl Outcome {
             self.tighter.extend(surfaces);
         }
     }
+
+    /// Adds what came of another part.
+    pub fn add(&mut self, other: &Self) {
+        if other.deviation > self.deviation {
+            (self.deviation, self.farthest) = (other.deviation, other.farthest);
+        }
+        self.unkept.extend_from_slice(&other.unkept);
+        self.tighter.extend_from_slice(&other.tighter);
+    }
 }

@@ -1,6 +1,8 @@
 //! Faces that bend both ways and come to many triangles: they are cut into large
 //! ones of like size, nearly flat, which are then tessellated in one step.
 
+use rustc_hash::FxHashMap;
+
 use super::fill::{Tessellator, rows_of};
 use super::fine::{Fine, INNER};
 use super::grow::Grower;
@@ -123,22 +125,29 @@ impl Grower<'_, '_> {
     /// Chooses the faces that are to be tessellated: those of surfaces that
     /// turn little along a chord.
     fn choose(&mut self) {
-        // For each surface the chords of all edges, and how far it turns.
-        let mut sums = vec![(0.0, 0.0); self.mesh.surfaces.len()];
+        // The chords of all edges, and how far the surface turns along them: of each face,
+        // and of each surface.
+        let mut sums = vec![(0.0, 0.0); self.mesh.regions.len()];
         // Where the solid touches itself edges are to stay as they are.
         let mut has_contacts = vec![false; self.mesh.regions.len()];
         for half in self.mesh.halves() {
+            let region = self.mesh.region_index(triangle_of(half)) as usize;
             if self.mesh.is_contact(half) {
-                has_contacts[self.mesh.region_index(triangle_of(half)) as usize] = true;
+                has_contacts[region] = true;
             }
             if self.mesh.region(half).bend.is_twice() {
                 let (chords, turn) = (self.chords_of(half, false), self.turn(half));
-                let sum = &mut sums[self.mesh.surface_index(half) as usize];
+                let sum = &mut sums[region];
                 *sum = (sum.0 + chords, sum.1 + turn);
             }
         }
+        let mut of_surface: FxHashMap<u32, (f64, f64)> = FxHashMap::default();
+        for (region, (chords, turn)) in self.mesh.regions.iter().zip(sums) {
+            let sum = of_surface.entry(region.surface).or_default();
+            *sum = (sum.0 + chords, sum.1 + turn);
+        }
         for (region, has_contacts) in self.mesh.regions.iter_mut().zip(has_contacts) {
-            let (chords, turn) = sums[region.surface as usize];
+            let (chords, turn) = of_surface[&region.surface];
             if !has_contacts && region.bend.is_twice() && chords * MOST_TURN > FEWEST_CHORDS * turn
             {
                 region.way = Way::AtOnce;

@@ -17,7 +17,7 @@ use super::outcome::Outcome;
 use super::round::Round;
 use super::shape::{faces_in, facing};
 use super::side::{Side, halved, together};
-use super::surfaced::{Surfaced, precision};
+use super::surfaced::Surfaced;
 use crate::program::Surface;
 
 /// How triangles that run through each other are parted.
@@ -41,7 +41,7 @@ pub(crate) fn separate(
     parting: Parting,
     outcome: &mut Outcome,
 ) -> bool {
-    let precision = precision(&surfaced.positions);
+    let precision = surfaced.precision;
     let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         return false;
     };
@@ -125,6 +125,8 @@ fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<S
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::sync::Arc;
+
     use glam::DVec3;
 
     use super::*;
@@ -141,7 +143,8 @@ pub(super) mod tests {
         let program = Program::lower(&solid).expect("a valid solid");
         let surfaces = program.surfaces().to_vec();
         let mut all = Surfaced {
-            surface_of_group: vec![0, 1],
+            surface_of_group: [0, 1].into(),
+            precision: 1e-12,
             ..Surfaced::default()
         };
         let centers = [DVec3::ZERO, center];
@@ -151,7 +154,8 @@ pub(super) mod tests {
             let on = surfaces
                 .iter()
                 .position(|s| s.value(center + radius * DVec3::X).abs() < 1e-14);
-            all.surface_of_group[group as usize] = on.expect("its surface") as u32;
+            Arc::make_mut(&mut all.surface_of_group)[group as usize] =
+                on.expect("its surface") as u32;
             octahedron(radius, center, rows, group, &mut all);
         }
         (all, surfaces)
@@ -301,7 +305,8 @@ pub(super) mod tests {
             positions: rim.into_iter().chain([DVec3::Z, DVec3::ZERO]).collect(),
             triangles: upper.chain(lower).collect(),
             groups: vec![0, 0, 0, 0, 1, 1, 1, 1],
-            surface_of_group: vec![1 - plane, plane],
+            surface_of_group: [1 - plane, plane].into(),
+            precision: 1e-12,
             ..Surfaced::default()
         };
         (all, surfaces)

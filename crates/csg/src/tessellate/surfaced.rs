@@ -1,5 +1,7 @@
 //! A mesh whose triangles know their surfaces.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::arrangement::Borders;
@@ -14,16 +16,32 @@ pub(crate) struct Surfaced {
     /// For each triangle its group. Groups are kept apart.
     pub groups: Vec<u32>,
     /// For each group its surface.
-    pub surface_of_group: Vec<u32>,
+    pub surface_of_group: Arc<[u32]>,
     /// Edges between groups of one surface whose curves are known.
     pub borders: Borders,
+    /// How near points must come to their surfaces.
+    pub precision: f64,
+}
+
+impl Surfaced {
+    /// Without triangles, for some on the same surfaces.
+    pub fn empty(&self) -> Self {
+        Self {
+            surface_of_group: Arc::clone(&self.surface_of_group),
+            precision: self.precision,
+            ..Self::default()
+        }
+    }
 }
 
 /// About what is held for each triangle at a time.
 pub(super) const BYTES_PER_TRIANGLE: usize = 200;
 
-/// How near points must come to their surfaces.
-pub(super) fn precision(positions: &[DVec3]) -> f64 {
+/// About what a triangle that is finished takes.
+pub(super) const BYTES_PER_FINISHED: usize = 32;
+
+/// How near points in a frame must come to their surfaces.
+pub(crate) fn precision(positions: &[DVec3]) -> f64 {
     let size = positions
         .iter()
         .fold(0.0f64, |m, p| m.max(p.abs().max_element()));

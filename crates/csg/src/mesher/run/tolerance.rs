@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::{PARTED, REFINED, Run, SHAPED};
 use crate::arrangement::Borders;
+use crate::control::Control;
 use crate::error::Error;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
@@ -14,13 +15,7 @@ use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
 use crate::report::Report;
 use crate::task::Task;
-use crate::tessellate::{self, Goal, Outcome, Parting, Surfaced, Unkept};
-
-/// A mesh brought to a tolerance.
-struct Refined {
-    surfaced: Surfaced,
-    outcome: Outcome,
-}
+use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Surfaced, Unkept};
 
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
@@ -36,7 +31,9 @@ impl Run<'_> {
     ) -> Result<(), Error> {
         let start = Instant::now();
         merge_alike(mesh, task.program);
+        let precision = tessellate::precision(&mesh.positions);
         let coarse = Surfaced {
+            precision,
             positions: std::mem::take(&mut mesh.positions),
             triangles: std::mem::take(&mut mesh.triangles),
             groups: std::mem::take(&mut mesh.triangle_surfaces),
@@ -50,7 +47,7 @@ impl Run<'_> {
             asked
         };
         let (refined, reached) = fit(asked, most, HALVINGS, |tolerance| {
-            self.refine_to(&coarse, task, goal.loosened(tolerance / asked))
+            self.refine_to(&coarse, task, &goal.loosened(tolerance / asked))
         })?;
         let Surfaced {
             positions,
@@ -72,12 +69,78 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// A mesh to a tolerance, and to so much less on surfaces where that is not
-    /// proven, or, if it is to be checked, where the mesh would run through itself,
-    /// that it is and does not.
-    fn refine_to(
+    /// Brings each part of a mesh to the tolerance, and those once more and together that
+    /// break it, run through each other or are folded.
+    fn refine_to(&self, coarse: &Surfaced, task: &Task<'_>, goal: &Goal) -> Result<Refined, Error> {
+        let parts = tessellate::parts(coarse);
+        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
+        let control = self.refining(goal);
+        let alone = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
+        control.tell(1.0);
+        let is_narrow = |part: &Refined| !part.outcome.tighter.is_empty();
+        let mut is_wrong: Vec<bool> = alone.iter().map(is_narrow).collect();
+        let mut together: Option<Refined> = None;
+        if is_wrong.contains(&true) {
+            together = Some(self.refine_wrong(parts, &alone, &is_wrong, task, goal)?);
+        }
+        loop {
+            let right = (0..parts.len()).filter(|&part| !is_wrong[part]);
+            let all: Vec<&Refined> = right
+                .clone()
+                .map(|part| &alone[part])
+                .chain(&together)
+                .collect();
+            let whole = tessellate::join_refined(&all);
+            if !self.mesher.check {
+                return Ok(whole);
+            }
+            let ends = all.iter().scan(0, |end, part| {
+                *end += part.surfaced.triangles.len();
+                Some(*end)
+            });
+            let ends: Vec<usize> = ends.collect();
+            let right: Vec<usize> = right.collect();
+            let wrong = wrong_triangles(&whole.surfaced, task).into_iter().flatten();
+            let wrong = wrong.map(|triangle| ends.partition_point(|&end| end <= triangle as usize));
+            // What is wrong of the others is known, and noted.
+            let wrong: Vec<usize> = wrong.filter_map(|part| right.get(part).copied()).collect();
+            if wrong.is_empty() {
+                return Ok(whole);
+            }
+            for part in wrong {
+                is_wrong[part] = true;
+            }
+            together = Some(self.refine_wrong(parts, &alone, &is_wrong, task, goal)?);
+        }
+    }
+
+    fn refining(&self, goal: &Goal) -> Control {
+        let demand = Demand::Tolerance(goal.tolerance);
+        self.control.again(demand).part(SHAPED, REFINED)
+    }
+
+    /// Brings the parts that are wrong to the tolerance together.
+    fn refine_wrong(
+        &self,
+        parts: &[Surfaced],
+        alone: &[Refined],
+        is_wrong: &[bool],
+        task: &Task<'_>,
+        goal: &Goal,
+    ) -> Result<Refined, Error> {
+        let wrong = (0..parts.len()).filter(|&part| is_wrong[part]);
+        let coarse = tessellate::join(wrong.clone().map(|part| &parts[part]));
+        let first: Vec<&Refined> = wrong.map(|part| &alone[part]).collect();
+        let first = tessellate::join_refined(&first);
+        self.refine_together(&coarse, first, task, goal.clone())
+    }
+
+    /// A mesh brought to a tolerance, at first as it is given. Where it breaks that or, if
+    /// the mesh is to be checked, runs through itself or is folded, it is brought to less.
+    fn refine_together(
         &self,
         coarse: &Surfaced,
+        first: Refined,
         task: &Task<'_>,
         mut goal: Goal,
     ) -> Result<Refined, Error> {
@@ -89,22 +152,25 @@ impl Run<'_> {
         const FINER: f64 = 0.4;
         /// So many times as many triangles are not worth it.
         const MOST_GROWTH: usize = 20;
-        let demand = Demand::Tolerance(goal.tolerance);
-        let control = self.control.again(demand).part(SHAPED, REFINED);
-        let attempt = |goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
-            let mut surfaced = coarse.clone();
-            let mut outcome =
-                tessellate::to_tolerance(&mut surfaced, &task.surfaces, goal, &control)?;
-            control.tell(1.0);
+        let parts = tessellate::parts(coarse);
+        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
+        let control = self.refining(&goal);
+        let finish = |mut refined: Refined, goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
             if self.mesher.check {
-                self.separate(&mut surfaced, &mut outcome, task, goal)?;
+                let Refined { surfaced, outcome } = &mut refined;
+                self.separate(surfaced, outcome, task, goal)?;
             }
-            let mut narrow = std::mem::take(&mut outcome.tighter);
+            let mut narrow = std::mem::take(&mut refined.outcome.tighter);
             narrow.sort_unstable();
             narrow.dedup();
-            Ok((Refined { surfaced, outcome }, narrow))
+            Ok((refined, narrow))
         };
-        let (mut best, mut narrow) = attempt(&goal)?;
+        let attempt = |goal: &Goal| {
+            let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
+            let refined: Vec<&Refined> = refined.iter().collect();
+            finish(tessellate::join_refined(&refined), goal)
+        };
+        let (mut best, mut narrow) = finish(first, &goal)?;
         let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
         // At first it may be enough that no vertex of the surfaces is removed.

@@ -34,6 +34,7 @@ impl<'a> HalfEdges<'a> {
             fine_edges: FxHashSet::default(),
             contacts: Contacts::default(),
             borders: surfaced.borders.clone(),
+            precision: surfaced.precision,
         };
         mesh.regions = regions(&mut mesh, &surfaced.groups, &surfaced.surface_of_group);
         for vertex in 0..mesh.positions.len() as u32 {

@@ -7,7 +7,6 @@ use super::{HalfEdges, Kind};
 use crate::numeric::tolerance::{NEAR_OF_REFINED, TOUCHING_AT_ENDS};
 use crate::tessellate::contacts::Contacts;
 use crate::tessellate::curves::on_curve;
-use crate::tessellate::surfaced::precision;
 
 impl HalfEdges<'_> {
     /// Lets no vertex move that is in the same place as another one, where the
@@ -48,10 +47,9 @@ impl HalfEdges<'_> {
         }
         edges.sort_unstable();
         let alike = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        let precision = precision(&self.positions);
         let alike = alike.map(|edges| {
             let edges = edges.iter().map(|edge| edge.1).collect();
-            self.along_one_curve(edges, precision)
+            self.along_one_curve(edges)
         });
         let edges: Vec<Vec<[u32; 2]>> = alike.filter(|edges| edges.len() > 1).collect();
         let places = (0..).zip(&edges);
@@ -65,17 +63,17 @@ impl HalfEdges<'_> {
     /// Of edges that join the same two places those whose surfaces go through the
     /// point at which their curve would be cut: a chord of one face may join the ends of
     /// an edge that it has nothing to do with. None if all of them are such chords.
-    fn along_one_curve(&self, mut edges: Vec<[u32; 2]>, precision: f64) -> Vec<[u32; 2]> {
+    fn along_one_curve(&self, mut edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
         let Some(curve) = self.contact_curve(&edges) else {
             return Vec::new();
         };
         let curve = curve.map(|index| &self.surfaces[index as usize]);
         let [p, q] = edges[0].map(|v| self.at(v));
-        if let Some(middle) = on_curve(curve, p.midpoint(q), 0.5 * p.distance(q), precision) {
+        if let Some(middle) = on_curve(curve, p.midpoint(q), 0.5 * p.distance(q), self.precision) {
             let is_on = |half: u32| {
                 let surface = self.surface(half);
                 let off = surface.value(middle).abs();
-                off <= NEAR_OF_REFINED * precision * surface.gradient(middle).length()
+                off <= NEAR_OF_REFINED * self.precision * surface.gradient(middle).length()
             };
             edges.retain(|&ends| {
                 let half = self.between(ends);
