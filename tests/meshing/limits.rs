@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use csg::{CancelToken, Demand, Error, Limit, LimitReached, Limits, Meshed, Mesher, Program};
+use csg::{
+    CancelToken, Demand, Error, Limit, LimitReached, Limits, Meshed, Mesher, Program, Solid,
+};
 use stereotomy::{csg, scenes};
 
 use super::tolerance::sampled_deviation;
@@ -218,8 +220,12 @@ fn counts_are_the_same_on_any_number_of_threads() {
 #[test]
 fn time_ends_the_work() {
     let long = [
-        // Minutes each, if they were let.
-        (scenes::sphere(), Mesher::new().tolerance(1e-9)),
+        // Seconds or minutes each, if they were let.
+        (scenes::sphere(), Mesher::new().tolerance(1e-7)),
+        (
+            Solid::ellipsoid([1.0, 0.9, 0.8]),
+            Mesher::new().tolerance(1e-9),
+        ),
         (scenes::drilled(), Mesher::new().cells(30_000)),
         (scenes::menger(6), Mesher::new()),
         (scenes::drilled(), Mesher::new().cells(4_000).draft()),

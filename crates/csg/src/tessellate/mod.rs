@@ -14,7 +14,7 @@
 //!
 //! Vertices never leave their surfaces. [`mod@parts`] of the mesh that are not connected are
 //! refined at once; within one of them, one thread does all but the filling, in a fixed
-//! order. Walls thinner than the tolerance are cut up alike on both sides ([`mirror`]).
+//! order. Spheres that are whole are [`geodesic`] polyhedra; walls thinner than the tolerance are cut up alike on both sides ([`mirror`]).
 
 mod beside;
 mod chains;
@@ -27,6 +27,7 @@ pub(crate) mod deviation;
 mod fill;
 mod fine;
 mod flips;
+mod geodesic;
 mod goal;
 mod grow;
 mod half_edges;
@@ -47,6 +48,7 @@ mod shape;
 mod side;
 mod smooth;
 mod surfaced;
+mod whole;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -61,6 +63,7 @@ pub(crate) use self::parts::{Refined, join, join_refined, parts};
 pub(crate) use self::separate::{Parting, folded, separate};
 use self::surfaced::{BYTES_PER_FINISHED, BYTES_PER_TRIANGLE};
 pub(crate) use self::surfaced::{Surfaced, precision};
+use self::whole::Whole;
 use crate::control::Control;
 use crate::error::Error;
 use crate::program::Surface;
@@ -79,37 +82,50 @@ pub(crate) fn to_tolerance(
     control: &Control,
 ) -> Result<Vec<Refined>, Error> {
     let triangles = AtomicUsize::new(0);
-    let refine = |part: &Surfaced| {
-        let refined = refine(part, surfaces, goal, control)?;
+    let wholes = parts.iter().map(|part| Whole::of(part, surfaces));
+    let wholes: Vec<Option<Whole<'_>>> = wholes.collect();
+    let refine = |part: usize| {
+        let sphere = match &wholes[part] {
+            Some(whole) => geodesic::sphere(&parts[part], whole, goal, control)?,
+            None => None,
+        };
+        let refined = match sphere {
+            Some(sphere) => sphere,
+            None => refine(&parts[part], surfaces, goal, control)?,
+        };
         let count = refined.surfaced.triangles.len();
         let all = count + triangles.fetch_add(count, Ordering::Relaxed);
         control.check_triangles(all)?;
         control.check_memory(BYTES_PER_FINISHED * all)?;
         Ok(refined)
     };
-    if let [part] = parts {
-        return Ok(vec![refine(part)?]);
-    }
-    let originals = mirror::originals(parts, surfaces, goal);
+    // All of them, whichever fails first.
     let some = |wanted: &(dyn Fn(usize) -> Result<Option<Refined>, Error> + Sync)| {
-        // All of them, whichever fails first.
-        let made: Vec<Result<Option<Refined>, Error>> =
-            (0..parts.len()).into_par_iter().map(wanted).collect();
+        let made: Vec<Result<Option<Refined>, Error>> = match parts.len() {
+            1 => vec![wanted(0)],
+            count => (0..count).into_par_iter().map(wanted).collect(),
+        };
         made.into_iter()
             .collect::<Result<Vec<Option<Refined>>, Error>>()
     };
+    let originals = mirror::originals(&wholes, goal);
     let mut refined = some(&|part| match originals[part] {
-        mirror::NONE => refine(&parts[part]).map(Some),
+        mirror::NONE => refine(part).map(Some),
         _ => Ok(None),
     })?;
     let images = some(&|part| {
-        let original = originals[part];
-        if original == mirror::NONE {
+        let Some(original) = refined.get(originals[part] as usize) else {
             return Ok(None);
-        }
-        let original = refined[original as usize].as_ref();
-        let image = original.and_then(|of| mirror::image(&parts[part], of, surfaces, goal));
-        image.map_or_else(|| refine(&parts[part]), Ok).map(Some)
+        };
+        let pair = [part, originals[part] as usize].map(|part| wholes[part].as_ref());
+        let image = match (pair, original) {
+            ([Some(whole), Some(other)], Some(original)) => {
+                let is_turned = whole.is_void != other.is_void;
+                mirror::image(&parts[part], whole, original, is_turned, goal)
+            }
+            _ => None,
+        };
+        image.map_or_else(|| refine(part), Ok).map(Some)
     })?;
     for (refined, image) in refined.iter_mut().zip(images) {
         if image.is_some() {
