@@ -261,10 +261,7 @@ fn check_whole<S: SlabSource>(slabs: &mut [S]) -> Result<(), Error> {
 }
 
 fn missing(part: u32, of: u32) -> String {
-    format!(
-        "it is one of {of} slabs, and slab {} is missing",
-        part + 1
-    )
+    format!("it is one of {of} slabs, and slab {} is missing", part + 1)
 }
 
 fn check_head(slab: &impl SlabSource) -> Result<(), Error> {
