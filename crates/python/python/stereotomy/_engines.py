@@ -9,18 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 # Type checkers know the names; `typing` itself would be most of the time that an import takes.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, Protocol
-
-    class Engine(Protocol):
-        """What is done for every item, and given back with its place as soon as it is done;
-        `shared` is the pickle of what all have in common."""
-
-        workers: int
-
-        def run(
-            self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
-        ) -> Iterator[tuple[int, Any]]: ...
-
+    from typing import Any
 
 # How often what was lost with its worker is done once more.
 RETRIES = 3
@@ -59,8 +48,8 @@ def _call(function: Callable[..., Any], shared: bytes, item: tuple[Any, ...]) ->
     return function(known[1], *item)
 
 
-class _Ahead:
-    """Submits items a few ahead of the results that are fetched."""
+class Engine:
+    """Does a function for every item, some ahead of the results that are fetched."""
 
     workers: int
 
@@ -83,6 +72,8 @@ class _Ahead:
     def run(
         self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
     ) -> Iterator[tuple[int, Any]]:
+        """Each result with its item's place, as soon as it is done; `shared` is the pickle of
+        what all items have in common."""
         self._share(shared)
         waiting = iter(enumerate(items))
         under_way: dict[Any, int] = {}
@@ -102,7 +93,7 @@ class _Ahead:
                 self._cancel(future)
 
 
-class Ray(_Ahead):
+class Ray(Engine):
     """A Ray cluster; `ray` is the module, after `ray.init()`."""
 
     def __init__(self, ray: Any) -> None:
@@ -134,7 +125,7 @@ class Ray(_Ahead):
         self.ray.cancel(future)
 
 
-class Dask(_Ahead):
+class Dask(Engine):
     """A Dask cluster, by a `distributed.Client`. Workers that die are the scheduler's affair:
     it gives what they did to others."""
 
@@ -160,7 +151,7 @@ class Dask(_Ahead):
         future.cancel()
 
 
-class Pool(_Ahead):
+class Pool(Engine):
     """Any executor of `concurrent.futures`. What is lost with its worker is lost."""
 
     def __init__(self, executor: Any) -> None:

@@ -18,6 +18,7 @@ below `if __name__ == "__main__":`.
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -28,7 +29,6 @@ from ._stereotomy import empty as _empty
 # Type checkers know the names; `typing` itself would be most of the time that an import takes.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import os
     from typing import Any, TypeAlias, Unpack
 
     from ._stereotomy import Mesh, _MeshOptions
@@ -74,7 +74,6 @@ def mesh(
     >>> mesh.triangles.tolist() == solid.mesh(cells=40).triangles.tolist()
     True
     """
-    import os
     import tempfile
 
     if not isinstance(solid, Solid):
@@ -120,7 +119,6 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     write: str | Sequence[str] = (),
     rows_at_once: int | None = None,
-    progress: Callable[[float], object] | None = None,
     **options: Unpack[_MeshOptions],
 ) -> list[dict[str, Any]]:
     """A row of measures of each variant of a model: `model(**row)` is the solid of a row of the
@@ -129,13 +127,14 @@ def sweep(
 
     The rows come back in order, each with its number from 1 as `row`, its variables, `volume`,
     `volume_error`, `area` and the centroid, `files`, and in `error` what went wrong, if
-    anything did: then the measures are None, and the other rows go on. With `write`, a name or several
-    such as `"part-{row}.step"` in which a variable's name in braces stands for its value, each
-    variant is saved there, too, with the options of `mesh`, where its worker is. `out` names a
-    .csv or (with pyarrow) .parquet file for the table.
+    anything did: then the measures are None, and the other rows go on. With `write`, a name or
+    several such as `"part-{row}.step"` in which a variable's name in braces stands for its
+    value, each variant is saved there, too, with the options of `mesh`, where its worker is.
+    `out` names a .csv or (with pyarrow) .parquet file for the table.
 
     The model goes to the workers as a pickle: for processes of this machine it must be a
-    function of a module. `rows_at_once` says how many rows a worker takes at a time.
+    function of a module. `rows_at_once` says how many rows a worker takes at a time, and
+    `progress` is called with the share that is done.
 
     >>> import stereotomy as st
     >>> from concurrent.futures import ThreadPoolExecutor
@@ -148,6 +147,8 @@ def sweep(
     >>> rows[2]["error"]
     'ValueError: infinite_cylinder(radius=-1.0): a radius is -1: it must be positive and finite'
     """
+    given: dict[str, Any] = dict(options)
+    progress = given.pop("progress", None)
     rows = _rows(table)
     if rows_at_once is not None and rows_at_once < 1:
         raise ValueError(f"sweep: rows_at_once is {rows_at_once!r}: give a whole number from 1")
@@ -167,7 +168,7 @@ def sweep(
     some = rows_at_once or max(1, min(256, -(-len(rows) // (_PARTS * engine.workers))))
     items = [(first + 1, rows[first : first + some]) for first in range(0, len(rows), some)]
     made: dict[int, list[dict[str, Any]]] = {}
-    shared = _pickled((model, names, dict(options)), client)
+    shared = _pickled((model, names, given), client)
     for at, chunk in engine.run(_measure_rows, shared, items):
         made[at] = chunk
         if progress is not None:
@@ -205,7 +206,7 @@ def _rows(table: _Table) -> list[dict[str, Any]]:
         if len(set(lengths.values())) > 1:
             raise ValueError(f"sweep: the table's columns differ in length: {lengths}")
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    elif hasattr(table, "__fspath__") or isinstance(table, str):
+    elif isinstance(table, (str, os.PathLike)):
         import csv
 
         with open(table, newline="", encoding="utf-8") as file:
@@ -290,7 +291,6 @@ def _measured(
 
 def _check_table(path: str | os.PathLike[str]) -> None:
     import importlib
-    import os
 
     ending = os.path.splitext(os.fspath(path))[1].lower()
     if ending == ".parquet":
@@ -308,7 +308,6 @@ def _check_table(path: str | os.PathLike[str]) -> None:
 def _write_table(path: str | os.PathLike[str], rows: list[dict[str, Any]]) -> None:
     """The table, whole or not at all."""
     import importlib
-    import os
 
     path = os.fspath(path)
     unfinished = f"{path}.unfinished-{os.getpid()}"
