@@ -42,11 +42,7 @@ fn what_is_no_shard_and_no_whole_is_told() {
     let bytes = fs::read(folder.file("2.shard")).expect("a file");
     fs::write(folder.file("short.shard"), &bytes[..bytes.len() - 5]).expect("a file");
     for (arguments, code, said) in [
-        (
-            "merge 1.shard -o a.ply",
-            3,
-            "1.shard: it is one of 2 slabs",
-        ),
+        ("merge 1.shard -o a.ply", 3, "1.shard: it is one of 2 slabs"),
         ("merge 1.shard 1.shard 2.shard -o a.ply", 3, "as is 1.shard"),
         (
             "merge 1.shard other.shard -o a.ply",

@@ -8,6 +8,8 @@
 mod slabs;
 mod tidy;
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -122,21 +124,18 @@ impl<S: SlabSource> Merger<S> {
     /// The vertices of a piece, in model units.
     ///
     /// # Errors
-    /// [`Error::Slab`] if the slab cannot be read.
-    ///
-    /// # Panics
-    /// If there is no such piece.
+    /// [`Error::Slab`] if the slab cannot be read; [`Error::InvalidOption`] for a piece that there
+    /// is not.
     pub fn positions(&self, piece: usize) -> Result<Vec<DVec3>, Error> {
-        assert!(piece < self.pieces(), "there is no piece {piece}");
+        self.check_piece(piece)?;
         if piece == self.slabs.len() {
             return Ok(Vec::new());
         }
         let mut positions = self.slabs.local_positions(piece)?.into_owned();
-        let base = self.slabs.vertices_of(piece).start;
-        for &(vertex, place) in &self.edits.filled {
-            if let Some(hole) = positions.get_mut((vertex as usize).wrapping_sub(base as usize)) {
-                *hole = place;
-            }
+        let vertices = self.slabs.vertices_of(piece);
+        let base = vertices.start;
+        for &(vertex, place) in within(&self.edits.filled, |&(vertex, _)| vertex, &vertices) {
+            positions[(vertex - base) as usize] = place;
         }
         positions.truncate(self.vertex_count().saturating_sub(base as usize));
         let origin = self.slabs.first().origin;
@@ -149,12 +148,10 @@ impl<S: SlabSource> Merger<S> {
     /// The triangles of a piece, and where their corners are, if that is asked for.
     ///
     /// # Errors
-    /// [`Error::Slab`] if the slab cannot be read, or names vertices that no other one has.
-    ///
-    /// # Panics
-    /// If there is no such piece.
+    /// [`Error::Slab`] if the slab cannot be read, or names vertices that no other one has;
+    /// [`Error::InvalidOption`] for a piece that there is not.
     pub fn triangles(&self, piece: usize, with_corners: bool) -> Result<MergedTriangles, Error> {
-        assert!(piece < self.pieces(), "there is no piece {piece}");
+        self.check_piece(piece)?;
         let mut made = match piece == self.slabs.len() {
             true => self.last_piece(),
             false => self.piece(piece, with_corners)?,
@@ -164,19 +161,14 @@ impl<S: SlabSource> Merger<S> {
         made.triangles.truncate(count);
         made.surfaces.truncate(count);
         made.corners.truncate(count);
-        let within = |triangle: u64| {
-            let at = triangle.wrapping_sub(first) as usize;
-            (at < made.triangles.len()).then_some(at)
-        };
-        let altered = self.edits.altered.iter();
-        let altered = altered.filter_map(|&(triangle, corners)| Some((within(triangle)?, corners)));
-        let moved = self.edits.moved.iter();
-        let moved = moved.filter_map(|(to, triangle)| Some((within(*to)?, triangle)));
-        let (altered, moved): (Vec<_>, Vec<_>) = (altered.collect(), moved.collect());
-        for (at, corners) in altered {
-            made.put(at, corners, self);
+        let numbers = first..first + made.triangles.len() as u64;
+        let altered = within(&self.edits.altered, |&(triangle, _)| triangle, &numbers);
+        let moved = within(&self.edits.moved, |&(to, _)| to, &numbers);
+        for &(number, corners) in altered {
+            made.put((number - first) as usize, corners, self);
         }
-        for (at, triangle) in moved {
+        for (to, triangle) in moved {
+            let at = (to - first) as usize;
             made.put(at, triangle.corners, self);
             made.surfaces[at] = made.table.len() as u32;
             made.table.push(triangle.entry.mesh_surface());
@@ -250,6 +242,16 @@ impl<S: SlabSource> Merger<S> {
         Ok((mesh, shapes))
     }
 
+    fn check_piece(&self, piece: usize) -> Result<(), Error> {
+        if piece < self.pieces() {
+            return Ok(());
+        }
+        Err(Error::InvalidOption(format!(
+            "piece {piece} of a mesh: there are {}, counted from 0",
+            self.pieces()
+        )))
+    }
+
     /// The triangles of a slab, nothing edited.
     fn piece(&self, slab: usize, with_corners: bool) -> Result<MergedTriangles, Error> {
         let opened = self.slabs.open(slab)?;
@@ -305,6 +307,17 @@ impl MergedTriangles {
             *places = corners.map(|v| merger.edits.place(v));
         }
     }
+}
+
+/// Those of some items, which stand in the order of their numbers, whose number is in a range.
+fn within<'a, T, N: Copy + Ord>(
+    items: &'a [T],
+    number: impl Fn(&T) -> N,
+    range: &Range<N>,
+) -> &'a [T] {
+    let from = items.partition_point(|item| number(item) < range.start);
+    let to = items.partition_point(|item| number(item) < range.end);
+    &items[from..to.max(from)]
 }
 
 /// What was done for the whole mesh.
