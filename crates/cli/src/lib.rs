@@ -24,6 +24,7 @@ mod openscad;
 mod output;
 mod progress;
 mod run;
+mod shard;
 
 pub use clap;
 pub use failure::exit_codes;

@@ -10,7 +10,9 @@ use csg::Solid;
 use crate::commands::sweep::Variable;
 #[cfg(feature = "view")]
 use crate::commands::view;
-use crate::commands::{compare, convert, info, manual, measure, mesh, render, section, sweep};
+use crate::commands::{
+    compare, convert, info, manual, measure, merge, mesh, render, section, sweep,
+};
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
 use crate::input::{Input, Reading, Subject, is_openscad};
 use crate::progress::Progress;
@@ -35,6 +37,8 @@ enum FileCommand {
         #[command(flatten)]
         options: mesh::Options,
     },
+    /// Put the shards of a mesh together, from `mesh --shard`
+    Merge(merge::Options),
     /// Draw a picture of the input
     Render {
         #[command(flatten)]
@@ -130,6 +134,7 @@ pub fn main() -> ExitCode {
     let progress = &Progress::new(quiet);
     let result = match command {
         FileCommand::Mesh { input, options } => mesh::run(|| input.read(false), &options, progress),
+        FileCommand::Merge(options) => merge::run(&options, progress),
         FileCommand::Render { input, options } => {
             render::run(|| input.read(options.faces_only()), &options, progress)
         }

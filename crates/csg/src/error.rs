@@ -52,6 +52,14 @@ pub enum Error {
         "the exact boundary could not be told: {0}; move or turn one of the parts there a little, or make do with a mesh"
     )]
     Undecided(Undecided),
+    /// A slab of a mesh cannot be put together with the others.
+    #[error("{slab}: {problem}")]
+    Slab {
+        /// Which one; of a file its name.
+        slab: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -9,7 +9,11 @@ use crate::mesh::Mesh;
 use crate::program::{Program, Surface};
 
 /// The surface of every triangle.
-fn surface_of<'a>(program: &'a Program, mesh: &Mesh, triangle: usize) -> Option<&'a Surface> {
+pub(crate) fn surface_of<'a>(
+    program: &'a Program,
+    mesh: &Mesh,
+    triangle: usize,
+) -> Option<&'a Surface> {
     let entry = mesh.surface_of(triangle)?;
     program.surfaces().get(entry.surface as usize)
 }
@@ -17,13 +21,16 @@ fn surface_of<'a>(program: &'a Program, mesh: &Mesh, triangle: usize) -> Option<
 /// The outward unit normals at the corners of every triangle: the gradient of
 /// its surface there, on the side to which the triangle faces; the triangle's
 /// own normal where the gradient vanishes (a cone's apex).
-pub(crate) fn corner_normals(program: &Program, mesh: &Mesh) -> Vec<[Vec3; 3]> {
+pub(crate) fn corner_normals<'a>(
+    mesh: &Mesh,
+    surface_of: impl Fn(usize) -> Option<&'a Surface> + Sync,
+) -> Vec<[Vec3; 3]> {
     (0..mesh.triangles.len())
         .into_par_iter()
         .map(|triangle| {
             let [p, q, r] = mesh.corners(triangle);
             let facing = (q - p).cross(r - p).normalize_or_zero();
-            let Some(surface) = surface_of(program, mesh, triangle) else {
+            let Some(surface) = surface_of(triangle) else {
                 return [facing.as_vec3(); 3];
             };
             // One side for the whole triangle: at a corner the surface may

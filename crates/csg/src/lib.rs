@@ -51,6 +51,7 @@ mod error;
 mod finish;
 mod limits;
 mod machine;
+mod merger;
 pub mod mesh;
 mod mesher;
 mod numeric;
@@ -76,6 +77,7 @@ pub use control::CancelToken;
 pub use error::{Error, NodeFault, NodePath, PathStep, PolyhedronFault, ProfileFault};
 pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
+pub use merger::{MergedTriangles, Merger};
 pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshDistance, MeshMeasure, MeshSurface};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
@@ -85,4 +87,5 @@ pub use solid::profile::{FillRule, Join, Path, Profile, turn};
 pub use solid::{
     Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Solid, Twist, shear_matrix,
 };
+pub use surface_nets::slab::{Slab, SlabBody, SlabHead, SlabSource};
 pub use undecided::{Undecided, Why};

@@ -69,6 +69,14 @@ pub struct Report {
 impl Report {
     /// Counts a place where something had to be settled for.
     pub(crate) fn add_fallback(&mut self, kind: &'static str, place: DVec3) {
+        self.add_fallbacks(kind, 1, &[place]);
+    }
+
+    /// Counts places, of which the first few are told.
+    pub(crate) fn add_fallbacks(&mut self, kind: &'static str, count: usize, places: &[DVec3]) {
+        if count == 0 {
+            return;
+        }
         let known = self.fallbacks.iter().position(|f| f.kind == kind);
         let index = known.unwrap_or_else(|| {
             self.fallbacks.push(Fallback {
@@ -79,10 +87,9 @@ impl Report {
             self.fallbacks.len() - 1
         });
         let fallback = &mut self.fallbacks[index];
-        fallback.count += 1;
-        if fallback.places.len() < PLACES_PER_FALLBACK {
-            fallback.places.push(place);
-        }
+        fallback.count += count;
+        let room = PLACES_PER_FALLBACK - fallback.places.len();
+        fallback.places.extend(places.iter().take(room));
     }
 
     /// Whether [`Self::deviation`] holds without any condition: the mesh was made from

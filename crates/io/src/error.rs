@@ -110,6 +110,9 @@ pub enum Error {
     /// The mesh bounds no solid.
     #[error("{0}")]
     NotASolid(Box<csg::MeshFaults>),
+    /// A slab of a mesh cannot be read, or put together with the others.
+    #[error(transparent)]
+    Slab(#[from] csg::Error),
     /// Any of the others, with the file it happened in.
     #[error("{}: {source}", path.display())]
     InFile {

@@ -15,6 +15,7 @@ mod parts;
 pub mod ply;
 mod rows;
 pub mod scene;
+pub mod shard;
 mod solid;
 pub mod step;
 pub mod stl;

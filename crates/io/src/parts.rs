@@ -148,12 +148,7 @@ fn check(mesh: &Mesh, format: MeshFormat) -> Result<(), Error> {
             ));
         }
     }
-    if let Some(vertex) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return invalid(format!(
-            "vertex {vertex} is at {}; every coordinate must be finite",
-            mesh.positions[vertex]
-        ));
-    }
+    check_finite(&mesh.positions)?;
     let in_range = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < mesh.positions.len());
     if let Some(index) = mesh.triangles.iter().position(|t| !in_range(t)) {
         return invalid(format!(
@@ -163,6 +158,19 @@ fn check(mesh: &Mesh, format: MeshFormat) -> Result<(), Error> {
         ));
     }
     Ok(())
+}
+
+/// Refuses places that are none.
+pub(crate) fn check_finite(positions: &[DVec3]) -> Result<(), Error> {
+    match positions.iter().position(|p| !p.is_finite()) {
+        None => Ok(()),
+        Some(vertex) => Err(Error::InvalidMesh {
+            problem: format!(
+                "vertex {vertex} is at {}; every coordinate must be finite",
+                positions[vertex]
+            ),
+        }),
+    }
 }
 
 /// The unit normal of a triangle; zero if it has none.

@@ -5,11 +5,11 @@
 
 use std::io::Write;
 
-use csg::{Color, LengthUnit, Mesh};
+use csg::{Color, LengthUnit, Merger, Mesh, MeshSurface, SlabSource};
 use glam::DVec3;
 
 use crate::assemble::{Assembler, with_triangles};
-use crate::parts::{DEFAULT_COLOR, Parts, byte};
+use crate::parts::{DEFAULT_COLOR, Parts, byte, check_finite, in_gamut};
 use crate::rows::write_rows;
 use crate::{Error, MeshFormat, units};
 
@@ -25,39 +25,97 @@ pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
         colors.resize(mesh.triangles.len(), [0; 4]);
         for part in &parts.parts {
             let color = parts.colors[part.color].unwrap_or(DEFAULT_COLOR);
-            let [r, g, b] = color.to_srgb().map(byte);
             for &triangle in &part.triangles {
-                colors[triangle as usize] = [r, g, b, byte(color.alpha)];
+                colors[triangle as usize] = bytes_of(color);
             }
         }
     }
+    let counts = (mesh.positions.len(), mesh.triangles.len());
+    write_header(out, mesh.unit, counts, !colors.is_empty())?;
+    write_vertices(out, &mesh.positions)?;
+    write_faces(out, &mesh.triangles, |row| colors.get(row).copied())
+}
+
+/// Writes a mesh put together from slabs, piece by piece: the same file as [`write_ply`] writes
+/// of the whole.
+///
+/// # Errors
+/// An empty or invalid mesh; slabs that cannot be read; failed writing.
+pub fn write_merged_ply(
+    merger: &Merger<impl SlabSource>,
+    out: &mut impl Write,
+) -> Result<(), Error> {
+    let counts = (merger.vertex_count(), merger.triangle_count());
+    if counts.1 == 0 {
+        return Err(Error::EmptyMesh);
+    }
+    write_header(out, merger.unit(), counts, merger.has_colors())?;
+    for piece in 0..merger.pieces() {
+        let positions = merger.positions(piece)?;
+        check_finite(&positions)?;
+        write_vertices(out, &positions)?;
+    }
+    for piece in 0..merger.pieces() {
+        let made = merger.triangles(piece, false)?;
+        let color = |entry: &MeshSurface| bytes_of(entry.color.map_or(DEFAULT_COLOR, in_gamut));
+        let colors: Vec<[u8; 4]> = made.table.iter().map(color).collect();
+        write_faces(out, &made.triangles, |row| {
+            let is_told = merger.has_colors();
+            is_told.then(|| colors[made.surfaces[row] as usize])
+        })?;
+    }
+    Ok(())
+}
+
+fn write_header(
+    out: &mut impl Write,
+    unit: LengthUnit,
+    (vertices, triangles): (usize, usize),
+    has_colors: bool,
+) -> Result<(), Error> {
     write!(
         out,
         "ply\nformat binary_little_endian 1.0\ncomment stereotomy: unit {}, Z up\n\
-         element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
-         element face {}\nproperty list uchar uint vertex_indices\n{}end_header\n",
-        units::name(mesh.unit),
-        mesh.positions.len(),
-        mesh.triangles.len(),
-        if colors.is_empty() {
-            ""
-        } else {
+         element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
+         element face {triangles}\nproperty list uchar uint vertex_indices\n{}end_header\n",
+        units::name(unit),
+        if has_colors {
             "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+        } else {
+            ""
         }
     )?;
-    write_rows(out, mesh.positions.len(), |row, bytes| {
-        for coordinate in mesh.positions[row].to_array() {
+    Ok(())
+}
+
+fn write_vertices(out: &mut impl Write, positions: &[DVec3]) -> Result<(), Error> {
+    write_rows(out, positions.len(), |row, bytes| {
+        for coordinate in positions[row].to_array() {
             bytes.extend_from_slice(&coordinate.to_le_bytes());
         }
     })?;
-    write_rows(out, mesh.triangles.len(), |row, bytes| {
+    Ok(())
+}
+
+fn write_faces(
+    out: &mut impl Write,
+    triangles: &[[u32; 3]],
+    color: impl Fn(usize) -> Option<[u8; 4]> + Sync,
+) -> Result<(), Error> {
+    write_rows(out, triangles.len(), |row, bytes| {
         bytes.push(3);
-        for vertex in mesh.triangles[row] {
+        for vertex in triangles[row] {
             bytes.extend_from_slice(&vertex.to_le_bytes());
         }
-        bytes.extend_from_slice(colors.get(row).map_or(&[], |color| &color[..]));
+        bytes.extend(color(row).into_iter().flatten());
     })?;
     Ok(())
+}
+
+/// A colour as files have it.
+fn bytes_of(color: Color) -> [u8; 4] {
+    let [r, g, b] = color.to_srgb().map(byte);
+    [r, g, b, byte(color.alpha)]
 }
 
 /// Reads a PLY file, text or binary of either byte order.

@@ -3,12 +3,12 @@
 
 use std::io::Write;
 
-use csg::{LengthUnit, Mesh};
+use csg::{LengthUnit, Merger, Mesh, SlabSource};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::assemble::{drop_vanished, with_triangles};
-use crate::parts::{Parts, face_normal};
+use crate::parts::{Parts, check_finite, face_normal};
 use crate::rows::{push_f32, push_f64, write_rows};
 use crate::weld::{self, weld};
 use crate::{Error, MeshFormat, units};
@@ -25,20 +25,61 @@ const RECORD: usize = 50;
 /// An empty or invalid mesh, or one beyond single precision; failed writing.
 pub fn write_stl(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     Parts::of(mesh, MeshFormat::Stl)?;
-    if !mesh.positions.iter().all(|p| p.as_vec3().is_finite()) {
-        return Err(Error::DoesNotFit {
-            format: MeshFormat::Stl,
-            problem: "its coordinates exceed single precision; write text, or scale it down"
-                .to_owned(),
-        });
+    check_single(&mesh.positions)?;
+    write_head(out, mesh.unit, mesh.triangles.len())?;
+    write_records(out, mesh.triangles.len(), |row| mesh.corners(row))
+}
+
+/// Writes a mesh put together from slabs, piece by piece: the same file as [`write_stl`] writes
+/// of the whole.
+///
+/// # Errors
+/// An empty or invalid mesh, or one beyond single precision; slabs that cannot be read; failed
+/// writing.
+pub fn write_merged_stl(
+    merger: &Merger<impl SlabSource>,
+    out: &mut impl Write,
+) -> Result<(), Error> {
+    if merger.triangle_count() == 0 {
+        return Err(Error::EmptyMesh);
     }
+    write_head(out, merger.unit(), merger.triangle_count())?;
+    for piece in 0..merger.pieces() {
+        let corners = merger.triangles(piece, true)?.corners;
+        check_finite(corners.as_flattened())?;
+        check_single(corners.as_flattened())?;
+        write_records(out, corners.len(), |row| corners[row])?;
+    }
+    Ok(())
+}
+
+/// Refuses what single precision cannot hold.
+fn check_single(positions: &[DVec3]) -> Result<(), Error> {
+    if positions.par_iter().all(|p| p.as_vec3().is_finite()) {
+        return Ok(());
+    }
+    Err(Error::DoesNotFit {
+        format: MeshFormat::Stl,
+        problem: "its coordinates exceed single precision; write text, or scale it down".to_owned(),
+    })
+}
+
+fn write_head(out: &mut impl Write, unit: LengthUnit, triangles: usize) -> Result<(), Error> {
     // (A binary header must not begin with "solid".)
-    let mut head = format!("stereotomy: unit {}, Z up", units::name(mesh.unit)).into_bytes();
+    let mut head = format!("stereotomy: unit {}, Z up", units::name(unit)).into_bytes();
     head.resize(80, b' ');
-    head.extend_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
+    head.extend_from_slice(&(triangles as u32).to_le_bytes());
     out.write_all(&head)?;
-    write_rows(out, mesh.triangles.len(), |row, bytes| {
-        let corners = mesh.corners(row);
+    Ok(())
+}
+
+fn write_records(
+    out: &mut impl Write,
+    count: usize,
+    corners: impl Fn(usize) -> [DVec3; 3] + Sync,
+) -> Result<(), Error> {
+    write_rows(out, count, |row, bytes| {
+        let corners = corners(row);
         let normal = face_normal(corners).as_vec3();
         for vector in std::iter::once(normal).chain(corners.map(DVec3::as_vec3)) {
             for coordinate in vector.to_array() {

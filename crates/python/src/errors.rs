@@ -47,6 +47,7 @@ pub(crate) fn of_model(error: csg::Error) -> PyErr {
             // The words for those who call from Rust.
             message.replace("Limits::partial", "partial=True"),
         ),
+        csg::Error::Slab { .. } => FileError::new_err(message),
         csg::Error::Cancelled => PyRuntimeError::new_err(message),
         _ => PyValueError::new_err(message),
     }
@@ -66,6 +67,7 @@ fn of_system(source: &std::io::Error, message: String) -> PyErr {
 pub(crate) fn of_file(error: io::Error) -> PyErr {
     let message = error.to_string();
     match &error {
+        io::Error::Slab(error) => of_model(error.clone()),
         io::Error::File { source, .. } | io::Error::Write(source) => of_system(source, message),
         io::Error::InFile { source, .. } => match &**source {
             io::Error::File { source, .. } | io::Error::Write(source) => of_system(source, message),

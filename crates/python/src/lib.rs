@@ -24,6 +24,7 @@ mod primitives;
 mod profile;
 mod report;
 mod shapes;
+mod shards;
 mod solid;
 mod surface;
 mod transform;
@@ -51,5 +52,6 @@ fn _stereotomy(module: &Bound<'_, PyModule>) -> PyResult<()> {
     bodies::add_to(module)?;
     shapes::add_to(module)?;
     files::add_to(module)?;
+    shards::add_to(module)?;
     pickling::add_to(module)
 }

@@ -27,6 +27,8 @@ def documented() -> dict[str, str]:
             for key, member in vars(thing).items():
                 if not key.startswith("_"):
                     found[f"{name}.{key}"] = inspect.getdoc(member) or ""
+    for name in st.distributed.__all__:
+        found[f"distributed.{name}"] = inspect.getdoc(getattr(st.distributed, name)) or ""
     return found
 
 

@@ -3,16 +3,18 @@
 use std::path::PathBuf;
 
 use csg::{Program, Solid};
+use io::shard::{is_shard, write_shard_file};
 use serde::Serialize;
 
 use super::account::Account;
 use super::exact::ExactAccount;
-use crate::failure::Failure;
+use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, StreamFormat, is_stream};
 use crate::progress::Progress;
+use crate::shard::Shard;
 
 /// Options of `mesh`.
 #[derive(Debug, clap::Args)]
@@ -27,6 +29,11 @@ pub(crate) struct Options {
     format: StreamFormat,
     #[command(flatten)]
     mesher: MesherOptions,
+    /// Make only the i-th of n slabs of a mesh by cells, as 1/4, and write it as a .shard: made
+    /// anywhere, each by itself, `merge` puts them together to the same mesh, to the byte, for
+    /// any n
+    #[arg(long, value_name = "I/N", conflicts_with = "json")]
+    shard: Option<Shard>,
     /// Write measures, checks, times and the mesher's report as JSON; `-`
     /// writes to standard output
     #[arg(long, value_name = "FILE")]
@@ -38,6 +45,9 @@ pub(crate) fn run(
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {
+    if let Some(shard) = options.shard {
+        return write_shard(subject, shard, options, progress);
+    }
     output::check(&options.outputs, options.json.as_deref())?;
     progress.stage("reading");
     let subject = subject()?;
@@ -61,6 +71,59 @@ pub(crate) fn run(
     })?;
     progress.end();
     tell(&Account::of(&mut product), options, progress)
+}
+
+/// One slab of the mesh.
+fn write_shard(
+    subject: impl FnOnce() -> Result<Subject, Failure>,
+    shard: Shard,
+    options: &Options,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let usage = |context: &str, cause: String| Failure::new(exit_codes::USAGE, context, cause);
+    if let Some(other) = options.outputs.iter().find(|path| !is_shard(path)) {
+        let cause = format!(
+            "{} is not a .shard: give --output names like part-1.shard",
+            other.display()
+        );
+        return Err(usage("no such output of a shard", cause));
+    }
+    let number = |number: usize| {
+        let number = u32::try_from(number).map_err(|_| "there cannot be so many".to_owned());
+        number.map_err(|cause| usage("no such shard", cause))
+    };
+    let (part, of) = (number(shard.part - 1)?, number(shard.of)?);
+    progress.stage("reading");
+    let Subject::Solid(solid) = subject()? else {
+        let cause = "the input is a mesh, of which no other one is made".to_owned();
+        return Err(usage("a shard of a mesh", cause));
+    };
+    let program = Program::lower(&solid)?;
+    progress.stage("meshing");
+    let mesher = options
+        .mesher
+        .mesher()
+        .unit(options.mesher.unit.length_unit())
+        .limits(options.mesher.limits.limits())
+        .progress(progress.callback());
+    let slab = mesher.slab(&program, part, of)?;
+    progress.stage("writing");
+    for path in &options.outputs {
+        write_shard_file(path, &slab)
+            .map_err(|error| Failure::output(&path.display().to_string(), error))?;
+    }
+    progress.end();
+    progress.say(format_args!(
+        "shard {} of {}: {} vertices, {} triangles",
+        shard.part,
+        shard.of,
+        slab.positions.len(),
+        slab.triangles.len()
+    ));
+    for path in &options.outputs {
+        progress.say(format_args!("wrote {}", path.display()));
+    }
+    Ok(())
 }
 
 /// STEP files alone: no mesh is needed for them.

@@ -11,6 +11,7 @@ mod lighting;
 mod looks;
 pub(crate) mod manual;
 pub(crate) mod measure;
+pub(crate) mod merge;
 pub(crate) mod mesh;
 pub(crate) mod parse;
 pub(crate) mod render;

@@ -4,6 +4,7 @@
 mod compare;
 mod files;
 mod measure;
+mod merge;
 mod mesh;
 mod messages;
 mod render;

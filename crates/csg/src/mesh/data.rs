@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 use crate::color::Color;
 
 /// The unit of a model's lengths. Formats that fix a unit of their own
 /// (glTF: metres) are converted into.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthUnit {
     /// 1e-6 m.
     Micrometre,

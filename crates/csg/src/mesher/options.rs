@@ -298,6 +298,11 @@ impl Mesher {
         Ok(wanted.filter(|_| is_adaptive))
     }
 
+    /// Whether the number or the size of uniform cells is given.
+    pub(super) fn is_by_cells(&self) -> bool {
+        self.resolution.is_some()
+    }
+
     pub(super) fn cell_size_for(&self, bounds: &Bounds) -> Result<f64, Error> {
         let longest = bounds.size().max_element();
         let range = format!("1 to {MAX_CELLS} cells along the longest side");

@@ -2,6 +2,7 @@
 //! or costs too much, and what a finished mesh still gets.
 
 mod prepare;
+mod slab;
 mod tolerance;
 
 use crate::clock::Instant;
@@ -102,7 +103,8 @@ impl<'a> Run<'a> {
             self.control.tell(PARTED);
         }
         if mesher.normals {
-            mesh.corner_normals = finish::corner_normals(self.program, &mesh);
+            let surface = |triangle: usize| finish::surface_of(self.program, &mesh, triangle);
+            mesh.corner_normals = finish::corner_normals(&mesh, surface);
             report.end_stage("normals", start);
         }
         let start = Instant::now();

@@ -1,12 +1,13 @@
 //! Boxes.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::Surface;
 use crate::numeric::tolerance::COORDINATE;
 
 /// An axis-aligned box.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// Least corner.
     pub min: DVec3,

@@ -4,10 +4,12 @@
 //! that, and no threshold finds it again. A primitive knows what it is; of ten coefficients
 //! it is asked once, when the solid is lowered. Affine maps keep it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::NodeFault;
 
 /// What a surface is, up to an affine map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     /// x = 0.
     Plane,

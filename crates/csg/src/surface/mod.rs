@@ -12,6 +12,7 @@ mod standard_form;
 use std::fmt;
 
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 pub use self::bounds::Bounds;
 pub(crate) use self::bounds::half_space_bounds;
@@ -41,7 +42,7 @@ pub enum Side {
 /// loses no more digits than its coordinates do. Planes have a unit gradient
 /// and c = 0; of a quadric's six quadratic coefficients the largest magnitude
 /// is 1, so f is in squared lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     pub(crate) anchor: DVec3,
     /// xx, yy, zz, xy, yz, zx.

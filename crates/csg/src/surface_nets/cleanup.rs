@@ -28,7 +28,7 @@ use crate::surface::solve;
 
 /// A run of consecutive triangles on one surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(crate) struct Run {
     /// First triangle.
     pub start: u32,
     pub surface: u32,
@@ -37,9 +37,11 @@ pub(super) struct Run {
 }
 
 /// The triangles of a mesh under repair.
-pub(super) struct Cleaner<'a, N> {
+pub(crate) struct Cleaner<'a, N> {
     pub positions: &'a [DVec3],
     pub triangles: &'a mut [[u32; 3]],
+    /// How many triangles the whole mesh has, of which these may be some.
+    pub count: usize,
     pub runs: &'a [Run],
     /// Tells ranges of triangles, in ascending order, among which are all that
     /// had one of the given vertices as a corner to begin with.
@@ -55,7 +57,7 @@ pub(super) struct Cleaner<'a, N> {
 
 /// What came of it.
 #[derive(Debug, Default)]
-pub(super) struct Cleaned {
+pub(crate) struct Cleaned {
     /// Triangles that are gone, in ascending order.
     pub removed: Vec<u32>,
     /// Vertices that are gone.
@@ -107,9 +109,7 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
         let pending = bad.par_iter().map(|&triangle| self.face(triangle));
         let mut pending: Vec<Face> = pending.filter(|&face| self.is_bad(face)).collect();
         let mut left = Vec::new();
-        if self.are_many(pending.len(), 50) {
-            // Of those among details smaller than a cell most would stay: not
-            // worth the while.
+        if self.are_many(pending.len(), UNRESOLVED_SHARE) {
             left.extend(pending.extract_if(.., |face| self.is_unresolved(*face)));
         }
         for thorough in [false, true] {
@@ -149,7 +149,7 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
 
     /// Whether so many are more than one of `share` triangles.
     fn are_many(&self, count: usize, share: usize) -> bool {
-        count > 1000 + self.triangles.len() / share
+        are_many(count, self.count, share)
     }
 
     fn is_unresolved(&self, face: Face) -> bool {
@@ -176,13 +176,9 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
 
     /// The area of a face with the given corners.
     fn area(&self, face: Face, corners: [u32; 3]) -> Area {
-        let [p, q, r] = corners.map(|v| self.positions[v as usize]);
-        let gradient = self.surfaces[face.surface as usize].gradient((p + q + r) / 3.0);
-        let outward = if face.reversed { -gradient } else { gradient };
-        Area {
-            scaled: (q - p).cross(r - p).dot(outward),
-            square: gradient.length_squared(),
-        }
+        let corners = corners.map(|v| self.positions[v as usize]);
+        let surface = &self.surfaces[face.surface as usize];
+        Area::of(corners, surface, face.reversed)
     }
 
     fn is_bad(&self, face: Face) -> bool {
@@ -383,6 +379,24 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
     }
 }
 
+/// Whether a triangle on a surface has less area than it should, or is folded over.
+pub(super) fn is_bad(
+    corners: [DVec3; 3],
+    (surface, reversed): (&Surface, bool),
+    least_area: f64,
+) -> bool {
+    !Area::of(corners, surface, reversed).is_above(least_area)
+}
+
+/// Whether so many are more than one of `share` of all triangles.
+pub(crate) fn are_many(count: usize, all: usize, share: usize) -> bool {
+    count > 1000 + all / share
+}
+
+/// Bad triangles of which more than one of so many are too many for those
+/// among details smaller than a cell to be tried: most would stay.
+pub(crate) const UNRESOLVED_SHARE: usize = 50;
+
 /// A triangle's area, seen from outside: negative if it is folded over.
 #[derive(Clone, Copy)]
 struct Area {
@@ -393,6 +407,15 @@ struct Area {
 }
 
 impl Area {
+    fn of([p, q, r]: [DVec3; 3], surface: &Surface, reversed: bool) -> Self {
+        let gradient = surface.gradient((p + q + r) / 3.0);
+        let outward = if reversed { -gradient } else { gradient };
+        Self {
+            scaled: (q - p).cross(r - p).dot(outward),
+            square: gradient.length_squared(),
+        }
+    }
+
     fn is_above(self, limit: f64) -> bool {
         self.scaled > 0.0 && self.scaled * self.scaled > 4.0 * limit * limit * self.square
     }

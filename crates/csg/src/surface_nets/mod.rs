@@ -19,7 +19,7 @@
 
 mod assembly;
 mod brick;
-mod cleanup;
+pub(crate) mod cleanup;
 mod lattice;
 mod loops;
 mod meet;
@@ -32,19 +32,19 @@ mod quads;
 mod scene;
 #[cfg(test)]
 mod simd_tests;
+pub(crate) mod slab;
 mod stitch;
 #[cfg(test)]
 mod topology_tests;
 mod validity;
+mod walk;
 
 use crate::clock::Instant;
 use std::cell::RefCell;
 use std::mem;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DVec3, UVec3};
-use rayon::iter::{self, Either};
+use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -52,23 +52,15 @@ use self::assembly::{Assembled, Assembly, Leftovers, Output};
 use self::cleanup::Cleaner;
 use self::lattice::{CELLS, Lattice};
 use self::part::{FallbackKind, Part};
-use self::place::Placer;
 use self::scene::Scene;
 use self::stitch::{Directory, Scratch, Stitcher};
-use crate::control::Control;
+use self::walk::{Block, WalkBlock, Walker, Wanted};
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::numeric::tolerance::{COORDINATE, ON_SURFACE};
-use crate::program::{Bounds, Cell, Pruner, Reach};
+use crate::program::{Bounds, Reach};
 use crate::report::Report;
 use crate::task::Task;
-
-/// Bricks from `from` to before `to`, with the program pruned to their box.
-struct Block {
-    from: UVec3,
-    to: UVec3,
-    cell: Cell,
-}
 
 /// Meshes a program with one vertex a loop, on its surfaces to rounding; in the
 /// local frame, about the task's origin.
@@ -79,21 +71,10 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
 /// The same on vectors of a given width; the mesh does not depend on it.
 fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> {
     let start = Instant::now();
-    let half = 0.5 * task.size;
-    let local_bounds = Bounds {
-        min: -half,
-        max: half,
-    };
-    let reaches: Vec<Reach> = task.surfaces.iter().map(Reach::of).collect();
-    let scene = Scene {
-        surfaces: &task.surfaces,
-        reaches: &reaches,
-        origins: task.program.origins(),
-        lattice: Lattice::around(&local_bounds, task.cell)?,
-        // Far from the origin the surfaces' own places are rounded.
-        tolerance: ON_SURFACE * task.size.max_element() + COORDINATE * task.origin.length(),
-    };
-    let (blocks, mut pruned) = blocks(&scene, &task.program.root_cell());
+    let reaches = reaches(task);
+    let scene = scene(task, &reaches)?;
+    let wanted = Wanted::all();
+    let (blocks, mut pruned) = walk::blocks(&scene, &task.program.root_cell(), &wanted);
     report.end_stage("blocks", start);
 
     let progress = task
@@ -104,7 +85,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
     let mut surfaces = TableOfSurfaces::default();
     let mut directory = Directory::default();
     let mut assembly = Assembly::default();
-    let least_area = LEAST_AREA * task.cell * task.cell;
+    let least_area = least_area(task);
     let at_once = blocks_at_once();
     // Memory for vertices, from batch to batch.
     let mut rooms: Vec<Vec<DVec3>> = vec![Vec::new(); at_once.min(blocks.len())];
@@ -114,10 +95,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         let walked = batch.par_iter().zip(&mut rooms).with_max_len(1);
         walked
             .map(|(block, room)| {
-                let part = WALKER.with_borrow_mut(|walker| {
-                    arch.dispatch(WalkBlock(walker, &scene, block, task.control));
-                    walker.part.take(mem::take(room))
-                });
+                let part = walked_part(arch, (&scene, &wanted), block, mem::take(room), task);
                 progress.add(WALK);
                 part
             })
@@ -142,9 +120,7 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
         };
         let done = parts.len() as f64 / blocks.len() as f64;
         assembly.add(&parts, first, done, |part, out| {
-            let leftovers = SCRATCH.with_borrow_mut(|scratch| {
-                arch.dispatch(StitchPart(&stitcher, part, scratch, out))
-            });
+            let leftovers = stitched_part(arch, &stitcher, part, out);
             progress.add(STITCH);
             leftovers
         });
@@ -169,15 +145,14 @@ fn mesh_on(arch: pulp::Arch, task: &Task<'_>, report: &mut Report) -> Result<Mes
     };
     let cleaned = Cleaner {
         positions: &assembled.positions,
+        count: assembled.triangles.len(),
         triangles: &mut assembled.triangles,
         runs: &runs,
         near,
         unresolved: near::unresolved(&parts),
         surfaces: &task.surfaces,
         least_area,
-        // Of the rounding that vertices are allowed most is spent on their
-        // own surfaces.
-        tolerance: 0.25 * scene.tolerance,
+        tolerance: merging_tolerance(&scene),
     }
     .clean(&assembled.bad);
     let Assembled {
@@ -226,20 +201,68 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
-/// The work on one block, compiled for every SIMD level: what is inlined here
-/// runs on vectors as wide as the machine's.
-struct WalkBlock<'a, 's>(&'a mut Walker, &'a Scene<'s>, &'a Block, &'a Control);
-
-impl pulp::WithSimd for WalkBlock<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        self.0.block(simd, self.1, self.2, self.3);
-    }
+/// What all bricks have in common.
+fn scene<'a>(task: &'a Task<'_>, reaches: &'a [Reach]) -> Result<Scene<'a>, Error> {
+    let half = 0.5 * task.size;
+    let local_bounds = Bounds {
+        min: -half,
+        max: half,
+    };
+    Ok(Scene {
+        surfaces: &task.surfaces,
+        reaches,
+        origins: task.program.origins(),
+        lattice: Lattice::around(&local_bounds, task.cell)?,
+        // Far from the origin the surfaces' own places are rounded.
+        tolerance: ON_SURFACE * task.size.max_element() + COORDINATE * task.origin.length(),
+    })
 }
 
-/// The same for stitching one part.
+fn reaches(task: &Task<'_>) -> Vec<Reach> {
+    task.surfaces.iter().map(Reach::of).collect()
+}
+
+fn least_area(task: &Task<'_>) -> f64 {
+    LEAST_AREA * task.cell * task.cell
+}
+
+/// Distance to a surface below which a vertex may be merged into one on it: of
+/// the rounding that vertices are allowed most is spent on their own surfaces.
+fn merging_tolerance(scene: &Scene<'_>) -> f64 {
+    0.25 * scene.tolerance
+}
+
+/// Walks the wanted bricks of a block; `room` is memory for its vertices.
+fn walked_part(
+    arch: pulp::Arch,
+    (scene, wanted): (&Scene<'_>, &Wanted),
+    block: &Block,
+    room: Vec<DVec3>,
+    task: &Task<'_>,
+) -> Part {
+    WALKER.with_borrow_mut(|walker| {
+        arch.dispatch(WalkBlock {
+            walker,
+            scene,
+            block,
+            wanted,
+            control: task.control,
+        });
+        walker.part.take(room)
+    })
+}
+
+/// Stitches a part, by its place among them.
+fn stitched_part(
+    arch: pulp::Arch,
+    stitcher: &Stitcher<'_>,
+    part: usize,
+    out: &mut Output<'_>,
+) -> Leftovers {
+    SCRATCH.with_borrow_mut(|scratch| arch.dispatch(StitchPart(stitcher, part, scratch, out)))
+}
+
+/// Stitching one part, compiled for every SIMD level as walking is.
 struct StitchPart<'a, 's, 'o>(&'a Stitcher<'s>, usize, &'a mut Scratch, &'a mut Output<'o>);
 
 impl pulp::WithSimd for StitchPart<'_, '_, '_> {
@@ -265,135 +288,9 @@ fn blocks_at_once() -> usize {
 const WALK: u64 = 2;
 const STITCH: u64 = 1;
 
-/// About what is held at a time for each vertex and what becomes of it.
-const BYTES_PER_VERTEX: usize = 150;
-
 /// A triangle smaller than this share of a cell's face counts as having no
 /// area.
 const LEAST_AREA: f64 = 1e-7;
-
-/// At most this many blocks along each axis are handed out to threads; a
-/// constant, so that the order of the output is one, too.
-const BLOCKS_ALONG: u32 = 8;
-
-fn cells_in(from: UVec3, to: UVec3) -> u64 {
-    let bricks = (to - from).as_u64vec3();
-    bricks.x * bricks.y * bricks.z * (CELLS * CELLS * CELLS) as u64
-}
-
-/// The halves of a range of bricks along every axis longer than one.
-fn children(from: UVec3, to: UVec3) -> impl Iterator<Item = (UVec3, UVec3)> {
-    let middle = from + (to - from + 1) / 2;
-    (0..8u32).filter_map(move |octant| {
-        let upper = UVec3::new(octant & 1, octant >> 1 & 1, octant >> 2);
-        let pick = |axis: usize| {
-            if upper[axis] == 0 {
-                (from[axis], middle[axis])
-            } else {
-                (middle[axis], to[axis])
-            }
-        };
-        let [x, y, z] = [pick(0), pick(1), pick(2)];
-        let (from, to) = (UVec3::new(x.0, y.0, z.0), UVec3::new(x.1, y.1, z.1));
-        from.cmplt(to).all().then_some((from, to))
-    })
-}
-
-/// The blocks in which something varies, in a fixed order; and how many cells
-/// are in none.
-fn blocks(scene: &Scene<'_>, root: &Cell) -> (Vec<Block>, u64) {
-    let all = scene.lattice.bricks;
-    let largest = all.max_element().div_ceil(BLOCKS_ALONG);
-    let is_small = |block: &Block| (block.to - block.from).max_element() <= largest;
-    let outside = AtomicU64::new(0);
-    let varying = |above: &Cell, from, to, pruner: &mut Pruner| {
-        let (center, half) = scene.lattice.bricks_box(from, to);
-        let mut cell = Cell::default();
-        above.prune_reaching_into(scene.table(), center, half, pruner, &mut cell);
-        if cell.constant().is_some() {
-            outside.fetch_add(cells_in(from, to), Ordering::Relaxed);
-            return None;
-        }
-        Some(Block { from, to, cell })
-    };
-    let whole = varying(root, UVec3::ZERO, all, &mut Pruner::default());
-    let mut blocks: Vec<Block> = whole.into_iter().collect();
-    while !blocks.iter().all(is_small) {
-        let halves = blocks.into_par_iter().flat_map(|block| {
-            if is_small(&block) {
-                return Either::Left(iter::once(block));
-            }
-            let halves: Vec<_> = children(block.from, block.to).collect();
-            let halves = halves
-                .into_par_iter()
-                .map_init(Pruner::default, move |pruner, (from, to)| {
-                    varying(&block.cell, from, to, pruner)
-                });
-            Either::Right(halves.flatten_iter())
-        });
-        blocks = halves.collect();
-    }
-    (blocks, outside.into_inner())
-}
-
-/// One worker: walks the bricks of a block, its scratch memory reused.
-#[derive(Default)]
-struct Walker {
-    levels: Vec<Cell>,
-    pruner: Pruner,
-    placer: Placer,
-    pending: Vec<(UVec3, UVec3, usize)>,
-    /// What the block leaves behind.
-    part: Part,
-}
-
-impl Walker {
-    #[inline(always)]
-    fn block<S: pulp::Simd>(
-        &mut self,
-        simd: S,
-        scene: &Scene<'_>,
-        block: &Block,
-        control: &Control,
-    ) {
-        let part = &mut self.part;
-        part.clear();
-        self.pending.clear();
-        self.pending.push((block.from, block.to, 0));
-        while let Some((from, to, level)) = self.pending.pop() {
-            if control.check().is_err() {
-                return;
-            }
-            if self.levels.len() <= level {
-                self.levels.resize_with(level + 1, Cell::default);
-            }
-            let (above, below) = self.levels.split_at_mut(level);
-            let cell = if let Some(parent) = above.last() {
-                let (center, half) = scene.lattice.bricks_box(from, to);
-                let cell = &mut below[0];
-                parent.prune_reaching_into(scene.table(), center, half, &mut self.pruner, cell);
-                cell
-            } else {
-                below[0].clone_from(&block.cell);
-                &mut below[0]
-            };
-            if cell.constant().is_some() {
-                part.cells_pruned += cells_in(from, to);
-            } else if to - from == UVec3::ONE {
-                let before = part.vertices.len();
-                self.placer.brick(simd, scene, cell, from, part);
-                let bytes = BYTES_PER_VERTEX * (part.vertices.len() - before);
-                let cells = (CELLS * CELLS * CELLS) as u64;
-                if control.spend(cells, bytes as u64).is_err() {
-                    return;
-                }
-            } else {
-                let halves = children(from, to).map(|(from, to)| (from, to, level + 1));
-                self.pending.extend(halves);
-            }
-        }
-    }
-}
 
 /// Removes the items at the given ascending places; the last ones take them.
 fn remove_marked<T>(items: &mut Vec<T>, removed: &[u32]) {

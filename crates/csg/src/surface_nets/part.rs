@@ -5,6 +5,7 @@ use std::mem;
 use std::ops::Range;
 
 use glam::{DVec3, UVec3};
+use serde::{Deserialize, Serialize};
 
 use super::lattice::CELLS;
 use super::loops::Loops;
@@ -12,6 +13,8 @@ use super::loops::Loops;
 /// The output of one task: consecutive bricks, their lists concatenated.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
+    /// The number of its block's first brick.
+    pub first: u64,
     pub bricks: Vec<BrickRecord>,
     /// Simple cells, by lowest sample; the i-th of a brick has its i-th vertex.
     pub cells: Vec<u16>,
@@ -49,6 +52,7 @@ impl Part {
 
     /// Forgets everything, and keeps the memory.
     pub fn clear(&mut self) {
+        self.first = 0;
         self.bricks.clear();
         self.cells.clear();
         self.borders.clear();
@@ -271,8 +275,8 @@ pub(super) struct Fallback {
 }
 
 /// Why the mesher had to make do at some place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FallbackKind {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum FallbackKind {
     NoCommonPoint,
     HiddenFeature,
     SeveralCrossings,

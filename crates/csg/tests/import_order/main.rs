@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 27] = [
+const ROOMS: [(&str, &str); 28] = [
     ("clock", "what time it is, where there is a clock"),
     ("limits", "how much may be spent"),
     ("machine", "how much memory there is"),
@@ -48,6 +48,7 @@ const ROOMS: [(&str, &str); 27] = [
     ("adapt", "meshes by adaptive cells"),
     ("draft", "meshes in draft quality"),
     ("finish", "normals and feature edges"),
+    ("merger", "a mesh put together from slabs"),
     ("verify", "a mesh held against its program"),
     ("mesher", "the entry: options in, mesh and report out"),
     ("section", "what a plane meets of a solid"),

@@ -16,7 +16,7 @@ Angles are in degrees, unless `radians=True` is said. In a notebook a solid show
 
 from collections.abc import Callable
 
-from . import _adapters, _view
+from . import _adapters, _view, distributed
 from ._stereotomy import *  # noqa: F403
 from ._stereotomy import Mesh, Profile, Solid
 from ._view import View
@@ -26,7 +26,7 @@ __all__ = [
     "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
     "capsule", "chamfered_cuboid", "chamfered_cylinder", "circle", "cone",
     "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid", "cuboid_between",
-    "cylinder", "difference", "dodecahedron", "ellipse", "ellipsoid", "elliptic_cylinder",
+    "cylinder", "difference", "distributed", "dodecahedron", "ellipse", "ellipsoid", "elliptic_cylinder",
     "empty", "empty_profile", "from_csg", "frustum", "gear", "half_space",
     "half_space_through", "hull", "hull_of_balls", "hull_profile", "hyperboloid_one_sheet",
     "hyperboloid_two_sheets", "icosahedron", "infinite_cone", "infinite_cylinder",

@@ -28,7 +28,7 @@ __version__: str
 __all__ = [
     "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
     "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "__version__",
-    "_profile", "_solid", "_surface", "capsule", "chamfered_cuboid", "chamfered_cylinder",
+    "_merge", "_profile", "_shard", "_solid", "_surface", "capsule", "chamfered_cuboid", "chamfered_cylinder",
     "circle", "cone", "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid",
     "cuboid_between", "cylinder", "difference", "dodecahedron", "ellipse", "ellipsoid",
     "elliptic_cylinder", "empty", "empty_profile", "from_csg", "frustum", "gear",
@@ -503,6 +503,16 @@ def load(path: _Path, *, faceted: bool = False, any_folder: bool = False) -> Sol
 def read_solid(path: _Path) -> Solid: ...
 def load_mesh(path: _Path, *, any_folder: bool = False) -> Mesh: ...
 def from_csg(text: str, *, faceted: bool = False) -> Solid: ...
+def _shard(
+    solid: Solid,
+    part: tuple[int, int],
+    path: _Path | None,
+    threads: int,
+    options: dict[str, Any],
+) -> bytes | None: ...
+def _merge(
+    shards: Sequence[_Path], path: _Path | None, normals: bool, check: bool
+) -> Mesh | None: ...
 def _solid(bytes: bytes) -> Solid: ...
 def _profile(bytes: bytes) -> Profile: ...
 def _surface(

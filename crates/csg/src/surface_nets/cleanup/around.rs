@@ -60,6 +60,8 @@ impl<N: Fn(&[u32]) -> Vec<Range<usize>> + Sync> Cleaner<'_, N> {
                 })
             }));
             faces.retain(|face| !work.removed.contains(&face.triangle));
+            // In whatever ranges they were found: the order decides what is tried first.
+            faces.sort_unstable_by_key(|face| face.triangle);
             faces
         };
         let want = |faces: &[Face], stars: &mut Stars| {

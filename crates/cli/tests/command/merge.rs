@@ -1,0 +1,83 @@
+//! `csg mesh --shard` and `csg merge`.
+
+use std::fs;
+
+use crate::{Folder, failed, succeeded};
+
+#[test]
+fn shards_put_together_are_the_whole_to_the_byte() {
+    let folder = Folder::new();
+    let read = |name: &str| fs::read(folder.file(name)).expect("a file");
+    succeeded(
+        &folder.run("mesh in.csg --cells 40 --unit cm -o whole.ply -o whole.stl -o whole.obj"),
+    );
+    for parts in [1, 2, 5] {
+        let mut names = String::new();
+        for part in 1..=parts {
+            let name = format!("part-{part}-of-{parts}.shard");
+            let options = format!("--cells 40 --unit cm --shard {part}/{parts} -o {name}");
+            succeeded(&folder.run(&format!("mesh in.csg {options}")));
+            names = format!("{name} {names}");
+        }
+        let merge = format!("merge {names} -o merged.ply -o merged.stl -o merged.obj");
+        let output = folder.run(&merge);
+        succeeded(&output);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(told.contains(&format!("of {parts} shards")), "{told}");
+        for format in ["ply", "stl", "obj"] {
+            let (whole, merged) = (format!("whole.{format}"), format!("merged.{format}"));
+            assert!(read(&whole) == read(&merged), "{format} of {parts}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_shard_and_no_whole_is_told() {
+    let folder = Folder::new();
+    for part in 1..=2 {
+        let options = format!("--cells 12 --shard {part}/2 -o {part}.shard");
+        succeeded(&folder.run(&format!("mesh in.csg {options}")));
+    }
+    succeeded(&folder.run("mesh in.csg --cells 13 --shard 2/2 -o other.shard"));
+    let bytes = fs::read(folder.file("2.shard")).expect("a file");
+    fs::write(folder.file("short.shard"), &bytes[..bytes.len() - 5]).expect("a file");
+    for (arguments, code, said) in [
+        ("merge 1.shard -o a.ply", 3, "1.shard: it is one of 2 slabs"),
+        ("merge 1.shard 1.shard 2.shard -o a.ply", 3, "as is 1.shard"),
+        (
+            "merge 1.shard other.shard -o a.ply",
+            3,
+            "other.shard: it is of another mesh",
+        ),
+        (
+            "merge 1.shard short.shard -o a.ply",
+            3,
+            "short.shard: it was cut off",
+        ),
+        ("merge 1.shard in.csg -o a.ply", 3, "in.csg: it is no shard"),
+        ("merge 1.shard none.shard -o a.ply", 3, "none.shard: "),
+        ("merge 1.shard 2.shard -o a.dwg", 2, "a.dwg"),
+        ("merge 1.shard 2.shard -o -", 2, "name one"),
+        (
+            "mesh in.csg --cells 12 --shard 1/2 -o a.ply",
+            2,
+            "part-1.shard",
+        ),
+        ("mesh in.csg --cells 12 --shard 3/2 -o a.shard", 2, "1/4"),
+        ("mesh in.csg --shard 1/2 -o a.shard", 2, "without cells"),
+        (
+            "mesh in.csg --shard 1/2 --tolerance 0.1 --cells 12 -o a.shard",
+            2,
+            "tolerance",
+        ),
+        (
+            "mesh in.csg --shard 1/2 --draft --cells 12 -o a.shard",
+            2,
+            "draft",
+        ),
+    ] {
+        let told = failed(&folder.run(arguments), code);
+        assert!(told.contains(said), "{arguments}: {told}");
+        assert!(!folder.file("a.ply").exists() && !folder.file("a.shard").exists());
+    }
+}

@@ -1,0 +1,226 @@
+"""Who does the work: a Ray or a Dask cluster, an executor, or processes of this machine."""
+
+from __future__ import annotations
+
+import importlib
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+
+# Type checkers know the names; `typing` itself would be most of the time that an import takes.
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+# How often what was lost with its worker is done once more.
+RETRIES = 3
+# Items per worker that are under way at a time: results that nobody has fetched take memory.
+AHEAD = 2
+
+
+def engine(client: object) -> Engine:
+    """The engine of a client."""
+    if client is None:
+        return Processes()
+    if getattr(client, "__name__", None) == "ray":
+        return Ray(client)
+    if any(kind.__module__.split(".")[0] == "distributed" for kind in type(client).__mro__):
+        return Dask(client)
+    executors = importlib.import_module("concurrent.futures")
+    if isinstance(client, executors.Executor):
+        return Pool(client)
+    raise TypeError(
+        f"client: {type(client).__name__} is none; give the module ray after ray.init(), a "
+        "dask.distributed.Client, a concurrent.futures.Executor, or None for processes of "
+        "this machine"
+    )
+
+
+_unpickled: tuple[bytes, Any] | None = None
+
+
+def _call(function: Callable[..., Any], shared: bytes, item: tuple[Any, ...]) -> Any:
+    """The function's result; what items share is unpickled once."""
+    global _unpickled
+    known = _unpickled
+    if known is None or known[0] != shared:
+        known = (shared, pickle.loads(shared))
+        _unpickled = known
+    return function(known[1], *item)
+
+
+class Engine:
+    """Does a function for every item, some ahead of the results that are fetched."""
+
+    workers: int
+
+    def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+        raise NotImplementedError
+
+    def _share(self, shared: bytes) -> None:
+        raise NotImplementedError
+
+    def _wait(self, futures: list[Any]) -> list[Any]:
+        """Those that are done, one at least."""
+        raise NotImplementedError
+
+    def _result(self, future: Any) -> Any:
+        raise NotImplementedError
+
+    def _cancel(self, future: Any) -> None:
+        raise NotImplementedError
+
+    def run(
+        self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
+    ) -> Iterator[tuple[int, Any]]:
+        """Each result with its item's place, as soon as it is done; `shared` is the pickle of
+        what all items have in common."""
+        self._share(shared)
+        waiting = iter(enumerate(items))
+        under_way: dict[Any, int] = {}
+        try:
+            while True:
+                for index, item in waiting:
+                    under_way[self._submit(function, item)] = index
+                    if len(under_way) >= AHEAD * self.workers:
+                        break
+                if not under_way:
+                    return
+                for future in self._wait(list(under_way)):
+                    result = self._result(future)
+                    yield under_way.pop(future), result
+        finally:
+            for future in under_way:
+                self._cancel(future)
+
+
+class Ray(Engine):
+    """A Ray cluster; `ray` is the module, after `ray.init()`."""
+
+    def __init__(self, ray: Any) -> None:
+        if not ray.is_initialized():
+            raise ValueError("client: ray has no cluster yet: call ray.init() first")
+        self.ray = ray
+        self.workers = max(1, int(ray.cluster_resources().get("CPU", 1)))
+        # (What raises is not tried again, what dies is.)
+        self.remote = ray.remote(max_retries=RETRIES)(_call)
+
+    def _share(self, shared: bytes) -> None:
+        self.shared = self.ray.put(shared)
+
+    def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+        return self.remote.remote(function, self.shared, item)
+
+    def _wait(self, futures: list[Any]) -> list[Any]:
+        done: list[Any] = self.ray.wait(futures, num_returns=1)[0]
+        return done
+
+    def _result(self, future: Any) -> Any:
+        try:
+            return self.ray.get(future)
+        except self.ray.exceptions.RayTaskError as error:
+            # What the function raised, without the way that it came.
+            raise error.cause from None
+
+    def _cancel(self, future: Any) -> None:
+        self.ray.cancel(future)
+
+
+class Dask(Engine):
+    """A Dask cluster, by a `distributed.Client`. Workers that die are the scheduler's affair:
+    it gives what they did to others."""
+
+    def __init__(self, client: Any) -> None:
+        self.client = client
+        self.workers = max(1, sum(client.nthreads().values()))
+        self.wait = importlib.import_module("distributed").wait
+
+    def _share(self, shared: bytes) -> None:
+        # A task, not data: it can be made again where its worker died.
+        self.shared = self.client.submit(bytes, shared, pure=False)
+
+    def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+        return self.client.submit(_call, function, self.shared, item, pure=False)
+
+    def _wait(self, futures: list[Any]) -> list[Any]:
+        return list(self.wait(futures, return_when="FIRST_COMPLETED").done)
+
+    def _result(self, future: Any) -> Any:
+        return future.result()
+
+    def _cancel(self, future: Any) -> None:
+        future.cancel()
+
+
+class Pool(Engine):
+    """Any executor of `concurrent.futures`. What is lost with its worker is lost."""
+
+    def __init__(self, executor: Any) -> None:
+        import os
+
+        self.executor = executor
+        self.workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+        self.wait = importlib.import_module("concurrent.futures").wait
+
+    def _share(self, shared: bytes) -> None:
+        self.shared = shared
+
+    def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+        return self.executor.submit(_call, function, self.shared, item)
+
+    def _wait(self, futures: list[Any]) -> list[Any]:
+        return list(self.wait(futures, return_when="FIRST_COMPLETED").done)
+
+    def _result(self, future: Any) -> Any:
+        return future.result()
+
+    def _cancel(self, future: Any) -> None:
+        future.cancel()
+
+
+_of_process: bytes = b""
+
+
+def _start(shared: bytes) -> None:
+    global _of_process
+    _of_process = shared
+
+
+def _call_here(function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+    return _call(function, _of_process, item)
+
+
+class Processes(Pool):
+    """Processes of this machine, one for each processor; new ones, if any dies."""
+
+    def __init__(self) -> None:
+        import os
+
+        self.workers = os.cpu_count() or 1
+        self.wait = importlib.import_module("concurrent.futures").wait
+
+    def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
+        # (Each process has what is shared from its start.)
+        return self.executor.submit(_call_here, function, item)
+
+    def run(
+        self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
+    ) -> Iterator[tuple[int, Any]]:
+        from concurrent.futures import ProcessPoolExecutor
+        from concurrent.futures.process import BrokenProcessPool
+        from multiprocessing import get_context
+
+        left = dict(enumerate(items))
+        failures = 0
+        while left:
+            try:
+                with ProcessPoolExecutor(
+                    min(self.workers, len(left)), get_context("spawn"), _start, (shared,)
+                ) as self.executor:
+                    places = list(left)
+                    for at, result in super().run(function, shared, list(left.values())):
+                        del left[places[at]]
+                        yield places[at], result
+            except BrokenProcessPool:
+                failures += 1
+                if failures > RETRIES:
+                    raise

@@ -1,0 +1,330 @@
+"""Work for more than one process or machine: one huge mesh in shards, and tables of variants.
+
+Whoever has a cluster gives its client: the module `ray` after `ray.init()`, or a
+`dask.distributed.Client`; without one, processes of this machine do the work. A worker that
+dies is replaced by the engine, and what it did is done again. The result is the same, to the
+byte, for any number of workers and shards.
+
+    import stereotomy as st
+    from dask.distributed import Client
+
+    with Client("scheduler:8786") as client:
+        st.distributed.mesh(solid, cells=4096, client=client, out="huge.ply")
+
+The package must be installed where the workers are, in the same version. Processes of this
+machine start a script anew, as `multiprocessing` does: what a script does by itself belongs
+below `if __name__ == "__main__":`.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from . import _engines
+from ._stereotomy import Solid, _merge, _shard
+from ._stereotomy import empty as _empty
+
+# Type checkers know the names; `typing` itself would be most of the time that an import takes.
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, TypeAlias, Unpack
+
+    from ._stereotomy import Mesh, _MeshOptions
+
+    _Table: TypeAlias = (
+        Mapping[str, Sequence[Any]] | Iterable[Mapping[str, Any]] | str | os.PathLike[str]
+    )
+
+__all__ = ["mesh", "sweep"]
+
+# Parts of the work for each worker: some are done sooner than others.
+_PARTS = 4
+
+
+def mesh(
+    solid: Solid,
+    *,
+    client: object = None,
+    shards: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    threads: int = 1,
+    **options: Unpack[_MeshOptions],
+) -> Mesh | None:
+    """The mesh that `solid.mesh(cells=...)` makes, made in shards by workers: slabs of the
+    lattice, none of which needs anything of another one.
+
+    With `out` it is written to that file and not given back: .ply and .stl come piece by
+    piece, with a shard at a time in memory; the bytes are those of `solid.save(out, ...)`.
+    `shards` says in how many parts the work is done (some for each worker, unless it is said),
+    and `threads` how many each worker uses. With `folder`, one that all workers share, they
+    put their shards there, and the engine need not carry them; the shards stay.
+
+    Of the options of `mesh` there must be `cells` or `cell_size`; `tolerance`, `draft`,
+    `feature_edges` and `partial` are not for shards. With `check` a mesh that is given back is
+    checked. `progress` is called with the share of the shards that is done.
+
+    >>> import stereotomy as st
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> solid = st.cube(2) - st.sphere(1.2)
+    >>> with ThreadPoolExecutor(2) as client:
+    ...     mesh = st.distributed.mesh(solid, cells=40, client=client, shards=5)
+    >>> mesh.triangles.tolist() == solid.mesh(cells=40).triangles.tolist()
+    True
+    """
+    import tempfile
+
+    if not isinstance(solid, Solid):
+        raise TypeError(f"mesh: solid is a {type(solid).__name__}: give a Solid")
+    for name, value in (("shards", shards), ("threads", threads)):
+        if value is not None and not (isinstance(value, int) and 1 <= value < 2**32):
+            raise ValueError(f"mesh: {name} is {value!r}: give a whole number from 1")
+    given: dict[str, Any] = dict(options)
+    progress = given.pop("progress", None)
+    normals, check = given.pop("normals", True), given.pop("check", True)
+    # What is wrong with the options is told here, of nothing.
+    _shard(_empty(), (0, 1), None, 1, given)
+    engine = _engines.engine(client)
+    count = shards or _PARTS * engine.workers
+    with tempfile.TemporaryDirectory(prefix="stereotomy-") as own:
+        place = os.fspath(own if folder is None else folder)
+        paths = [os.path.join(place, f"part-{part + 1}-of-{count}.shard") for part in range(count)]
+        items = [
+            ((part, count), None if folder is None else path, threads, given)
+            for part, path in enumerate(paths)
+        ]
+        done = 0
+        for part, data in engine.run(_shard, pickle.dumps(solid), items):
+            if data is not None:
+                with open(paths[part], "wb") as file:
+                    file.write(data)
+            done += 1
+            if progress is not None:
+                progress(done / count)
+        return _merge(paths, out, normals, check)
+
+
+_MEASURES = (
+    "volume", "volume_error", "area", "centroid_x", "centroid_y", "centroid_z",
+)  # fmt: skip
+
+
+def sweep(
+    model: Callable[..., Solid],
+    table: _Table,
+    *,
+    client: object = None,
+    out: str | os.PathLike[str] | None = None,
+    write: str | Sequence[str] = (),
+    rows_at_once: int | None = None,
+    **options: Unpack[_MeshOptions],
+) -> list[dict[str, Any]]:
+    """A row of measures of each variant of a model: `model(**row)` is the solid of a row of the
+    table, which is a mapping of columns, rows as mappings, or the name of a .csv file (whose
+    numbers become numbers).
+
+    The rows come back in order, each with its number from 1 as `row`, its variables, `volume`,
+    `volume_error`, `area` and the centroid, `files`, and in `error` what went wrong, if
+    anything did: then the measures are None, and the other rows go on. With `write`, a name or
+    several such as `"part-{row}.step"` in which a variable's name in braces stands for its
+    value, each variant is saved there, too, with the options of `mesh`, where its worker is.
+    `out` names a .csv or (with pyarrow) .parquet file for the table.
+
+    The model goes to the workers as a pickle: for processes of this machine it must be a
+    function of a module. `rows_at_once` says how many rows a worker takes at a time, and
+    `progress` is called with the share that is done.
+
+    >>> import stereotomy as st
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> def washer(bore):
+    ...     return st.cylinder(1, z=0.1) - st.infinite_cylinder(bore)
+    >>> with ThreadPoolExecutor(2) as client:
+    ...     rows = st.distributed.sweep(washer, {"bore": [0.3, 0.5, -1]}, client=client)
+    >>> [round(row["volume"], 6) for row in rows[:2]]
+    [0.285885, 0.235619]
+    >>> rows[2]["error"]
+    'ValueError: infinite_cylinder(radius=-1.0): a radius is -1: it must be positive and finite'
+    """
+    given: dict[str, Any] = dict(options)
+    progress = given.pop("progress", None)
+    rows = _rows(table)
+    if rows_at_once is not None and rows_at_once < 1:
+        raise ValueError(f"sweep: rows_at_once is {rows_at_once!r}: give a whole number from 1")
+    names = (write,) if isinstance(write, str) else tuple(write)
+    known = {"row", *(rows[0] if rows else ())}
+    for name in names:
+        _check_name(name, known)
+    taken = sorted({"row", "files", "error", *_MEASURES} & set(rows[0] if rows else ()))
+    if taken:
+        raise ValueError(
+            f"sweep: the table's column {taken[0]!r} is one of those that are written: "
+            "give it another name"
+        )
+    if out is not None:
+        _check_table(out)
+    engine = _engines.engine(client)
+    some = rows_at_once or max(1, min(256, -(-len(rows) // (_PARTS * engine.workers))))
+    items = [(first + 1, rows[first : first + some]) for first in range(0, len(rows), some)]
+    made: dict[int, list[dict[str, Any]]] = {}
+    shared = _pickled((model, names, given), client)
+    for at, chunk in engine.run(_measure_rows, shared, items):
+        made[at] = chunk
+        if progress is not None:
+            progress(len(made) / len(items))
+    result = [row for at in range(len(items)) for row in made[at]]
+    if out is not None:
+        _write_table(out, result)
+    return result
+
+
+def _pickled(shared: object, client: object) -> bytes:
+    """With a cluster functions of a script or a notebook can be pickled, too."""
+    try:
+        if client is not None:
+            import importlib
+
+            pickler = importlib.import_module("cloudpickle")
+            data: bytes = pickler.dumps(shared)
+            return data
+    except ModuleNotFoundError:
+        pass
+    try:
+        return pickle.dumps(shared)
+    except Exception as error:
+        raise TypeError(
+            f"sweep: the model cannot be pickled for the workers ({error}): "
+            "give a function of a module"
+        ) from error
+
+
+def _rows(table: _Table) -> list[dict[str, Any]]:
+    if isinstance(table, Mapping):
+        columns = {name: list(values) for name, values in table.items()}
+        lengths = {name: len(values) for name, values in columns.items()}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"sweep: the table's columns differ in length: {lengths}")
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    elif isinstance(table, (str, os.PathLike)):
+        import csv
+
+        with open(table, newline="", encoding="utf-8") as file:
+            read = csv.DictReader(file, skipinitialspace=True)
+            rows = [{name: _value(text) for name, text in row.items()} for row in read]
+    else:
+        rows = [dict(row) for row in table]
+    for number, row in enumerate(rows, 1):
+        if set(row) != set(rows[0]):
+            raise ValueError(f"sweep: row {number} of the table has other columns than row 1")
+    # Plain numbers, however they came.
+    return [
+        {name: getattr(value, "item", lambda value=value: value)() for name, value in row.items()}
+        for row in rows
+    ]
+
+
+def _value(text: str) -> int | float | str:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except (TypeError, ValueError):
+            pass
+    return text
+
+
+def _check_name(name: str, known: set[str]) -> None:
+    import string
+
+    fields = {field for _, field, _, _ in string.Formatter().parse(name) if field is not None}
+    if not fields:
+        raise ValueError(
+            f"sweep: all variants would have one file {name!r}: put {{row}} into it"
+        )
+    if fields - known:
+        raise ValueError(
+            f"sweep: {{{min(fields - known)}}} is no variable of the table: it has "
+            + ", ".join(sorted(known))
+        )
+
+
+def _measure_rows(
+    shared: tuple[Callable[..., Solid], Sequence[str], dict[str, Any]],
+    first: int,
+    rows: list[dict[str, Any]],
+) -> list[dict[str, Any]]:
+    model, names, options = shared
+    return [
+        _measured(model, names, options, number, row) for number, row in enumerate(rows, first)
+    ]
+
+
+def _measured(
+    model: Callable[..., Solid],
+    names: Sequence[str],
+    options: dict[str, Any],
+    number: int,
+    row: dict[str, Any],
+) -> dict[str, Any]:
+    made: dict[str, Any] = {"row": number, **row}
+    made |= dict.fromkeys(_MEASURES) | {"files": "", "error": ""}
+    try:
+        solid = model(**row)
+        if not isinstance(solid, Solid):
+            raise TypeError(f"the model gave a {type(solid).__name__}, not a Solid")
+        measure = solid.measure()
+        numbers = (measure.volume, measure.volume_error, measure.area, *(measure.centroid or ()))
+        # A value must not name another folder.
+        safe = {
+            name: str(value).replace("/", "_").replace("\\", "_") for name, value in row.items()
+        }
+        files = [name.format(**safe, row=number) for name in names]
+        for file in files:
+            is_step = file.lower().endswith((".step", ".stp"))
+            solid.save(file, **({} if is_step else options))
+        made |= dict(zip(_MEASURES, numbers))
+        made["files"] = " ".join(files)
+    except Exception as error:
+        made["error"] = f"{type(error).__name__}: {error}"
+    return made
+
+
+def _check_table(path: str | os.PathLike[str]) -> None:
+    import importlib
+
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    if ending == ".parquet":
+        try:
+            importlib.import_module("pyarrow.parquet")
+        except ModuleNotFoundError:
+            raise ModuleNotFoundError(
+                "pyarrow is not installed: pip install pyarrow, or give a .csv file",
+                name="pyarrow",
+            ) from None
+    elif ending != ".csv":
+        raise ValueError(f"sweep: out is {os.fspath(path)!r}: give a .csv or a .parquet file")
+
+
+def _write_table(path: str | os.PathLike[str], rows: list[dict[str, Any]]) -> None:
+    """The table, whole or not at all."""
+    import importlib
+
+    path = os.fspath(path)
+    unfinished = f"{path}.unfinished-{os.getpid()}"
+    try:
+        if path.lower().endswith(".parquet"):
+            pyarrow = importlib.import_module("pyarrow")
+            parquet = importlib.import_module("pyarrow.parquet")
+            parquet.write_table(pyarrow.Table.from_pylist(rows), unfinished)
+        else:
+            import csv
+
+            with open(unfinished, "w", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, list(rows[0]) if rows else ["row"], lineterminator="\n")
+                writer.writeheader()
+                writer.writerows(rows)
+        os.replace(unfinished, path)
+    except BaseException:
+        if os.path.exists(unfinished):
+            os.remove(unfinished)
+        raise

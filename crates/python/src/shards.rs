@@ -1,0 +1,82 @@
+//! Slabs of a mesh as shards, and the mesh that they make together: what
+//! `stereotomy.distributed` hands out to workers.
+
+use std::path::PathBuf;
+
+use csg::{Merger, Meshed, Program};
+use io::shard::{ShardFile, write_merged, write_shard, write_shard_file};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use rayon::ThreadPoolBuilder;
+
+use crate::errors::{of_file, of_model};
+use crate::mesh::PyMesh;
+use crate::meshing::MeshOptions;
+use crate::solid::PySolid;
+use crate::waiting::{wait, wait_out};
+
+pub(crate) fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(shard, module)?)?;
+    module.add_function(wrap_pyfunction!(merge, module)?)
+}
+
+/// A shard, to a file or as bytes, made by some threads; `options` are those of `mesh`.
+#[pyfunction]
+#[pyo3(name = "_shard", signature = (solid, part, path, threads, options))]
+fn shard<'py>(
+    py: Python<'py>,
+    solid: &PySolid,
+    part: (u32, u32),
+    path: Option<PathBuf>,
+    threads: usize,
+    options: &Bound<'py, PyDict>,
+) -> PyResult<Option<Bound<'py, PyBytes>>> {
+    let MeshOptions { mesher, follow } = MeshOptions::of("mesh", Some(options))?;
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool =
+        pool.map_err(|error| PyRuntimeError::new_err(format!("no threads to work with: {error}")))?;
+    let (part, of) = part;
+    let solid = solid.0.clone();
+    let slab = wait(py, &follow, move || {
+        pool.install(|| mesher.slab(&Program::lower(&solid)?, part, of))
+    })?;
+    let slab = slab.map_err(of_model)?;
+    if let Some(path) = path {
+        wait_out(py, move || write_shard_file(path, &slab))?.map_err(of_file)?;
+        return Ok(None);
+    }
+    let mut bytes = Vec::new();
+    write_shard(&slab, &mut bytes).map_err(of_file)?;
+    Ok(Some(PyBytes::new(py, &bytes)))
+}
+
+/// The mesh of shards, in a file or in memory.
+#[pyfunction]
+#[pyo3(name = "_merge", signature = (shards, path, normals, check))]
+fn merge(
+    py: Python<'_>,
+    shards: Vec<PathBuf>,
+    path: Option<PathBuf>,
+    normals: bool,
+    check: bool,
+) -> PyResult<Option<PyMesh>> {
+    let made = wait_out(py, move || {
+        let shards = shards.iter().map(ShardFile::open);
+        let merger = Merger::new(shards.collect::<Result<Vec<_>, _>>()?)?;
+        if let Some(path) = path {
+            return write_merged(path, &merger).map(|()| None);
+        }
+        let mut meshed = Meshed::default();
+        meshed.mesh = match normals {
+            true => merger.mesh_with_normals()?,
+            false => merger.mesh()?,
+        };
+        meshed.report = merger.report().clone();
+        if check {
+            meshed.report.check = meshed.mesh.check();
+        }
+        Ok(Some(meshed))
+    })?;
+    Ok(made.map_err(of_file)?.map(PyMesh::of))
+}
