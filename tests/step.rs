@@ -203,6 +203,41 @@ fn names_and_colors_are_read_back() {
 }
 
 #[test]
+fn parts_are_products_of_products() {
+    let mut script = start();
+    let at = |x: f64| Solid::cube(1.0).translate([x, 0.0, 0.0]);
+    let bore = Solid::cylinder(0.2, -1.0..1.0).named("bore");
+    let steel = Color::from_srgb([0.5, 0.25, 0.75]);
+    let housing = (at(0.0) - bore).named("housing").colored(steel);
+    let shaft = (at(2.0) | at(4.0)).named("shaft");
+    let solid = (housing | shaft | at(6.0)).named("pump") | at(8.0);
+    for schema in [StepSchema::Ap242, StepSchema::Ap214] {
+        let options = StepOptions::default().name("plant").schema(schema);
+        let found = read_back(&mut script, &boundary(&solid), &options);
+        assert!(found.is_valid && found.is_closed);
+        assert_eq!(found.products, ["plant"]);
+        let mut parts = found.parts;
+        parts.sort_unstable();
+        let wanted = ["plant", "pump", "pump/housing", "pump/pump", "pump/shaft"];
+        assert_eq!(parts, wanted);
+        let mut solids: Vec<_> = found.solids.iter().map(|s| s.name.as_str()).collect();
+        solids.sort_unstable();
+        assert_eq!(solids, ["housing", "plant", "pump", "shaft", "shaft"]);
+        let housing = found.solids.iter().find(|solid| solid.name == "housing");
+        let [r, ..] = housing.and_then(|solid| solid.color).expect("a colour");
+        assert!((r - 0.5).abs() < 1e-5, "{r}");
+        let bores = found.faces.iter().filter(|face| face.name == "bore");
+        assert_eq!(bores.count(), 4);
+        let exact = 5.0 - 0.04 * std::f64::consts::PI;
+        assert!(
+            (found.volume - exact).abs() < 1e-9 * exact,
+            "{}",
+            found.volume
+        );
+    }
+}
+
+#[test]
 fn units_are_read_back() {
     let mut script = start();
     let solid = Solid::cuboid_between([0.0; 3], dvec3(1.0, 2.0, 3.0));

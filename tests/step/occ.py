@@ -20,11 +20,13 @@ from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.TCollection import TCollection_ExtendedString
 from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
-from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
+from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 # Spans of an edge's image on a surface: so many if it is as long as the solid, and limits.
 SPANS = 400
@@ -91,13 +93,33 @@ def refined(edge, face, on, per_length):
 
 def written(reader, shape):
     """The name of the entity that a shape was made from."""
+    # (In an assembly it is placed.)
+    shape = shape.Located(TopLoc_Location())
     entity = reader.WS().TransferReader().EntityFromShapeResult(shape, 1)
     return entity.Name().ToCString() if entity is not None else None
 
 
+def name_of(label):
+    name = TDataStd_Name()
+    label.FindAttribute(TDataStd_Name.GetID_s(), name)
+    return name.Get().ToExtString()
+
+
+def parts_of(label, outer=""):
+    """The products that a product is put together from, each as outer/inner."""
+    inner = Sequence_TDF_Label()
+    XCAFDoc_ShapeTool.GetComponents_s(label, inner)
+    for component in inner:
+        product = TDF_Label()
+        XCAFDoc_ShapeTool.GetReferredShape_s(component, product)
+        name = outer + name_of(product)
+        yield name
+        yield from parts_of(product, name + "/")
+
+
 def color_of(colors, shape):
     color = Quantity_Color()
-    if not colors.GetColor(shape, XCAFDoc_ColorSurf, color):
+    if not colors.GetColor(shape.Located(TopLoc_Location()), XCAFDoc_ColorSurf, color):
         return None
     return list(color.Values(Quantity_TOC_sRGB))
 
@@ -118,11 +140,7 @@ def read(path, of_faces):
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(main).GetFreeShapes(roots)
     colors = XCAFDoc_DocumentTool.ColorTool_s(main)
-    names = []
-    for label in roots:
-        name = TDataStd_Name()
-        label.FindAttribute(TDataStd_Name.GetID_s(), name)
-        names.append(name.Get().ToExtString())
+    names = [name_of(label) for label in roots]
     solids = [
         {
             "name": written(reader, solid),
@@ -142,6 +160,7 @@ def read(path, of_faces):
         "valid": is_valid,
         "closed": all(closed),
         "products": names,
+        "parts": [name for label in roots for name in parts_of(label)],
         "solids": solids,
         "faces": faces,
         "volume": volume(shape),

@@ -11,6 +11,8 @@ pub struct Read {
     pub is_valid: bool,
     pub is_closed: bool,
     pub products: Vec<String>,
+    /// What these are put together from, each as `outer/inner`.
+    pub parts: Vec<String>,
     pub solids: Vec<Body>,
     pub faces: Vec<Face>,
     /// With images of edges on surfaces through more points than the reader's own.
@@ -69,6 +71,7 @@ impl Script {
             is_valid: said["valid"].as_bool().expect("a verdict"),
             is_closed: said["closed"].as_bool().expect("a verdict"),
             products: all("products").iter().map(text).collect(),
+            parts: all("parts").iter().map(text).collect(),
             solids: all("solids")
                 .iter()
                 .map(|solid| Body {

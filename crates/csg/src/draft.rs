@@ -368,6 +368,7 @@ fn join(task: &Task, patches: &[Patch]) -> Result<Mesh, Error> {
                     surface,
                     primitive,
                     name: origin.name.clone(),
+                    parts: origin.parts.clone(),
                     color: origin.color,
                 }
             })

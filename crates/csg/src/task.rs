@@ -70,6 +70,7 @@ impl<'a> Task<'a> {
             surface,
             primitive,
             name: origin.name.as_ref().map(Arc::clone),
+            parts: Arc::clone(&origin.parts),
             color: origin.color,
         }
     }

@@ -531,3 +531,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn names_around_a_primitive_are_its_parts() {
+    let ball = Solid::sphere(1.0).named("ball");
+    let both = ball.clone().named("race") | ball.named("ball").translate([3.0, 0.0, 0.0]);
+    let deep = (0..100).fold(Solid::cube(1.0), |solid, k| solid.named(format!("{k}")));
+    let program = Program::lower(&(both.named("bearing") | deep)).expect("valid");
+    let names = |k: usize| {
+        let origin = &program.origins()[k];
+        let all = origin.parts.iter().chain(&origin.name);
+        all.map(AsRef::as_ref).collect::<Vec<&str>>()
+    };
+    assert_eq!(names(0), ["bearing", "race", "ball"]);
+    assert_eq!(names(1), ["bearing", "ball"]);
+    // The outermost, and the innermost.
+    assert_eq!(names(2).len(), 16);
+    assert_eq!((names(2)[0], names(2)[14], names(2)[15]), ("99", "85", "0"));
+}

@@ -14,8 +14,8 @@ use crate::{Error, MeshFormat};
 /// Collects vertices and triangles into a mesh.
 pub(crate) struct Assembler {
     mesh: Mesh,
-    /// Surfaces by name and colour.
-    parts: FxHashMap<(Option<Arc<str>>, Option<ColorBits>), u32>,
+    /// Surfaces by names, one within the other, and colour.
+    parts: FxHashMap<(Vec<Arc<str>>, Option<ColorBits>), u32>,
     /// The surface of triangles, and the first triangle of each run of it.
     runs: Vec<(u32, usize)>,
     /// Whether every triangle so far came with normals.
@@ -59,26 +59,28 @@ impl Assembler {
         self.mesh.positions.len()
     }
 
-    /// The triangles that follow have this name and colour.
-    pub(crate) fn begin_part(&mut self, name: Option<&str>, color: Option<Color>) {
-        self.begin_part_at(self.mesh.triangles.len(), name, color);
+    /// The triangles that follow have these names around them, the outermost first, and this
+    /// colour.
+    pub(crate) fn begin_part(&mut self, names: &[&str], color: Option<Color>) {
+        self.begin_part_at(self.mesh.triangles.len(), names, color);
     }
 
-    /// The triangles from this one on have this name and colour.
-    fn begin_part_at(&mut self, first: usize, name: Option<&str>, color: Option<Color>) {
-        let name: Option<Arc<str>> = name.map(Arc::from);
+    /// [`Self::begin_part`], for the triangles from this one on.
+    fn begin_part_at(&mut self, first: usize, names: &[&str], color: Option<Color>) {
+        let names: Vec<Arc<str>> = names.iter().map(|&name| Arc::from(name)).collect();
         let color = color.map(in_gamut);
         let bits = color.map(color_bits);
         let surfaces = &mut self.mesh.surfaces;
         let part = *self
             .parts
-            .entry((name, bits))
-            .or_insert_with_key(|(name, _)| {
+            .entry((names, bits))
+            .or_insert_with_key(|(names, _)| {
                 let index = surfaces.len() as u32;
                 surfaces.push(MeshSurface {
                     surface: index,
                     primitive: index,
-                    name: name.clone(),
+                    name: names.last().cloned(),
+                    parts: names[..names.len().saturating_sub(1)].into(),
                     color,
                 });
                 index
@@ -92,7 +94,7 @@ impl Assembler {
     /// are one.
     pub(crate) fn triangle(&mut self, corners: [u32; 3], normals: Option<[Vec3; 3]>) {
         if self.runs.is_empty() {
-            self.begin_part(None, None);
+            self.begin_part(&[], None);
         }
         self.mesh.triangles.push(corners);
         match normals {
@@ -110,13 +112,13 @@ impl Assembler {
         &mut self,
         lengths: &[usize],
         with_normals: bool,
-        part: impl Fn(usize) -> (Option<&'a str>, Option<Color>),
+        part: impl Fn(usize) -> (Vec<&'a str>, Option<Color>),
         fill: impl Fn(usize, &mut [[u32; 3]], &mut [[Vec3; 3]]) -> Result<(), E> + Sync,
     ) -> Result<(), E> {
         let mut first = 0;
         for (block, length) in lengths.iter().enumerate() {
-            let (name, color) = part(block);
-            self.begin_part_at(first, name, color);
+            let (names, color) = part(block);
+            self.begin_part_at(first, &names, color);
             first += length;
         }
         self.has_normals = with_normals;

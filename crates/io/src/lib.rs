@@ -2,6 +2,7 @@
 
 mod assemble;
 mod atomic;
+mod bodies;
 mod conic;
 mod contents;
 mod decimal;
@@ -20,6 +21,7 @@ mod solid;
 pub mod step;
 pub mod stl;
 pub mod threemf;
+mod tree;
 mod units;
 mod weld;
 

@@ -1,16 +1,29 @@
-//! A mesh as files want it: checked, and sorted into parts of one name and
-//! one colour.
+//! A mesh as files want it: checked, and sorted into parts, and these into groups of faces of
+//! one name and one colour.
 
+use csg::mesh::Components;
 use csg::{Color, Mesh, MeshSurface};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 
+use crate::bodies;
 use crate::{Error, MeshFormat};
 
-/// Triangles of one name and one colour.
+/// Bodies whose faces have these names around them all.
 pub(crate) struct Part<'a> {
-    /// The name, if any.
-    pub name: Option<&'a str>,
+    /// The outermost first; empty where they have none in common.
+    pub names: Names<'a>,
+    /// Those without other names first.
+    pub groups: Vec<Group<'a>>,
+}
+
+/// Names one within the other, the outermost first.
+pub(crate) type Names<'a> = Vec<&'a str>;
+
+/// Triangles of one part, one name and one colour.
+pub(crate) struct Group<'a> {
+    /// All names around them, those of the part among them.
+    pub names: Names<'a>,
     /// Index into [`Parts::colors`].
     pub color: usize,
     /// Indices of the triangles, ascending.
@@ -19,8 +32,7 @@ pub(crate) struct Part<'a> {
 
 /// All triangles of a mesh, part by part.
 pub(crate) struct Parts<'a> {
-    /// Parts of one name stand together; otherwise in the order of first
-    /// appearance, but the unnamed first.
+    /// In the order of first appearance, but one without names first.
     pub parts: Vec<Part<'a>>,
     /// The distinct colours, `None` for triangles without.
     pub colors: Vec<Option<Color>>,
@@ -30,47 +42,52 @@ impl<'a> Parts<'a> {
     /// Checks the mesh and sorts its triangles.
     pub(crate) fn of(mesh: &'a Mesh, format: MeshFormat) -> Result<Self, Error> {
         check(mesh, format)?;
-        let mut names: FxHashMap<Option<&str>, usize> = FxHashMap::default();
-        names.insert(None, 0);
-        let mut color_slots: FxHashMap<Option<ColorBits>, usize> = FxHashMap::default();
-        let mut colors = Vec::new();
+        let mut looks = Looks::of(mesh);
+        let part_of = looks.parts(mesh);
         let mut slots: FxHashMap<(usize, usize), usize> = FxHashMap::default();
-        let mut found: Vec<(usize, Part<'a>)> = Vec::new();
-        // The part of each surface, once it has been met; the last entry is
-        // that of triangles without provenance.
-        let mut of_surface = vec![usize::MAX; mesh.surfaces.len() + 1];
+        let mut found: Vec<(usize, usize, Group<'a>)> = Vec::new();
+        let mut last: Option<((usize, usize), usize)> = None;
         for index in 0..mesh.triangles.len() {
-            let surface = match mesh.triangle_surfaces.get(index) {
-                Some(&surface) => (surface as usize).min(mesh.surfaces.len()),
-                None => mesh.surfaces.len(),
-            };
-            if of_surface[surface] == usize::MAX {
-                let entry: Option<&MeshSurface> = mesh.surfaces.get(surface);
-                let name = entry.and_then(|e| e.name.as_deref());
-                let count = names.len();
-                let name_slot = *names.entry(name).or_insert(count);
-                let color = entry.and_then(|e| e.color).map(in_gamut);
-                let color_slot = *color_slots.entry(color.map(color_bits)).or_insert_with(|| {
-                    colors.push(color);
-                    colors.len() - 1
-                });
-                of_surface[surface] = *slots.entry((name_slot, color_slot)).or_insert_with(|| {
-                    let part = Part {
-                        name,
-                        color: color_slot,
+            let look = looks.of_surface[surface(mesh, index)];
+            let key = (part_of(index), look);
+            let slot = match last {
+                Some((known, slot)) if known == key => slot,
+                _ => *slots.entry(key).or_insert_with(|| {
+                    let (names, color) = looks.looks[look];
+                    let group = Group {
+                        names: looks.names[names].clone(),
+                        color,
                         triangles: Vec::new(),
                     };
-                    found.push((name_slot, part));
+                    found.push((key.0, names, group));
                     found.len() - 1
-                });
-            }
-            found[of_surface[surface]].1.triangles.push(index as u32);
+                }),
+            };
+            last = Some((key, slot));
+            found[slot].2.triangles.push(index as u32);
         }
-        found.sort_by_key(|&(name, _)| name);
+        // Names are numbered as they appear, none being 0.
+        found.sort_by_key(|&(part, names, _)| (part, names != part, names));
+        let mut parts: Vec<(usize, Part<'a>)> = Vec::new();
+        for (part, _, group) in found {
+            match parts.last_mut() {
+                Some((last, to)) if *last == part => to.groups.push(group),
+                _ => {
+                    let names = looks.names[part].clone();
+                    let groups = vec![group];
+                    parts.push((part, Part { names, groups }));
+                }
+            }
+        }
         Ok(Self {
-            parts: found.into_iter().map(|(_, part)| part).collect(),
-            colors,
+            parts: parts.into_iter().map(|(_, part)| part).collect(),
+            colors: looks.colors,
         })
+    }
+
+    /// All groups of all parts.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &Group<'a>> {
+        self.parts.iter().flat_map(|part| &part.groups)
     }
 
     /// Whether any triangle has a colour.
@@ -85,6 +102,122 @@ impl<'a> Parts<'a> {
             Some(color) => format!("color{index}-{}", &hex(color)[1..]),
             None => DEFAULT_MATERIAL.to_owned(),
         }
+    }
+}
+
+/// The surface of a triangle; one beyond all others stands for none.
+fn surface(mesh: &Mesh, triangle: usize) -> usize {
+    let of_triangle = mesh.triangle_surfaces.get(triangle);
+    of_triangle.map_or(mesh.surfaces.len(), |&surface| {
+        (surface as usize).min(mesh.surfaces.len())
+    })
+}
+
+/// The distinct names and colours of a mesh's triangles.
+struct Looks<'a> {
+    /// Numbered as they appear, none being 0.
+    names: Vec<Names<'a>>,
+    colors: Vec<Option<Color>>,
+    /// Names and colour.
+    looks: Vec<(usize, usize)>,
+    /// For each surface, and for none, its look; of surfaces without triangles it is 0.
+    of_surface: Vec<usize>,
+}
+
+impl<'a> Looks<'a> {
+    fn of(mesh: &'a Mesh) -> Self {
+        let mut all_names = vec![Vec::new()];
+        let mut names: FxHashMap<Names<'a>, usize> = FxHashMap::default();
+        names.insert(Vec::new(), 0);
+        let (mut colors, mut looks) = (Vec::new(), Vec::new());
+        let mut color_slots: FxHashMap<Option<ColorBits>, usize> = FxHashMap::default();
+        let mut slots: FxHashMap<(usize, usize), usize> = FxHashMap::default();
+        let mut of_surface = vec![usize::MAX; mesh.surfaces.len() + 1];
+        for index in 0..mesh.triangles.len() {
+            let surface = surface(mesh, index);
+            if of_surface[surface] != usize::MAX {
+                continue;
+            }
+            let entry: Option<&MeshSurface> = mesh.surfaces.get(surface);
+            let of_entry: Names<'a> = entry.map_or(Vec::new(), |entry| {
+                let names = entry.parts.iter().chain(&entry.name);
+                names.map(AsRef::as_ref).collect()
+            });
+            let name = *names.entry(of_entry).or_insert_with_key(|names| {
+                all_names.push(names.clone());
+                all_names.len() - 1
+            });
+            let color = entry.and_then(|e| e.color).map(in_gamut);
+            let color = *color_slots.entry(color.map(color_bits)).or_insert_with(|| {
+                colors.push(color);
+                colors.len() - 1
+            });
+            of_surface[surface] = *slots.entry((name, color)).or_insert_with(|| {
+                looks.push((name, color));
+                looks.len() - 1
+            });
+        }
+        Self {
+            names: all_names,
+            colors,
+            looks,
+            of_surface,
+        }
+    }
+
+    /// For each triangle the number of its part's names: those that the faces of its body
+    /// have in common.
+    fn parts(&mut self, mesh: &Mesh) -> impl Fn(usize) -> usize + use<> {
+        let mut used = self.looks.iter().map(|look| look.0);
+        let first = used.next().unwrap_or_default();
+        let is_one = used.all(|names| names == first);
+        let of_bodies = (!is_one).then(|| self.names_of_bodies(mesh));
+        move |triangle| match &of_bodies {
+            None => first,
+            // (A triangle of no area is part of no body.)
+            Some((components, names)) => {
+                components.of_triangles[triangle].map_or(0, |body| names[body as usize])
+            }
+        }
+    }
+
+    /// The components of a mesh, and the names that the faces of each have in common, of the
+    /// wall of a void those of the body around it.
+    fn names_of_bodies(&mut self, mesh: &Mesh) -> (Components, Vec<usize>) {
+        let components = mesh.components();
+        let mut common: Vec<Option<usize>> = vec![None; components.count];
+        let mut known: FxHashMap<(usize, usize), usize> = FxHashMap::default();
+        for (index, component) in components.of_triangles.iter().enumerate() {
+            let Some(component) = component else { continue };
+            let (names, _) = self.looks[self.of_surface[surface(mesh, index)]];
+            let common = &mut common[*component as usize];
+            *common = Some(match *common {
+                None => names,
+                Some(before) if before == names || before == 0 => before,
+                Some(before) => *known
+                    .entry((before, names))
+                    .or_insert_with(|| self.common(before, names)),
+            });
+        }
+        let names: Vec<usize> = common.into_iter().map(Option::unwrap_or_default).collect();
+        if names.iter().all(|&of| of == names[0]) {
+            return (components, names);
+        }
+        let owners = bodies::owners(mesh, &components, |a, b| names[a] != names[b]);
+        let names = owners.into_iter().map(|owner| names[owner]).collect();
+        (components, names)
+    }
+
+    /// What two lists of names begin with both.
+    fn common(&mut self, one: usize, other: usize) -> usize {
+        let pairs = self.names[one].iter().zip(&self.names[other]);
+        let count = pairs.take_while(|(a, b)| a == b).count();
+        let common = &self.names[one][..count];
+        if let Some(known) = self.names.iter().position(|names| names == common) {
+            return known;
+        }
+        self.names.push(common.to_vec());
+        self.names.len() - 1
     }
 }
 

@@ -23,7 +23,7 @@ pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     let mut colors: Vec<[u8; 4]> = Vec::new();
     if parts.has_colors() {
         colors.resize(mesh.triangles.len(), [0; 4]);
-        for part in &parts.parts {
+        for part in parts.groups() {
             let color = parts.colors[part.color].unwrap_or(DEFAULT_COLOR);
             for &triangle in &part.triangles {
                 colors[triangle as usize] = bytes_of(color);
@@ -193,7 +193,7 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
     }
     let count = mesh.vertex_count();
     for (number, (corners, color)) in faces.iter().enumerate() {
-        mesh.begin_part(None, *color);
+        mesh.begin_part(&[], *color);
         // (Negative and fractional numbers fail the test as well.)
         if let Some(bad) = corners
             .iter()

@@ -14,11 +14,11 @@ fn glb(mesh: &Mesh) -> Vec<u8> {
     bytes
 }
 
-/// Corners, their normals, the node's name, the base colour.
+/// Corners, their normals, the names of the primitive, the base colour.
 type Seen = ([DVec3; 3], Option<[Vec3; 3]>, Option<String>, [f32; 4]);
 
 /// The triangles as the `gltf` crate sees them, in metres with Y up, with
-/// node names and base colours; composed in double precision.
+/// names and base colours; composed in double precision.
 fn seen_by_gltf(bytes: &[u8]) -> Vec<Seen> {
     let file = gltf::Gltf::from_slice(bytes).expect("valid glTF");
     let blob = file.blob.clone().expect("a binary chunk");
@@ -53,7 +53,10 @@ fn seen_by_gltf(bytes: &[u8]) -> Vec<Seen> {
                 seen.push((
                     corners.map(|c| places[c]),
                     normals.as_ref().map(|normals| corners.map(|c| normals[c])),
-                    node.name().map(str::to_owned),
+                    primitive
+                        .extras()
+                        .as_ref()
+                        .map(|extras| extras.get().to_owned()),
                     factor,
                 ));
             }
@@ -83,7 +86,7 @@ fn the_gltf_crate_sees_the_same_solid_in_metres_with_y_up() {
         }
         // The model's +Z face is the one in glTF's +Y, and is an orange hub.
         if face.y > 0.5 {
-            assert_eq!(name.as_deref(), Some("hub"));
+            assert_eq!(name.as_deref(), Some(r#"{"names":["hub"]}"#));
             let orange = csg::Color::from_srgb([1.0, 0.5, 0.0]);
             assert_eq!(factor, &[orange.rgb[0], orange.rgb[1], orange.rgb[2], 1.0]);
         }
@@ -96,10 +99,23 @@ fn the_gltf_crate_sees_the_same_solid_in_metres_with_y_up() {
 
 #[test]
 fn materials_and_names_are_few() {
-    let file = gltf::Gltf::from_slice(&glb(&small_box())).expect("valid");
+    let bytes = glb(&small_box());
+    let file = gltf::Gltf::from_slice(&bytes).expect("valid");
+    // One body, whose faces have no name in common.
     let names: Vec<_> = file.nodes().map(|n| n.name().map(str::to_owned)).collect();
-    let expected = [None, Some("hub"), Some("Nabe 2 <&\">"), Some("model")];
-    assert_eq!(names, expected.map(|n| n.map(str::to_owned)));
+    assert_eq!(names, [None, Some("model".to_owned())]);
+    let primitives = file.meshes().flat_map(|mesh| mesh.primitives());
+    let extras = primitives.map(|p| {
+        p.extras()
+            .as_ref()
+            .map_or("", |extras| extras.get())
+            .to_owned()
+    });
+    let hub = r#"{"names":["hub"]}"#;
+    assert_eq!(
+        extras.collect::<Vec<_>>(),
+        ["", "", hub, hub, r#"{"names":["Nabe 2 <&\">"]}"#]
+    );
     let materials: Vec<_> = file
         .materials()
         .filter_map(|m| m.name().map(str::to_owned))

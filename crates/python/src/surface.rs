@@ -20,6 +20,7 @@ impl PySurface {
             primitive,
             name: name.map(Into::into),
             color: color.map(|color| color.0),
+            ..MeshSurface::default()
         })
     }
 
@@ -102,5 +103,6 @@ pub(crate) fn stored_surface(
         primitive,
         name: name.map(Into::into),
         color: color.map(|[r, g, b, alpha]| Color::from_linear([r, g, b]).with_alpha(alpha)),
+        ..MeshSurface::default()
     })
 }

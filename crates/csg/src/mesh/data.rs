@@ -50,6 +50,8 @@ pub struct MeshSurface {
     pub primitive: u32,
     /// The innermost name around the primitive, if any.
     pub name: Option<Arc<str>>,
+    /// The names around that one, the outermost first.
+    pub parts: Arc<[Arc<str>]>,
     /// The innermost colour around the primitive, if any.
     pub color: Option<Color>,
 }

@@ -58,6 +58,16 @@ impl Program {
     }
 }
 
+/// A name, and those around it.
+#[derive(Clone, Default)]
+struct Named {
+    name: Option<Arc<str>>,
+    parts: Arc<[Arc<str>]>,
+}
+
+/// A chain of a million names must not be kept whole for each of them.
+const MOST_PARTS: usize = 15;
+
 /// What a subtree inherits from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Context {
@@ -120,8 +130,9 @@ struct Lowering<'a> {
     maps: Vec<WorldMap>,
     map_index: FxHashMap<[u64; 12], u32>,
     /// Names and colours met so far; the first of each is "none".
-    names: Vec<Option<Arc<str>>>,
-    name_index: FxHashMap<Arc<str>, u32>,
+    names: Vec<Named>,
+    /// By the number of what is around it, and the name.
+    name_index: FxHashMap<(u32, Arc<str>), u32>,
     colors: Vec<Option<Color>>,
     color_index: FxHashMap<[u32; 4], u32>,
     /// Nodes that occur more than once in the tree.
@@ -141,7 +152,7 @@ impl<'a> Lowering<'a> {
             values: Vec::new(),
             maps: Vec::new(),
             map_index: FxHashMap::default(),
-            names: vec![None],
+            names: vec![Named::default()],
             name_index: FxHashMap::default(),
             colors: vec![None],
             color_index: FxHashMap::default(),
@@ -161,6 +172,29 @@ impl<'a> Lowering<'a> {
             self.maps.push(map);
             (self.maps.len() - 1) as u32
         })
+    }
+
+    /// A name within another one.
+    fn intern_name(&mut self, outer: u32, name: &Arc<str>) -> u32 {
+        let around = &self.names[outer as usize];
+        if around.name.as_ref() == Some(name) {
+            return outer;
+        }
+        let next = self.names.len() as u32;
+        let key = (outer, name.clone());
+        let index = *self.name_index.entry(key).or_insert(next);
+        if index == next {
+            let parts = if around.parts.len() < MOST_PARTS {
+                around.parts.iter().chain(&around.name).cloned().collect()
+            } else {
+                around.parts.clone()
+            };
+            self.names.push(Named {
+                name: Some(name.clone()),
+                parts,
+            });
+        }
+        index
     }
 
     fn walk(&mut self, root: &'a Solid) -> Result<(), Error> {
@@ -187,13 +221,7 @@ impl<'a> Lowering<'a> {
                     let map = map.clone().map_err(|fault| self.error(fault))?;
                     context.map = self.accumulate(context.map, map)?;
                 }
-                Node::Named(name, _) => {
-                    let next = self.names.len() as u32;
-                    context.name = *self.name_index.entry(name.clone()).or_insert(next);
-                    if context.name == next {
-                        self.names.push(Some(name.clone()));
-                    }
-                }
+                Node::Named(name, _) => context.name = self.intern_name(context.name, name),
                 Node::Colored(color, _) => {
                     let [r, g, b] = color.rgb;
                     let key = [r, g, b, color.alpha].map(f32::to_bits);
@@ -393,7 +421,8 @@ impl<'a> Lowering<'a> {
     fn add_origin(&mut self, primitive: &Primitive, context: Context) -> u32 {
         let origin = Origin {
             kind: primitive.kind(),
-            name: self.names[context.name as usize].clone(),
+            name: self.names[context.name as usize].name.clone(),
+            parts: self.names[context.name as usize].parts.clone(),
             color: self.colors[context.color as usize],
         };
         push_index(&mut self.builder.origins, origin)

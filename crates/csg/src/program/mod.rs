@@ -37,6 +37,9 @@ pub struct Origin {
     pub kind: &'static str,
     /// The innermost name around the primitive.
     pub name: Option<Arc<str>>,
+    /// The names around that one, the outermost first: the parts that it is within. Of more
+    /// than fifteen the innermost are left out; a name straight within the same one is that one.
+    pub parts: Arc<[Arc<str>]>,
     /// The innermost colour around the primitive.
     pub color: Option<Color>,
 }

@@ -62,6 +62,8 @@ pub(super) struct Primitive {
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u32>,
+    #[serde(default)]
+    pub extras: serde_json::Value,
 }
 
 #[derive(Deserialize)]

@@ -19,8 +19,8 @@ use crate::{Error, MeshFormat, units};
 ///
 /// The mesh is in the unit that this crate's writer noted, else in
 /// millimetres, and Z is up. Vertices at exactly the same place become one,
-/// and triangles that thereby vanish are left out. Nodes' names and
-/// materials' base colours become the surfaces' names and colours.
+/// and triangles that thereby vanish are left out. The names that it noted, else nodes' names,
+/// and materials' base colours become the surfaces' names and colours.
 ///
 /// # Errors
 /// A damaged file, one without triangles, data in other files, required extensions that change the
@@ -180,6 +180,14 @@ struct Item<'a> {
 }
 
 impl Item<'_> {
+    /// The names that the writer noted, the outermost first, else the node's.
+    fn names(&self) -> Vec<&str> {
+        match self.primitive.extras["names"].as_array() {
+            Some(names) => names.iter().filter_map(|name| name.as_str()).collect(),
+            None => self.node.name.as_deref().into_iter().collect(),
+        }
+    }
+
     fn mode(&self) -> u32 {
         self.primitive.mode.unwrap_or(LIST)
     }
@@ -383,10 +391,7 @@ impl Loaded<'_> {
         let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
         let part = |block: usize| {
             let item = &items[blocks[block].0];
-            (
-                item.node.name.as_deref(),
-                self.color(item.primitive.material),
-            )
+            (item.names(), self.color(item.primitive.material))
         };
         assembler.all_triangles(&lengths, with_normals, part, |block, triangles, normals| {
             let (item, range) = &blocks[block];

@@ -15,12 +15,15 @@ use gltf_json::{Accessor, Asset, Index, Material, Node, Root, Scene, buffer};
 use serde_json::{json, value::to_raw_value};
 
 use super::Z_UP_TO_Y_UP;
-use crate::parts::{DEFAULT_COLOR, Parts, unit_normals};
+use crate::parts::{DEFAULT_COLOR, Group, Parts, unit_normals};
+use crate::tree::tree;
 use crate::{Error, MeshFormat, units};
 
 /// Writes a binary glTF file (GLB).
 ///
-/// Every name becomes a node with a mesh, every colour a material; normals
+/// Bodies whose faces have names in common become a node with a mesh, within nodes of the names
+/// around that (a part of an assembly); its primitives are the faces of one name and one colour,
+/// with all names in `extras.names`. Every colour becomes a material; normals
 /// are written where the mesh has them (without them, glTF viewers must
 /// shade flat). Surface indices and feature edges are not kept.
 ///
@@ -75,7 +78,7 @@ struct Geometry<'a> {
     /// Empty, or as long as `positions`.
     normals: Vec<Vec3>,
     indices: Vec<u32>,
-    /// One for each part.
+    /// One for each group.
     primitives: Vec<Stretch>,
 }
 
@@ -114,7 +117,7 @@ impl<'a> Geometry<'a> {
         // vertex, the next by written vertex (counted within the part).
         let mut first = vec![NONE; mesh.positions.len()];
         let mut next: Vec<u32> = Vec::new();
-        for part in &geometry.parts.parts {
+        for part in geometry.parts.groups() {
             let start = geometry.positions.len();
             let first_index = geometry.indices.len();
             next.clear();
@@ -222,56 +225,10 @@ impl<'a> Geometry<'a> {
             let name = self.parts.color_name(index);
             root.push(material(name, self.parts.colors[index]));
         }
-        let mut children = Vec::new();
-        let stretches: Vec<_> = self.parts.parts.iter().zip(&self.primitives).collect();
-        for of_one_name in stretches.chunk_by(|a, b| a.0.name == b.0.name) {
-            let primitives = of_one_name
-                .iter()
-                .map(|(part, stretch)| Primitive {
-                    attributes: self.push_accessors(&mut root, &views, stretch),
-                    extensions: None,
-                    extras: None,
-                    indices: Some(root.push(Accessor {
-                        buffer_view: if stretch.is_narrow() {
-                            views.narrow_indices
-                        } else {
-                            views.wide_indices
-                        },
-                        byte_offset: Some(USize64::from(
-                            stretch.first * if stretch.is_narrow() { 2 } else { 4 },
-                        )),
-                        count: USize64::from(stretch.indices.len()),
-                        component_type: Valid(GenericComponentType(if stretch.is_narrow() {
-                            ComponentType::U16
-                        } else {
-                            ComponentType::U32
-                        })),
-                        type_: Valid(Type::Scalar),
-                        ..empty_accessor()
-                    })),
-                    material: Some(Index::new(part.color as u32)),
-                    mode: Valid(Mode::Triangles),
-                    targets: None,
-                })
-                .collect();
-            let name = of_one_name[0].0.name.map(str::to_owned);
-            let index = root.push(gltf_json::Mesh {
-                name: name.clone(),
-                primitives,
-                extensions: None,
-                extras: None,
-                weights: None,
-            });
-            children.push(root.push(Node {
-                name,
-                mesh: Some(index),
-                ..Node::default()
-            }));
-        }
-        let count = children.len();
+        let nodes = self.push_nodes(&mut root, &views);
         let turned = root.push(Node {
             name: Some("model".to_owned()),
-            children: Some(children),
+            children: Some(nodes.clone()),
             ..Node::default()
         });
         root.scene = Some(root.push(Scene {
@@ -284,8 +241,8 @@ impl<'a> Geometry<'a> {
         // transforms go in as doubles, so that nothing is lost on the way.
         let mut json = serde_json::to_value(&root).map_err(std::io::Error::from)?;
         if self.translation != DVec3::ZERO {
-            for node in 0..count {
-                json["nodes"][node]["translation"] = json!(self.translation.to_array());
+            for node in nodes {
+                json["nodes"][node.value()]["translation"] = json!(self.translation.to_array());
             }
         }
         let [x, y, z] = Z_UP_TO_Y_UP.map(|column| column.map(|entry| entry * metres));
@@ -293,6 +250,80 @@ impl<'a> Geometry<'a> {
             x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, z[0], z[1], z[2], 0.0, 0.0, 0.0, 0.0, 1.0
         ]);
         Ok(serde_json::to_vec(&json).map_err(std::io::Error::from)?)
+    }
+
+    /// A node for each part and for each name around parts. Returns those that are in no other.
+    fn push_nodes(&self, root: &mut Root, views: &Views) -> Vec<Index<Node>> {
+        let mut stretches = self.primitives.iter();
+        let parts = self.parts.parts.iter();
+        let meshes: Vec<_> = parts
+            .map(|part| {
+                let groups = part.groups.iter().zip(stretches.by_ref());
+                let primitives = groups
+                    .map(|(group, stretch)| self.primitive(root, views, (group, stretch)))
+                    .collect();
+                root.push(gltf_json::Mesh {
+                    name: part.names.last().map(|&name| name.to_owned()),
+                    primitives,
+                    extensions: None,
+                    extras: None,
+                    weights: None,
+                })
+            })
+            .collect();
+        let tree = tree(self.parts.parts.iter().map(|part| &part.names[..]));
+        let mut nodes = vec![Index::new(0); tree.len()];
+        // What is within others comes after them there, and before them here.
+        for (index, branch) in tree.iter().enumerate().skip(1).rev() {
+            let inner = branch.inner.iter().map(|&inner| nodes[inner]).collect();
+            nodes[index] = root.push(Node {
+                name: Some(branch.name.to_owned()),
+                mesh: branch.part.map(|part| meshes[part]),
+                children: Some(inner).filter(|inner: &Vec<_>| !inner.is_empty()),
+                ..Node::default()
+            });
+        }
+        let without_name = tree[0].part.map(|part| {
+            root.push(Node {
+                mesh: Some(meshes[part]),
+                ..Node::default()
+            })
+        });
+        let inner = tree[0].inner.iter().map(|&inner| nodes[inner]);
+        without_name.into_iter().chain(inner).collect()
+    }
+
+    /// Faces of one name and one colour; its extras have all names around them.
+    fn primitive(
+        &self,
+        root: &mut Root,
+        views: &Views,
+        (group, stretch): (&Group<'_>, &Stretch),
+    ) -> Primitive {
+        let (view, size, component_type) = if stretch.is_narrow() {
+            (views.narrow_indices, 2, ComponentType::U16)
+        } else {
+            (views.wide_indices, 4, ComponentType::U32)
+        };
+        let has_names = !group.names.is_empty();
+        Primitive {
+            attributes: self.push_accessors(root, views, stretch),
+            extensions: None,
+            extras: has_names
+                .then(|| to_raw_value(&json!({ "names": group.names })).ok())
+                .flatten(),
+            indices: Some(root.push(Accessor {
+                buffer_view: view,
+                byte_offset: Some(USize64::from(stretch.first * size)),
+                count: USize64::from(stretch.indices.len()),
+                component_type: Valid(GenericComponentType(component_type)),
+                type_: Valid(Type::Scalar),
+                ..empty_accessor()
+            })),
+            material: Some(Index::new(group.color as u32)),
+            mode: Valid(Mode::Triangles),
+            targets: None,
+        }
     }
 
     fn push_buffer(&self, root: &mut Root, uri: Option<&str>) -> Views {

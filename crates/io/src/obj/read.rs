@@ -84,7 +84,9 @@ struct Piece {
 
 /// A line that says how the faces after it look.
 enum Change {
-    Name(Option<String>),
+    /// Groups of the object before are over with it.
+    Object(Option<String>),
+    Group(Option<String>),
     Material(String),
     Libraries(String),
 }
@@ -191,9 +193,13 @@ impl Piece {
                     }
                 });
             }
-            Some(b"g" | b"o") => {
+            Some(keyword @ (b"g" | b"o")) => {
                 let name = words.next().map(text).filter(|name| name != "default");
-                self.change(Change::Name(name));
+                self.change(if keyword == b"o" {
+                    Change::Object(name)
+                } else {
+                    Change::Group(name)
+                });
             }
             Some(b"usemtl") => {
                 let material = words.next().map(text).unwrap_or_default();
@@ -381,12 +387,12 @@ fn assemble(
 
     // Runs of triangles of one name and colour: piece, first and last.
     let mut runs: Vec<(usize, std::ops::Range<usize>)> = Vec::new();
-    let mut looks: Vec<(Option<String>, Option<Color>)> = Vec::new();
+    let mut looks: Vec<Look> = Vec::new();
     let mut materials: FxHashMap<String, Option<Color>> = FxHashMap::default();
-    let mut now = (None, None);
+    let mut now = Look::default();
     for (number, piece) in pieces.iter_mut().enumerate() {
         let mut first = 0;
-        let mut run = |end: usize, look: &(Option<String>, Option<Color>)| {
+        let mut run = |end: usize, look: &Look| {
             if first < end {
                 runs.push((number, first..end));
                 looks.push(look.clone());
@@ -396,8 +402,9 @@ fn assemble(
         for (before, change) in piece.changes.drain(..) {
             run(before, &now);
             match change {
-                Change::Name(name) => now.0 = name,
-                Change::Material(name) => now.1 = materials.get(&name).copied().flatten(),
+                Change::Object(name) => (now.object, now.group) = (name, None),
+                Change::Group(name) => now.group = name,
+                Change::Material(name) => now.color = materials.get(&name).copied().flatten(),
                 Change::Libraries(names) => {
                     if let Some(library) = load(&names) {
                         read_mtl(&library, &mut materials);
@@ -410,7 +417,7 @@ fn assemble(
     let all_normals = |piece: &Piece| piece.triangle_normals.len() == piece.triangles.len();
     let with_normals = pieces.iter().all(all_normals);
     let lengths: Vec<usize> = runs.iter().map(|(_, range)| range.len()).collect();
-    let part = |run: usize| (looks[run].0.as_deref(), looks[run].1);
+    let part = |run: usize| (looks[run].names(), looks[run].color);
     mesh.all_triangles(
         &lengths,
         with_normals,
@@ -429,6 +436,23 @@ fn assemble(
         },
     )?;
     Ok(mesh.finish())
+}
+
+/// How triangles look.
+#[derive(Clone, Default)]
+struct Look {
+    object: Option<String>,
+    group: Option<String>,
+    color: Option<Color>,
+}
+
+impl Look {
+    /// The object's, and a group's of another name in it.
+    fn names(&self) -> Vec<&str> {
+        let group = self.group.as_ref().filter(|_| self.group != self.object);
+        let names = self.object.iter().chain(group);
+        names.map(String::as_str).collect()
+    }
 }
 
 /// Takes one list out of every piece.

@@ -10,7 +10,8 @@ use crate::parts::{DEFAULT_COLOR, Parts, unit_normals};
 use crate::rows::{push_f32, push_f64, push_index, write_rows};
 use crate::{Error, MeshFormat, units};
 
-/// Writes an OBJ file: a group (`g`) for every name, a `usemtl` for every
+/// Writes an OBJ file: an object (`o`) for every part whose faces have names in common
+/// (`outer/inner`), a group (`g`) for every other name, a `usemtl` for every
 /// colour, normals where the mesh has them. `mtl_name` names the file that
 /// [`write_mtl`] fills; without it there are no materials.
 ///
@@ -41,28 +42,33 @@ pub fn write_obj(mesh: &Mesh, mtl_name: Option<&str>, out: &mut impl Write) -> R
         }
         text.push(b'\n');
     })?;
-    let mut name = None;
     for part in &parts.parts {
-        if part.name != name {
-            name = part.name;
-            writeln!(out, "g {}", one_word(name.unwrap_or_default()))?;
+        if !part.names.is_empty() {
+            writeln!(out, "o {}", one_word(&part.names.join("/")))?;
         }
-        if mtl_name.is_some() {
-            writeln!(out, "usemtl {}", parts.color_name(part.color))?;
-        }
-        write_rows(out, part.triangles.len(), |row, text| {
-            let triangle = part.triangles[row] as usize;
-            text.push(b'f');
-            for corner in 0..3 {
-                text.push(b' ');
-                push_index(text, u64::from(mesh.triangles[triangle][corner]) + 1);
-                if let Some(normals) = normals.of_corners.get(triangle) {
-                    text.extend_from_slice(b"//");
-                    push_index(text, u64::from(normals[corner]) + 1);
-                }
+        let mut names = &part.names;
+        for group in &part.groups {
+            if group.names != *names {
+                names = &group.names;
+                writeln!(out, "g {}", one_word(names.last().unwrap_or(&"")))?;
             }
-            text.push(b'\n');
-        })?;
+            if mtl_name.is_some() {
+                writeln!(out, "usemtl {}", parts.color_name(group.color))?;
+            }
+            write_rows(out, group.triangles.len(), |row, text| {
+                let triangle = group.triangles[row] as usize;
+                text.push(b'f');
+                for corner in 0..3 {
+                    text.push(b' ');
+                    push_index(text, u64::from(mesh.triangles[triangle][corner]) + 1);
+                    if let Some(normals) = normals.of_corners.get(triangle) {
+                        text.extend_from_slice(b"//");
+                        push_index(text, u64::from(normals[corner]) + 1);
+                    }
+                }
+                text.push(b'\n');
+            })?;
+        }
     }
     Ok(())
 }

@@ -20,12 +20,16 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::Path;
 
+use csg::brep::Face;
 use csg::{Brep, LengthUnit};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
-use self::product::Styles;
-use self::text::Entities;
+use self::product::{Product, Products, Styles};
+use self::text::{Entities, Id};
 use self::topology::Topology;
+use crate::parts::Names;
+use crate::tree::tree;
 use crate::{AtomicFile, Error};
 
 /// Which part of the standard a file follows.
@@ -98,9 +102,11 @@ impl StepOptions {
 /// How far B-splines stray from curves unless said otherwise, of the solid's size.
 const TOLERANCE: f64 = 1e-9;
 
-/// Writes a boundary that was cut at seams: one product, one solid for each body, with the
+/// Writes a boundary that was cut at seams: one solid for each body, with the
 /// voids in it. Faces are named and coloured as the primitives that they come from; a body
-/// whose faces have one name or colour has it, too.
+/// whose faces have one name around them or one colour has it, too. Where bodies differ in their
+/// names, each name is a product, put together from those within it ([`csg::Solid::named`]);
+/// else there is one product.
 ///
 /// ```
 /// use csg::{BoundaryOptions, Program, Solid};
@@ -142,21 +148,24 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
     let to = &mut entities;
     let context = product::context(to, options.unit, tolerance.max(1e-7 * size));
     let (mut topology, mut styles) = (Topology::default(), Styles::new());
-    let mut bodies = Vec::new();
+    let mut parts: Vec<(Names<'_>, Vec<Id>)> = Vec::new();
+    let mut numbers: FxHashMap<Names<'_>, usize> = FxHashMap::default();
     for shells in brep.bodies() {
         let faces = || shells.iter().flat_map(csg::brep::Shell::faces);
-        let mut names = faces().map(|face| face.origin().name.as_deref());
-        let first = names.next().flatten();
-        let name = first.filter(|_| names.all(|name| name == first));
-        let name = name.unwrap_or(&options.name);
+        let names = common_names(faces());
+        let name = names.last().copied().unwrap_or(&options.name);
         let body = topology.body(to, (name, &shells), tolerance)?;
         let faces: Vec<_> = faces()
             .map(|face| (topology.faces[&face.id().index()], face))
             .collect();
         styles.paint(to, body, &faces);
-        bodies.push(body);
+        let part = *numbers.entry(names).or_insert_with_key(|names| {
+            parts.push((names.clone(), Vec::new()));
+            parts.len() - 1
+        });
+        parts[part].1.push(body);
     }
-    product::product(to, options, &bodies, context);
+    write_products(to, (options, context), &parts);
     styles.finish(to, context);
     write!(
         out,
@@ -165,6 +174,55 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
         entities.into_text()
     )?;
     Ok(())
+}
+
+/// The names that all faces have around them, the outermost first.
+fn common_names<'a>(mut faces: impl Iterator<Item = Face<'a>>) -> Names<'a> {
+    let names = |face: Face<'a>| {
+        let origin = face.origin();
+        origin.parts.iter().chain(&origin.name).map(AsRef::as_ref)
+    };
+    let mut common: Names<'a> = faces
+        .next()
+        .map_or(Vec::new(), |face| names(face).collect());
+    for face in faces {
+        let pairs = common.iter().copied().zip(names(face));
+        let count = pairs.take_while(|(a, b)| a == b).count();
+        common.truncate(count);
+    }
+    common
+}
+
+/// One product of all bodies, or, where they are of several parts, one for each part, and for
+/// each name around parts one that is put together from these.
+fn write_products(
+    to: &mut Entities,
+    (options, context): (&StepOptions, Id),
+    parts: &[(Names<'_>, Vec<Id>)],
+) {
+    let products = Products::new(to, options.schema, context);
+    if let [(_, bodies)] = parts {
+        products.of_bodies(to, &options.name, bodies);
+        return;
+    }
+    let tree = tree(parts.iter().map(|(names, _)| &names[..]));
+    let mut done: Vec<Option<Product>> = vec![None; tree.len()];
+    // What is within others comes after them there, and before them here.
+    for (index, branch) in tree.iter().enumerate().rev() {
+        let name = if index == 0 {
+            &options.name
+        } else {
+            branch.name
+        };
+        let own = branch
+            .part
+            .map(|part| products.of_bodies(to, name, &parts[part].1));
+        let mut inner: Vec<Product> = own.into_iter().collect();
+        inner.extend(branch.inner.iter().filter_map(|&inner| done[inner]));
+        done[index] = own
+            .filter(|_| branch.inner.is_empty())
+            .or_else(|| Some(products.of_products(to, name, &inner)));
+    }
 }
 
 /// Writes a file of a boundary that was cut at seams, replaced whole or not at all

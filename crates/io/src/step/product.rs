@@ -73,47 +73,111 @@ fn converted(to: &mut Entities, name: &str, millimetres: f64) -> Id {
     ))
 }
 
-/// A product whose shape is that of some bodies.
-pub(super) fn product(to: &mut Entities, options: &StepOptions, bodies: &[Id], context: Id) {
-    let (year, protocol) = match options.schema {
-        StepSchema::Ap242 => (2014, "ap242_managed_model_based_3d_engineering"),
-        StepSchema::Ap214 => (2000, "automotive_design"),
-    };
-    let application = to.add(format_args!(
-        "APPLICATION_CONTEXT('{}')",
-        protocol.replace('_', " ")
-    ));
-    to.add(format_args!(
-        "APPLICATION_PROTOCOL_DEFINITION('international standard','{protocol}',{year},{application})"
-    ));
-    let name = Quoted(&options.name);
-    let of_product = to.add(format_args!(
-        "PRODUCT_CONTEXT('',{application},'mechanical')"
-    ));
-    let product = to.add(format_args!("PRODUCT({name},{name},'',({of_product}))"));
-    to.add(format_args!(
-        "PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))"
-    ));
-    let formation = to.add(format_args!(
-        "PRODUCT_DEFINITION_FORMATION('','',{product})"
-    ));
-    let stage = to.add(format_args!(
-        "PRODUCT_DEFINITION_CONTEXT('part definition',{application},'design')"
-    ));
-    let definition = to.add(format_args!(
-        "PRODUCT_DEFINITION('design','',{formation},{stage})"
-    ));
-    let shape = to.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',{definition})"));
-    let origin = to.placement(glam::DVec3::ZERO, [glam::DVec3::Z, glam::DVec3::X]);
-    let mut items = vec![origin];
-    items.extend(bodies);
-    let items = List(&items);
-    let representation = to.add(format_args!(
-        "ADVANCED_BREP_SHAPE_REPRESENTATION({name},{items},{context})"
-    ));
-    to.add(format_args!(
-        "SHAPE_DEFINITION_REPRESENTATION({shape},{representation})"
-    ));
+/// Writes products.
+pub(super) struct Products {
+    /// What they have in common.
+    context: Id,
+    of_product: Id,
+    stage: Id,
+}
+
+/// A product with a shape.
+#[derive(Clone, Copy)]
+pub(super) struct Product {
+    definition: Id,
+    representation: Id,
+}
+
+impl Products {
+    pub fn new(to: &mut Entities, schema: StepSchema, context: Id) -> Self {
+        let (year, protocol) = match schema {
+            StepSchema::Ap242 => (2014, "ap242_managed_model_based_3d_engineering"),
+            StepSchema::Ap214 => (2000, "automotive_design"),
+        };
+        let application = to.add(format_args!(
+            "APPLICATION_CONTEXT('{}')",
+            protocol.replace('_', " ")
+        ));
+        to.add(format_args!(
+            "APPLICATION_PROTOCOL_DEFINITION('international standard','{protocol}',{year},{application})"
+        ));
+        Self {
+            context,
+            of_product: to.add(format_args!(
+                "PRODUCT_CONTEXT('',{application},'mechanical')"
+            )),
+            stage: to.add(format_args!(
+                "PRODUCT_DEFINITION_CONTEXT('part definition',{application},'design')"
+            )),
+        }
+    }
+
+    /// A product whose shape is that of some bodies.
+    pub fn of_bodies(&self, to: &mut Entities, name: &str, bodies: &[Id]) -> Product {
+        self.product(to, (name, "ADVANCED_BREP_SHAPE_REPRESENTATION"), bodies)
+    }
+
+    /// A product that is put together from others, all of them where they are.
+    pub fn of_products(&self, to: &mut Entities, name: &str, inner: &[Product]) -> Product {
+        let whole = self.product(to, (name, "SHAPE_REPRESENTATION"), &[]);
+        let origin = origin(to);
+        for (number, part) in inner.iter().enumerate() {
+            let (number, [outer, inner]) = (number + 1, [whole, *part]);
+            let use_of = to.add(format_args!(
+                "NEXT_ASSEMBLY_USAGE_OCCURRENCE('{number}','','',{},{},$)",
+                outer.definition, inner.definition
+            ));
+            let shape = to.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',{use_of})"));
+            let place = to.add(format_args!(
+                "ITEM_DEFINED_TRANSFORMATION('','',{origin},{origin})"
+            ));
+            let relation = to.add(format_args!(
+                "(REPRESENTATION_RELATIONSHIP('','',{},{})\
+                 REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION({place})\
+                 SHAPE_REPRESENTATION_RELATIONSHIP())",
+                inner.representation, outer.representation
+            ));
+            to.add(format_args!(
+                "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape})"
+            ));
+        }
+        whole
+    }
+
+    fn product(&self, to: &mut Entities, (name, kind): (&str, &str), items: &[Id]) -> Product {
+        let Self {
+            context,
+            of_product,
+            stage,
+        } = self;
+        let name = Quoted(name);
+        let product = to.add(format_args!("PRODUCT({name},{name},'',({of_product}))"));
+        to.add(format_args!(
+            "PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))"
+        ));
+        let formation = to.add(format_args!(
+            "PRODUCT_DEFINITION_FORMATION('','',{product})"
+        ));
+        let definition = to.add(format_args!(
+            "PRODUCT_DEFINITION('design','',{formation},{stage})"
+        ));
+        let shape = to.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',{definition})"));
+        let mut all = vec![origin(to)];
+        all.extend(items);
+        let items = List(&all);
+        let representation = to.add(format_args!("{kind}({name},{items},{context})"));
+        to.add(format_args!(
+            "SHAPE_DEFINITION_REPRESENTATION({shape},{representation})"
+        ));
+        Product {
+            definition,
+            representation,
+        }
+    }
+}
+
+fn origin(to: &mut Entities) -> Id {
+    to.placement(glam::DVec3::ZERO, [glam::DVec3::Z, glam::DVec3::X])
 }
 
 /// Colours for bodies and their faces.

@@ -22,7 +22,7 @@ const FREE: u64 = 1 << 24;
 const MOST_TRIANGLES: usize = 1 << 28;
 
 /// Reads what a 3MF file builds: meshes of objects, those that components put together in their
-/// places, with the unit, names of objects, and colours of base materials and colour groups, a
+/// places, with the unit, names of objects and of those that they are components of, and colours of base materials and colour groups, a
 /// triangle's by its first corner. Textures, beams, slices and encrypted parts are not read.
 ///
 /// # Errors
@@ -298,18 +298,29 @@ impl Model {
         if total.fold(0, usize::saturating_add) > MOST_TRIANGLES {
             return Err(malformed("the build", "its items have too many triangles"));
         }
-        let mut waiting: Vec<(u32, DAffine3)> = self.items.clone();
-        waiting.reverse();
-        while let Some((id, place)) = waiting.pop() {
+        let items = self.items.iter().rev();
+        let mut waiting: Vec<(u32, DAffine3, usize)> =
+            items.map(|&(id, place)| (id, place, 0)).collect();
+        let mut names: Vec<&str> = Vec::new();
+        while let Some((id, place, depth)) = waiting.pop() {
             let object = &self.objects[&id];
-            self.put(object, place, &mut assembler)?;
+            names.truncate(depth);
+            // One straight within the same is that one.
+            let name = object.name.as_deref();
+            names.extend(name.filter(|name| names.last() != Some(name)));
+            self.put((object, &names), place, &mut assembler)?;
             let parts = object.components.iter().rev();
-            waiting.extend(parts.map(|&(part, within)| (part, place * within)));
+            waiting.extend(parts.map(|&(part, within)| (part, place * within, names.len())));
         }
         Ok(assembler.finish())
     }
 
-    fn put(&self, object: &Object, place: DAffine3, to: &mut Assembler) -> Result<(), Error> {
+    fn put(
+        &self,
+        (object, names): (&Object, &[&str]),
+        place: DAffine3,
+        to: &mut Assembler,
+    ) -> Result<(), Error> {
         let mut first = None;
         for &vertex in &object.vertices {
             let vertex = to.vertex(place.transform_point3(vertex));
@@ -327,7 +338,7 @@ impl Model {
                 let color = property.and_then(|(group, index)| {
                     self.colors.get(&group)?.get(index).copied().flatten()
                 });
-                to.begin_part(object.name.as_deref(), color);
+                to.begin_part(names, color);
                 before = Some(property);
             }
             let [a, b, c] = corners.map(|corner| first + corner);

@@ -1,7 +1,8 @@
 //! Writing 3MF.
 //!
-//! The mesh becomes one object, because each object must be closed by itself,
-//! which the parts of one name are not; colours are kept for each triangle.
+//! Bodies become objects, which must be closed by themselves: one object for those whose faces
+//! have the same names in common. Names around these become objects that have them as
+//! components. Colours are kept for each triangle.
 
 use std::io::{self, Write};
 
@@ -9,8 +10,9 @@ use csg::{LengthUnit, Mesh};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use crate::parts::{DEFAULT_COLOR, Parts, hex};
+use crate::parts::{DEFAULT_COLOR, Group, Part, Parts, hex};
 use crate::rows::{push_f64, push_index, write_rows};
+use crate::tree::tree;
 use crate::{Error, MeshFormat};
 
 const CONTENT_TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -24,7 +26,8 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 const MANY: usize = 500_000;
 
 /// Writes a 3MF file, with the mesh's unit and the colours of its triangles
-/// (as base materials); names, normals and surfaces are lost.
+/// (as base materials), and a named object for each part; names of faces within them, normals and
+/// surfaces are lost.
 ///
 /// # Errors
 /// An empty or invalid mesh; failed writing.
@@ -105,12 +108,110 @@ fn write_model(mesh: &Mesh, parts: &Parts<'_>, out: &mut impl Write) -> io::Resu
                 hex(color.unwrap_or(DEFAULT_COLOR))
             )?;
         }
-        out.write_all(
-            b"</basematerials>\n<object id=\"2\" type=\"model\" pid=\"1\" pindex=\"0\">",
-        )?;
-    } else {
-        out.write_all(b"<object id=\"2\" type=\"model\">")?;
+        out.write_all(b"</basematerials>\n")?;
     }
+    for (index, part) in parts.parts.iter().enumerate() {
+        let name = attribute(part.names.last());
+        write!(out, "<object id=\"{}\" type=\"model\"{name}", FIRST + index)?;
+        if colored {
+            let color = part.groups.first().map_or(0, |group| group.color);
+            write!(out, " pid=\"1\" pindex=\"{color}\"")?;
+        }
+        out.write_all(b">")?;
+        if parts.parts.len() == 1 {
+            write_mesh(mesh, &part.groups, colored, out)?;
+        } else {
+            let (alone, groups) = alone(mesh, part);
+            write_mesh(&alone, &groups, colored, out)?;
+        }
+        out.write_all(b"</object>\n")?;
+    }
+    let built = write_components(parts, out)?;
+    out.write_all(b"</resources>\n<build>")?;
+    for id in built {
+        write!(out, "<item objectid=\"{id}\"/>")?;
+    }
+    out.write_all(b"</build>\n</model>\n")
+}
+
+/// The number of the first part's object; the others' follow it.
+const FIRST: usize = 2;
+
+/// An object for each name around other parts. Returns the numbers of the objects that are in no
+/// other.
+fn write_components(parts: &Parts<'_>, out: &mut impl Write) -> io::Result<Vec<usize>> {
+    let tree = tree(parts.parts.iter().map(|part| &part.names[..]));
+    let mut objects = vec![0; tree.len()];
+    let mut next = FIRST + parts.parts.len();
+    // What is within others comes after them there, and before them here.
+    for (index, branch) in tree.iter().enumerate().skip(1).rev() {
+        let own = branch.part.map(|part| FIRST + part);
+        objects[index] = match own.filter(|_| branch.inner.is_empty()) {
+            Some(own) => own,
+            None => {
+                let name = attribute(Some(&branch.name));
+                write!(
+                    out,
+                    "<object id=\"{next}\" type=\"model\"{name}><components>"
+                )?;
+                let inner = branch.inner.iter().map(|&inner| objects[inner]);
+                for id in own.into_iter().chain(inner) {
+                    write!(out, "<component objectid=\"{id}\"/>")?;
+                }
+                out.write_all(b"</components></object>\n")?;
+                next += 1;
+                next - 1
+            }
+        };
+    }
+    let own = tree[0].part.map(|part| FIRST + part);
+    let inner = tree[0].inner.iter().map(|&inner| objects[inner]);
+    Ok(own.into_iter().chain(inner).collect())
+}
+
+/// The mesh of a part alone, and its groups.
+fn alone<'a>(mesh: &Mesh, part: &Part<'a>) -> (Mesh, Vec<Group<'a>>) {
+    let mut number = vec![u32::MAX; mesh.positions.len()];
+    let mut alone = Mesh::default();
+    let mut groups = Vec::new();
+    for group in &part.groups {
+        let first = alone.triangles.len() as u32;
+        for &triangle in &group.triangles {
+            let corners = mesh.triangles[triangle as usize].map(|vertex| {
+                let number = &mut number[vertex as usize];
+                if *number == u32::MAX {
+                    *number = alone.positions.len() as u32;
+                    alone.positions.push(mesh.positions[vertex as usize]);
+                }
+                *number
+            });
+            alone.triangles.push(corners);
+        }
+        groups.push(Group {
+            names: group.names.clone(),
+            color: group.color,
+            triangles: (first..alone.triangles.len() as u32).collect(),
+        });
+    }
+    (alone, groups)
+}
+
+/// A name as an attribute; nothing for none. XML has no place for control characters.
+fn attribute(name: Option<&&str>) -> String {
+    let Some(name) = name else {
+        return String::new();
+    };
+    let clean = |c: char| if c.is_control() { '_' } else { c };
+    let name: String = name.chars().map(clean).collect();
+    format!(" name=\"{}\"", quick_xml::escape::escape(&name))
+}
+
+fn write_mesh(
+    mesh: &Mesh,
+    groups: &[Group<'_>],
+    colored: bool,
+    out: &mut impl Write,
+) -> io::Result<()> {
     out.write_all(b"<mesh>\n<vertices>\n")?;
     write_rows(out, mesh.positions.len(), |row, text| {
         let place = mesh.positions[row];
@@ -126,9 +227,9 @@ fn write_model(mesh: &Mesh, parts: &Parts<'_>, out: &mut impl Write) -> io::Resu
     })?;
     out.write_all(b"</vertices>\n<triangles>\n")?;
     let mut colors = vec![0u32; mesh.triangles.len()];
-    for part in &parts.parts {
-        for &triangle in &part.triangles {
-            colors[triangle as usize] = part.color as u32;
+    for group in groups {
+        for &triangle in &group.triangles {
+            colors[triangle as usize] = group.color as u32;
         }
     }
     write_rows(out, mesh.triangles.len(), |row, text| {
@@ -143,8 +244,5 @@ fn write_model(mesh: &Mesh, parts: &Parts<'_>, out: &mut impl Write) -> io::Resu
         }
         text.extend_from_slice(b"\"/>\n");
     })?;
-    out.write_all(
-        b"</triangles>\n</mesh></object>\n</resources>\n\
-          <build><item objectid=\"2\"/></build>\n</model>\n",
-    )
+    out.write_all(b"</triangles>\n</mesh>")
 }

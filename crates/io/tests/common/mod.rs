@@ -86,6 +86,7 @@ pub fn colored_box(low: DVec3, high: DVec3) -> Mesh {
             primitive: index / 2,
             name: name.map(Arc::from),
             color,
+            ..MeshSurface::default()
         })
         .collect();
     mesh
