@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use csg::{Brep, LengthUnit, Mesh};
-use io::step::StepOptions;
+use io::step::{StepOptions, StepSchema};
 use io::{AtomicFile, MeshFormat, WriteOptions};
 
 use crate::failure::{Failure, exit_codes};
@@ -57,13 +57,20 @@ pub(crate) fn check_streams(outputs: &[PathBuf], json: Option<&Path>) -> Result<
 }
 
 /// Writes the mesh to a file by its extension, or to standard output.
-pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Result<(), Failure> {
+pub(crate) fn write_mesh(
+    path: &Path,
+    mesh: &Mesh,
+    stream: StreamFormat,
+    options: &WriteOptions,
+) -> Result<(), Failure> {
     if !is_stream(path) {
-        return io::write_mesh(path, mesh, &WriteOptions::default())
+        return io::write_mesh(path, mesh, options)
             .map_err(|error| Failure::output(&path.display().to_string(), error));
     }
     let mut bytes = Vec::new();
     match stream {
+        #[cfg(feature = "compress")]
+        StreamFormat::Glb if options.compress => io::gltf::write_glb_compressed(mesh, &mut bytes),
         StreamFormat::Glb => io::gltf::write_glb(mesh, &mut bytes),
         StreamFormat::Obj => io::obj::write_obj(mesh, None, &mut bytes),
         StreamFormat::Stl => io::stl::write_stl(mesh, &mut bytes),
@@ -74,9 +81,14 @@ pub(crate) fn write_mesh(path: &Path, mesh: &Mesh, stream: StreamFormat) -> Resu
 }
 
 /// Writes an exact boundary that was cut at seams to a STEP file; the product's name is the file's.
-pub(crate) fn write_step(path: &Path, brep: &Brep, unit: LengthUnit) -> Result<(), Failure> {
+pub(crate) fn write_step(
+    path: &Path,
+    brep: &Brep,
+    unit: LengthUnit,
+    schema: StepSchema,
+) -> Result<(), Failure> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let options = StepOptions::default().name(name).unit(unit);
+    let options = StepOptions::default().name(name).unit(unit).schema(schema);
     io::step::write_step_file(path, brep, &options)
         .map_err(|error| Failure::output(&path.display().to_string(), error))
 }

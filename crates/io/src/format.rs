@@ -112,6 +112,9 @@ impl fmt::Display for MeshFormat {
 pub struct WriteOptions {
     /// STL: text, with every digit, rather than binary single precision.
     pub text: bool,
+    /// GLB: compressed ([`gltf::write_glb_compressed`]).
+    #[cfg(feature = "compress")]
+    pub compress: bool,
 }
 
 /// Writes a mesh to a file whose extension names the format; see
@@ -137,6 +140,8 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
     let format = MeshFormat::from_path(path)?;
     let mut file = AtomicFile::create(path)?;
     match format {
+        #[cfg(feature = "compress")]
+        MeshFormat::Glb if options.compress => gltf::write_glb_compressed(mesh, &mut file)?,
         MeshFormat::Glb => gltf::write_glb(mesh, &mut file)?,
         MeshFormat::Gltf => {
             let (beside, name) = sibling(path, "bin");

@@ -15,7 +15,8 @@ use io::{WriteOptions, write_mesh};
 
 /// The folder with the validator's `node_modules`.
 fn installed_validator() -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gltf-validator-2.0.0-dev.3.10");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("gltf-validator-2.0.0-dev.3.10-and-gltf-transform-4.5.1");
     fs::create_dir_all(&folder).expect("a folder for the validator");
     // Tests run in parallel: one installs, the others wait.
     let lock = File::create(folder.join("lock")).expect("a lock file");
@@ -44,7 +45,13 @@ fn installed_validator() -> PathBuf {
 
 /// The validator's verdict on each file.
 fn validate(files: &[PathBuf]) -> Vec<serde_json::Value> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/validator/validate.cjs");
+    ask("validate.cjs", files)
+}
+
+/// What a script says of each file.
+fn ask(script: &str, files: &[PathBuf]) -> Vec<serde_json::Value> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/validator");
+    let script = folder.join(script);
     let output = Command::new("node")
         .env("NODE_PATH", installed_validator().join("node_modules"))
         .arg(script)
@@ -138,4 +145,97 @@ fn the_validator_does_find_faults() {
     let file = folder.path().join("wrong.glb");
     fs::write(&file, bytes).expect("written");
     assert_ne!(validate(&[file])[0]["numErrors"], 0);
+}
+
+/// Compressed files: without a fault to the validator (which does not decode them), and decoded by
+/// gltf-transform and by our reader to the same solid.
+#[cfg(feature = "compress")]
+#[test]
+fn compressed_files_are_read_by_gltf_transform() {
+    let mut options = WriteOptions::default();
+    options.compress = true;
+    let mut wide = sphere(DVec3::ZERO, 10.0, 200);
+    wide.surfaces = small_box().surfaces;
+    wide.triangle_surfaces = vec![0; wide.triangles.len()];
+    wide.triangle_surfaces[..3].copy_from_slice(&[1, 1, 1]);
+    let mut bare = sphere(DVec3::ZERO, 1e-3, 30);
+    bare.corner_normals.clear();
+    let meshes = [
+        ("box", small_box()),
+        ("bare", bare),
+        ("wide", wide),
+        ("far", sphere(dvec3(1e5, -3e5, 1e6), 1.0, 40)),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut files = Vec::new();
+    for (name, mesh) in &meshes {
+        let file = folder.path().join(format!("{name}.glb"));
+        write_mesh(&file, mesh, &options).expect("written");
+        let plain = folder.path().join("plain.glb");
+        write_mesh(&plain, mesh, &WriteOptions::default()).expect("written");
+        let size = |file: &Path| fs::metadata(file).expect("a file").len();
+        println!("{name}: {} bytes, compressed {}", size(&plain), size(&file));
+        assert!(*name == "box" || 2 * size(&file) < size(&plain));
+        files.push(file);
+    }
+    let verdicts = validate(&files);
+    let decoded = ask("decode.cjs", &files);
+    for (((name, mesh), file), (verdict, decoded)) in
+        meshes.iter().zip(&files).zip(verdicts.iter().zip(&decoded))
+    {
+        assert_eq!(verdict["numErrors"], 0, "{name}: {verdict:#}");
+        assert_eq!(verdict["numWarnings"], 0, "{name}: {verdict:#}");
+        let extensions = ["EXT_meshopt_compression", "KHR_mesh_quantization"];
+        assert_eq!(
+            decoded["extensions"],
+            serde_json::json!(extensions),
+            "{name}"
+        );
+        assert_eq!(decoded["triangles"], mesh.triangles.len(), "{name}");
+        assert!(
+            decoded["worst"].as_f64().expect("a number") < 0.01,
+            "{name}"
+        );
+        let cubed = mesh.unit.in_metres().powi(3);
+        // A 65,535th of the side at every point moves the volume by a few of these.
+        let near = |volume: f64| (volume / mesh.volume() - 1.0).abs() < 1e-4;
+        let volume = decoded["volume"].as_f64().expect("a number") / cubed;
+        // (Other programs place vertices in single precision.)
+        assert!(*name == "far" || near(volume), "{name}: {volume}");
+        let back = io::read_mesh(file).expect("read");
+        assert!(near(back.volume()), "{name}: {}", back.volume());
+        assert_eq!(back.triangles.len(), mesh.triangles.len(), "{name}");
+        assert!(back.check().is_manifold(), "{name}");
+        let (low, high) = mesh.bounds().expect("bounds");
+        let (back_low, back_high) = back.bounds().expect("bounds");
+        let step = (high - low).max_element() / 65_535.0;
+        assert!((low - back_low).abs().max_element() <= step, "{name}");
+        assert!((high - back_high).abs().max_element() <= step, "{name}");
+    }
+}
+
+/// Code that is damaged, cut off, or says that it is far longer than it is.
+#[cfg(feature = "compress")]
+#[test]
+fn damaged_code_is_refused_or_decoded_to_something() {
+    let mut bytes = Vec::new();
+    io::gltf::write_glb_compressed(&sphere(DVec3::ZERO, 1.0, 8), &mut bytes).expect("written");
+    let json = bytes.windows(4).position(|w| w == b"BIN\0").expect("data") + 4;
+    for at in json..bytes.len() {
+        for byte in [0, 0x55, 0xff] {
+            let mut damaged = bytes.clone();
+            damaged[at] = byte;
+            if let Ok(mesh) = io::gltf::read_glb(&damaged) {
+                assert_eq!(mesh.check().out_of_range_triangles, 0);
+            }
+        }
+    }
+    let count = b"\"count\":";
+    let found = bytes.windows(count.len()).position(|w| w == count);
+    let at = found.expect("a count") + count.len();
+    for digit in b'0'..=b'9' {
+        let mut damaged = bytes.clone();
+        damaged[at] = digit;
+        let _ = io::gltf::read_glb(&damaged);
+    }
 }

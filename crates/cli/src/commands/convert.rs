@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use csg::{BoundaryOptions, Program};
+use io::WriteOptions;
+use io::step::StepSchema;
 
 use crate::failure::{Failure, exit_codes};
 use crate::input::{Input, Subject};
@@ -61,7 +63,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
                 .progress(progress.callback())
                 .cut_at_seams();
             let brep = Program::lower(solid)?.boundary(&boundary)?;
-            output::write_step(path, &brep, options.mesher.unit.length_unit())?;
+            let unit = options.mesher.unit.length_unit();
+            output::write_step(path, &brep, unit, StepSchema::default())?;
         }
     }
     let mut meshes = options
@@ -73,7 +76,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
         let product = produce(|| Ok(subject), &options.mesher, true, &no_needs, progress)?;
         progress.stage("writing");
         for path in meshes {
-            output::write_mesh(path, &product.mesh, StreamFormat::default())?;
+            let options = WriteOptions::default();
+            output::write_mesh(path, &product.mesh, StreamFormat::default(), &options)?;
         }
     }
     progress.end();

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use csg::{Program, Solid};
+use io::WriteOptions;
 use io::shard::{is_shard, write_shard_file};
+use io::step::StepSchema;
 use serde::Serialize;
 
 use super::account::Account;
@@ -27,6 +29,14 @@ pub(crate) struct Options {
     /// The format on standard output
     #[arg(long, value_enum, default_value_t)]
     format: StreamFormat,
+    /// Make .glb files as small as can be: coordinates in 16 bits, coded as glTF's
+    /// EXT_meshopt_compression says
+    #[cfg(feature = "compress")]
+    #[arg(long)]
+    compress: bool,
+    /// Which part of the standard .step files follow: AP242, or AP214 for older programs
+    #[arg(long, value_enum, default_value_t)]
+    step_schema: Schema,
     #[command(flatten)]
     mesher: MesherOptions,
     /// Make only the i-th of n slabs of a mesh by cells, as 1/4, and write it as a .shard: made
@@ -38,6 +48,33 @@ pub(crate) struct Options {
     /// writes to standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+}
+
+/// Parts of the standard for STEP.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+enum Schema {
+    #[default]
+    Ap242,
+    Ap214,
+}
+
+impl Options {
+    fn schema(&self) -> StepSchema {
+        match self.step_schema {
+            Schema::Ap242 => StepSchema::Ap242,
+            Schema::Ap214 => StepSchema::Ap214,
+        }
+    }
+
+    fn write_options(&self) -> WriteOptions {
+        #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
+        let mut write = WriteOptions::default();
+        #[cfg(feature = "compress")]
+        {
+            write.compress = self.compress;
+        }
+        write
+    }
 }
 
 pub(crate) fn run(
@@ -64,9 +101,15 @@ pub(crate) fn run(
         outputs.try_for_each(|path| match &product.program {
             Some(program) if io::step::is_step(path) => {
                 let boundary = options.mesher.boundary(progress).cut_at_seams();
-                output::write_step(path, &program.boundary(&boundary)?, product.mesh.unit)
+                let brep = program.boundary(&boundary)?;
+                output::write_step(path, &brep, product.mesh.unit, options.schema())
             }
-            _ => output::write_mesh(path, &product.mesh, options.format),
+            _ => output::write_mesh(
+                path,
+                &product.mesh,
+                options.format,
+                &options.write_options(),
+            ),
         })
     })?;
     progress.end();
@@ -142,7 +185,7 @@ fn write_exact(
     }
     progress.stage("writing");
     for path in &options.outputs {
-        output::write_step(path, &brep, unit.length_unit())?;
+        output::write_step(path, &brep, unit.length_unit(), options.schema())?;
     }
     progress.end();
     tell(&account, options, progress)

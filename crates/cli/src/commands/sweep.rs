@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use csg::{BoundaryOptions, Mesher, Program};
+use io::WriteOptions;
+use io::step::StepSchema;
 use rayon::prelude::*;
 
 use super::parse::{angle, length};
@@ -256,7 +258,7 @@ fn measured(
     };
     let unit = options.unit.length_unit();
     for path in steps {
-        output::write_step(path, &brep, unit)?;
+        output::write_step(path, &brep, unit, StepSchema::default())?;
     }
     let mut triangles = String::new();
     if !meshes.is_empty() {
@@ -269,7 +271,8 @@ fn measured(
         }
         let mesh = mesher.mesh(&program)?.mesh;
         for path in meshes {
-            output::write_mesh(path, &mesh, StreamFormat::default())?;
+            let options = WriteOptions::default();
+            output::write_mesh(path, &mesh, StreamFormat::default(), &options)?;
         }
         triangles = mesh.triangles.len().to_string();
     }

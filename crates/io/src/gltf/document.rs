@@ -111,11 +111,45 @@ pub(super) struct BufferView {
     pub byte_offset: usize,
     pub byte_length: usize,
     pub byte_stride: Option<usize>,
+    #[cfg(feature = "compress")]
+    #[serde(default)]
+    pub extensions: ViewExtensions,
+}
+
+#[cfg(feature = "compress")]
+#[derive(Default, Deserialize)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub meshopt: Option<Coded>,
+}
+
+/// Where the code of a view is.
+#[cfg(feature = "compress")]
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Coded {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: usize,
+    pub byte_length: usize,
+    pub byte_stride: usize,
+    pub count: usize,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 #[derive(Deserialize)]
 pub(super) struct Buffer {
     pub uri: Option<String>,
+    #[serde(default)]
+    extensions: serde_json::Value,
+}
+
+impl Buffer {
+    /// Whether all views of it are coded elsewhere.
+    pub fn is_fallback(&self) -> bool {
+        self.uri.is_none() && self.extensions["EXT_meshopt_compression"]["fallback"] == true
+    }
 }
 
 impl Node {

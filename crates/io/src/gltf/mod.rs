@@ -13,10 +13,14 @@
 //! which keeps it exact in single precision up to 2^24 times the model's size.
 
 mod accessors;
+#[cfg(feature = "compress")]
+mod compress;
 mod document;
 mod read;
 mod write;
 
+#[cfg(feature = "compress")]
+pub use compress::write_glb_compressed;
 pub use read::{read_glb, read_gltf};
 pub(crate) use read::{read_glb_with, read_gltf_with};
 pub use write::{write_glb, write_gltf};

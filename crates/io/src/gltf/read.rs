@@ -123,7 +123,8 @@ pub(super) fn malformed(place: impl Into<String>, problem: impl Into<String>) ->
 type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Contents<'data>, Error> + 'a;
 
 fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
-    let document: Document = serde_json::from_slice(json)
+    #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
+    let mut document: Document = serde_json::from_slice(json)
         .map_err(|error| malformed("JSON", format!("it is not a glTF document: {error}")))?;
     if !document.asset.version.starts_with("2.") {
         let problem = format!(
@@ -139,7 +140,9 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
         "KHR_lights_",
         "KHR_mesh_quantization",
     ];
-    let known = |name: &String| harmless.iter().any(|prefix| name.starts_with(prefix));
+    let is_coded = |name: &String| cfg!(feature = "compress") && name == "EXT_meshopt_compression";
+    let known =
+        |name: &String| harmless.iter().any(|prefix| name.starts_with(prefix)) || is_coded(name);
     if let Some(name) = document
         .extensions_required
         .iter()
@@ -148,12 +151,18 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
         let problem = format!("{name} is not known here; export the file without it");
         return Err(malformed("extensionsRequired", problem));
     }
-    let buffers = document
+    #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
+    let mut buffers = document
         .buffers
         .iter()
         .enumerate()
-        .map(|(index, buffer)| load(index, buffer.uri.as_deref()))
+        .map(|(index, buffer)| match buffer.is_fallback() {
+            true => Ok(Contents::Read(Vec::new())),
+            false => load(index, buffer.uri.as_deref()),
+        })
         .collect::<Result<Vec<_>, _>>()?;
+    #[cfg(feature = "compress")]
+    super::compress::decode(&mut document, &mut buffers)?;
     let unit = document.asset.extras["unit"]
         .as_str()
         .and_then(units::named)

@@ -12,7 +12,7 @@ use gltf_json::material::{AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, S
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::{Checked::Valid, USize64};
 use gltf_json::{Accessor, Asset, Index, Material, Node, Root, Scene, buffer};
-use serde_json::{json, value::to_raw_value};
+use serde_json::{Value, json, value::to_raw_value};
 
 use super::Z_UP_TO_Y_UP;
 use crate::parts::{DEFAULT_COLOR, Group, Parts, unit_normals};
@@ -32,9 +32,18 @@ use crate::{Error, MeshFormat, units};
 /// cannot hold; failed writing.
 pub fn write_glb(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     let geometry = Geometry::of(mesh, MeshFormat::Glb)?;
-    let mut json = geometry.json(mesh, None)?;
+    write_chunks(geometry.json(mesh, None)?, geometry.byte_length(), out)?;
+    geometry.write_data(out)
+}
+
+/// Writes the header, the chunk of JSON, and what comes before so many bytes of data.
+pub(super) fn write_chunks(
+    mut json: Vec<u8>,
+    length: usize,
+    out: &mut impl Write,
+) -> Result<(), Error> {
     json.resize(json.len().next_multiple_of(4), b' ');
-    let total = 12 + 8 + json.len() + 8 + geometry.byte_length();
+    let total = 12 + 8 + json.len() + 8 + length;
     let total = u32::try_from(total).map_err(|_| Error::DoesNotFit {
         format: MeshFormat::Glb,
         problem: "it would take more than 4 GiB; write .gltf with .bin, or mesh it coarser"
@@ -48,9 +57,8 @@ pub fn write_glb(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     head.extend_from_slice(b"JSON");
     out.write_all(&head)?;
     out.write_all(&json)?;
-    out.write_all(&(geometry.byte_length() as u32).to_le_bytes())?;
-    out.write_all(b"BIN\0")?;
-    geometry.write_data(out)
+    out.write_all(&(length as u32).to_le_bytes())?;
+    Ok(out.write_all(b"BIN\0")?)
 }
 
 /// Writes a glTF file in two parts: the JSON, and the data it refers to as
@@ -70,28 +78,28 @@ pub fn write_gltf(
 }
 
 /// The data of the buffer, and which stretch of it each primitive is.
-struct Geometry<'a> {
+pub(super) struct Geometry<'a> {
     parts: Parts<'a>,
     /// Added to every position by the nodes.
-    translation: DVec3,
-    positions: Vec<Vec3>,
+    pub translation: DVec3,
+    pub positions: Vec<Vec3>,
     /// Empty, or as long as `positions`.
-    normals: Vec<Vec3>,
-    indices: Vec<u32>,
+    pub normals: Vec<Vec3>,
+    pub indices: Vec<u32>,
     /// One for each group.
-    primitives: Vec<Stretch>,
+    pub primitives: Vec<Stretch>,
 }
 
-struct Stretch {
-    vertices: Range<usize>,
-    indices: Range<usize>,
+pub(super) struct Stretch {
+    pub vertices: Range<usize>,
+    pub indices: Range<usize>,
     /// Where its indices begin among those of their width, counted in indices.
     first: usize,
 }
 
 impl Stretch {
     /// Whether its indices take 16 bits (the greatest one is reserved).
-    fn is_narrow(&self) -> bool {
+    pub fn is_narrow(&self) -> bool {
         self.vertices.len() <= usize::from(u16::MAX)
     }
 }
@@ -99,7 +107,7 @@ impl Stretch {
 impl<'a> Geometry<'a> {
     /// Gathers the corners part by part; corners at one vertex with the same
     /// normal become one.
-    fn of(mesh: &'a Mesh, format: MeshFormat) -> Result<Self, Error> {
+    pub fn of(mesh: &'a Mesh, format: MeshFormat) -> Result<Self, Error> {
         /// No vertex, or the end of a chain.
         const NONE: u32 = u32::MAX;
         let parts = Parts::of(mesh, format)?;
@@ -206,6 +214,11 @@ impl<'a> Geometry<'a> {
     }
 
     fn json(&self, mesh: &Mesh, bin_uri: Option<&str>) -> Result<Vec<u8>, Error> {
+        let document = self.document(mesh, bin_uri)?;
+        Ok(serde_json::to_vec(&document).map_err(std::io::Error::from)?)
+    }
+
+    pub(super) fn document(&self, mesh: &Mesh, bin_uri: Option<&str>) -> Result<Value, Error> {
         let metres = mesh.unit.in_metres();
         let mut root = Root {
             asset: Asset {
@@ -249,7 +262,7 @@ impl<'a> Geometry<'a> {
         json["nodes"][turned.value()]["matrix"] = json!([
             x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, z[0], z[1], z[2], 0.0, 0.0, 0.0, 0.0, 1.0
         ]);
-        Ok(serde_json::to_vec(&json).map_err(std::io::Error::from)?)
+        Ok(json)
     }
 
     /// A node for each part and for each name around parts. Returns those that are in no other.
