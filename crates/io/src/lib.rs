@@ -5,7 +5,6 @@ mod atomic;
 mod bodies;
 mod conic;
 mod contents;
-mod decimal;
 pub mod drawing;
 mod error;
 mod format;

@@ -17,7 +17,7 @@ use rustc_hash::FxHashMap;
 use crate::assemble::{Assembler, with_triangles};
 use crate::parts::{DEFAULT_COLOR, DEFAULT_MATERIAL};
 use crate::weld::split;
-use crate::{Error, MeshFormat, decimal};
+use crate::{Error, MeshFormat};
 
 /// Reads an OBJ file; `load` fetches a material library by name, and where it
 /// gives nothing the colours are left out.
@@ -284,7 +284,11 @@ fn quick_vector(text: &[u8]) -> Option<(DVec3, usize)> {
             at += 1;
         }
         let length;
-        (*number, length) = decimal::number(&text[at..])?;
+        (*number, length) = fast_float2::parse_partial(&text[at..]).ok()?;
+        // (Others are told with their line.)
+        if !f64::is_finite(*number) {
+            return None;
+        }
         at += length;
     }
     let end = line_break(&text[at..])?;
@@ -298,9 +302,15 @@ fn quick_face(text: &[u8], face: &mut Vec<Corner>) -> Option<usize> {
     face.clear();
     let mut at = 0;
     let number = |at: &mut usize| {
-        let (number, length) = decimal::whole_number(&text[*at..])?;
+        let digits = text[*at..].iter().take_while(|b| b.is_ascii_digit());
+        let length = digits.count();
+        // (So many always fit.)
+        let digits = text[*at..][..length].iter().filter(|_| length < 19);
+        let number = digits.fold(None, |number, &b| {
+            Some(10 * number.unwrap_or(0) + i64::from(b - b'0'))
+        })?;
         *at += length;
-        i64::try_from(number).ok()
+        Some(number)
     };
     loop {
         let vertex = number(&mut at)?;
