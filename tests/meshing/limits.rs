@@ -10,7 +10,7 @@ use stereotomy::{csg, scenes};
 
 use super::tolerance::sampled_deviation;
 
-fn lower(solid: &csg::Solid) -> Program {
+fn lower(solid: &Solid) -> Program {
     Program::lower(solid).expect("a valid solid")
 }
 

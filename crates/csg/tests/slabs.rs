@@ -24,7 +24,7 @@ fn swiss_cheese(spheres: usize, radius: f64) -> Solid {
             .translate(place)
             .named(format!("hole {}", i % 3))
     });
-    Solid::cube(2.0) - Solid::union(holes)
+    (Solid::cube(2.0) - Solid::union(holes)).named("cheese")
 }
 
 /// What is the same for all these numbers of slabs, and how many vertices were merged.

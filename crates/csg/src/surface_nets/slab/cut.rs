@@ -107,6 +107,7 @@ pub(crate) fn cut(
             surface: entry.surface,
             primitive: entry.primitive,
             name: entry.name,
+            parts: entry.parts,
             color: entry.color,
             shape: task.program.surfaces()[entry.surface as usize],
         })

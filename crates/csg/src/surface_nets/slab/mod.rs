@@ -118,6 +118,7 @@ pub(crate) struct SlabEntry {
     pub surface: u32,
     pub primitive: u32,
     pub name: Option<Arc<str>>,
+    pub parts: Arc<[Arc<str>]>,
     pub color: Option<Color>,
     /// In model units about the true origin.
     pub shape: Surface,
@@ -129,6 +130,7 @@ impl SlabEntry {
             surface: self.surface,
             primitive: self.primitive,
             name: self.name.clone(),
+            parts: self.parts.clone(),
             color: self.color,
         }
     }
