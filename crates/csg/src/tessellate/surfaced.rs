@@ -37,8 +37,8 @@ impl Surfaced {
 /// About what is held for each triangle at a time.
 pub(super) const BYTES_PER_TRIANGLE: usize = 200;
 
-/// About what a triangle that is finished takes.
-pub(super) const BYTES_PER_FINISHED: usize = 32;
+/// About what a triangle that is finished takes, in its part and in the whole.
+pub(super) const BYTES_PER_FINISHED: usize = 64;
 
 /// How near points in a frame must come to their surfaces.
 pub(crate) fn precision(positions: &[DVec3]) -> f64 {
