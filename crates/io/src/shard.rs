@@ -263,12 +263,12 @@ impl SlabSource for ShardFile {
 }
 
 /// Writes a mesh put together from slabs to a file whose extension names the format: the same
-/// bytes as [`write_mesh`](crate::write_mesh) writes of the whole mesh with normals. PLY and
+/// bytes as [`write_mesh`] writes of the whole mesh with normals. PLY and
 /// binary STL are written piece by piece; for the other formats the mesh is put together in
 /// memory.
 ///
 /// # Errors
-/// As [`write_mesh`](crate::write_mesh); and slabs that cannot be read.
+/// As [`write_mesh`]; and slabs that cannot be read.
 pub fn write_merged(path: impl AsRef<Path>, merger: &Merger<impl SlabSource>) -> Result<(), Error> {
     let path = path.as_ref();
     let by_format = || {
