@@ -30,7 +30,7 @@ use crate::mesh::{LengthUnit, MeshSurface};
 use crate::program::{Bounds, Surface};
 
 /// A run of the bricks of a uniform lattice, meshed by itself: from
-/// [`Mesher::slab`](crate::Mesher::slab), for a [`Merger`].
+/// [`Mesher::slab`](crate::Mesher::slab), for a [`Merger`](crate::Merger).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slab {
     /// What a merger keeps of it.
@@ -153,7 +153,7 @@ pub(crate) struct FurtherTriangle {
     pub reversed: bool,
 }
 
-/// Where a [`Merger`] has slabs from: memory, or files that are read piece by piece.
+/// Where a [`Merger`](crate::Merger) has slabs from: memory, or files that are read piece by piece.
 pub trait SlabSource: Sync {
     /// What to call it in errors, such as the file's name.
     fn name(&self) -> String;
