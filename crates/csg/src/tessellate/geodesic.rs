@@ -52,7 +52,7 @@ static REGULAR: LazyLock<[Regular; 2]> = LazyLock::new(|| {
 impl Regular {
     /// Of unit vectors, of which those nearest to each other are joined.
     fn of(vertices: Vec<DVec3>, strays: f64) -> Self {
-        /// Between the cosines of those that are joined and of others.
+        /// Less than between the cosines of those that are joined and of others: 0.9 and 1.
         const GAP: f64 = 0.1;
         let count = vertices.len() as u32;
         let cosine = |a: u32, b: u32| vertices[a as usize].dot(vertices[b as usize]);

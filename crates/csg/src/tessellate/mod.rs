@@ -14,7 +14,8 @@
 //!
 //! Vertices never leave their surfaces. [`mod@parts`] of the mesh that are not connected are
 //! refined at once; within one of them, one thread does all but the filling, in a fixed
-//! order. Spheres that are whole are [`geodesic`] polyhedra; walls thinner than the tolerance are cut up alike on both sides ([`mirror`]).
+//! order. Spheres that are whole are [`geodesic`] polyhedra; walls thinner than the tolerance
+//! are cut up alike on both sides ([`mirror`]).
 
 mod beside;
 mod chains;
@@ -72,7 +73,7 @@ use crate::program::Surface;
 /// itself.
 ///
 /// `surfaces` are in the frame of the positions. Parts must be closed,
-/// oriented and manifold, its vertices on the surfaces of their triangles to
+/// oriented and manifold, their vertices on the surfaces of their triangles to
 /// rounding. Some hundred nanoseconds a triangle, of the mesh given or that
 /// returned, on one thread for each part.
 pub(crate) fn to_tolerance(
