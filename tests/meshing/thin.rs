@@ -1,10 +1,10 @@
 //! Needles, sheets and flat quadrics: they cost what their boundary costs, however thin
 //! they are.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec2;
-use stereotomy::csg::{Mesher, Program, Solid};
+use stereotomy::csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 
 use crate::hard_models::model;
 
@@ -148,4 +148,63 @@ fn shells_take_what_their_sides_take() {
             volume + 0.28 * ball * ((1.0 - 2.0 * wall).powi(3) - (1.0 - 3.0 * wall).powi(3));
         check(&format!("two, {wall}"), &turned(&(shell | within)), volume);
     }
+}
+
+/// Strips between curves much nearer to each other than chords stray are joined straight across,
+/// and curves around flat ellipsoids lose no vertex that tells which way they run: areas are
+/// right, and nothing is to be reported.
+#[test]
+fn strips_narrower_than_chords_stray_are_joined_straight_across() {
+    for name in ["needle-through-a-sheet", "sheet-across-a-slab"] {
+        let program = Program::lower(&model(name)).expect("a valid solid");
+        let boundary = program.boundary(&BoundaryOptions::default());
+        let exact = boundary.expect("a boundary").measure().area.value;
+        for tolerance in [0.1, 0.01, 0.001] {
+            let what = format!("{name} at {tolerance}");
+            let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{what}");
+            assert!(report.is_proven(), "{what}: {:?}", report.undecided);
+            assert!(mesh.self_intersections().is_empty(), "{what}");
+            assert!(mesh.triangles.len() < 400, "{what}");
+            let share = mesh.area() / exact;
+            assert!((0.6..1.01).contains(&share), "{what}: {share}");
+        }
+    }
+}
+
+/// The stubs at the ends of struts, each of a few triangles: no edge on them runs around more
+/// than half of the rod.
+#[test]
+fn stubs_of_rods_need_no_second_try() {
+    let rod = |from: [f64; 3], axis: usize| {
+        let rod = Solid::cylinder(0.1, -0.5..19.5);
+        let rod = match axis {
+            0 => rod.rotate_y(FRAC_PI_2),
+            1 => rod.rotate_x(-FRAC_PI_2),
+            _ => rod,
+        };
+        rod.translate(from)
+    };
+    let mut rods = Vec::new();
+    for far in [0.0, 1.0] {
+        for k in 0..20 {
+            let k = f64::from(k);
+            rods.push(rod([0.0, k, far], 0));
+            rods.push(rod([19.0 - far, k, 0.0], 2));
+        }
+        for high in [0.0, 1.0] {
+            rods.push(rod([19.0 - far, 0.0, high], 1));
+        }
+    }
+    let program = Program::lower(&Solid::union(rods)).expect("a valid solid");
+    let meshed = Mesher::new()
+        .tolerance(0.02)
+        .mesh(&program)
+        .expect("a mesh");
+    assert_eq!(meshed.report.fallbacks, []);
+    assert!(meshed.report.check.is_manifold());
+    assert!(meshed.mesh.self_intersections().is_empty());
+    let count = meshed.mesh.triangles.len();
+    assert!(count < 7000, "{count}");
 }

@@ -44,7 +44,7 @@ impl Bounds {
     }
 
     /// Whether the closed boxes have a point in common.
-    fn overlaps(&self, other: &Self) -> bool {
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
         // (In one go: which of them decides is hard to foresee.)
         (self.low.x <= other.high.x)
             & (self.low.y <= other.high.y)
@@ -130,6 +130,23 @@ impl BoxTree {
         let mut pairs = self.within(1, test);
         pairs.par_sort_unstable();
         pairs
+    }
+
+    /// Tells of all entries whose boxes overlap another one.
+    pub(super) fn overlapping(&self, bounds: &Bounds, tell: &mut impl FnMut(u32)) {
+        let mut waiting = vec![1];
+        while let Some(node) = waiting.pop() {
+            if !self.nodes[node].bounds.overlaps(bounds) {
+                continue;
+            }
+            if self.is_leaf(node) {
+                let entries = self.entries_of(node).iter();
+                let entries = entries.filter(|entry| entry.bounds.overlaps(bounds));
+                entries.for_each(|entry| tell(entry.index));
+            } else {
+                waiting.extend([2 * node, 2 * node + 1]);
+            }
+        }
     }
 
     /// The pairs of boxes below one node.

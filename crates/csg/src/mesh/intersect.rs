@@ -32,15 +32,20 @@ impl Mesh {
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
         // (As one task: else each step would wait for the pool's threads to wake up.)
         rayon::scope(|_| {
-            BoxTree::new(in_sheets(self)).pairs(&|first, second| {
-                let [one, other] = [first, second].map(|index| Face {
-                    corners: self.corners(index as usize),
-                    vertices: self.triangles[index as usize],
-                });
-                !clearly_apart(&one, &other) && intersect(one.corners, other.corners)
-            })
+            let tree = BoxTree::new(in_sheets(self));
+            tree.pairs(&|first, second| run_through(self, [first, second]))
         })
     }
+}
+
+/// Whether two triangles of a mesh intersect in the sense of [`Mesh::self_intersections`]:
+/// both must have an area.
+pub(super) fn run_through(mesh: &Mesh, pair: [u32; 2]) -> bool {
+    let [one, other] = pair.map(|index| Face {
+        corners: mesh.corners(index as usize),
+        vertices: mesh.triangles[index as usize],
+    });
+    !clearly_apart(&one, &other) && intersect(one.corners, other.corners)
 }
 
 /// Whether two triangles with area intersect in the sense of

@@ -83,7 +83,22 @@ struct Facing {
     turn: i8,
 }
 
+/// Whether a triangle of a mesh has an area.
+pub(super) fn has_area(mesh: &Mesh, corners: &[u32; 3]) -> bool {
+    Facing::in_mesh(mesh, corners).is_some()
+}
+
 impl Facing {
+    /// Of a triangle of a mesh, if it has an area and is finite.
+    fn in_mesh(mesh: &Mesh, corners: &[u32; 3]) -> Option<Self> {
+        if !usable(corners, mesh.positions.len()) {
+            return None;
+        }
+        let corners = corners.map(|vertex| mesh.positions[vertex as usize]);
+        let is_finite = corners.iter().all(|corner| corner.is_finite());
+        Self::of(corners).filter(|_| is_finite)
+    }
+
     /// Along the axis that a triangle with area faces most.
     fn of(corners: [DVec3; 3]) -> Option<Self> {
         let normal = normal(corners).abs();
@@ -145,15 +160,10 @@ struct Grower<'a> {
 impl<'a> Grower<'a> {
     fn new(mesh: &'a Mesh, range: Range<usize>) -> Self {
         let triangles = &mesh.triangles[range.clone()];
-        let facing = |triangle: &[u32; 3]| {
-            if !usable(triangle, mesh.positions.len()) {
-                return None;
-            }
-            let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            let is_finite = corners.iter().all(|corner| corner.is_finite());
-            Facing::of(corners).filter(|_| is_finite)
-        };
-        let facings: Vec<Option<Facing>> = triangles.iter().map(facing).collect();
+        let facings = triangles
+            .iter()
+            .map(|corners| Facing::in_mesh(mesh, corners));
+        let facings: Vec<Option<Facing>> = facings.collect();
         let twins = twins(triangles, |triangle| facings[triangle].is_some());
         Self {
             mesh,

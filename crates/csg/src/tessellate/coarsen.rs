@@ -248,9 +248,11 @@ fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
 
 /// Whether a curve may be taken straight past a vertex, from the end of one of
 /// its two edges to the end of the other: a chord that still runs along the
-/// curve at both its ends.
+/// curve at both its ends, also where elongated surfaces on both sides are round: else it may
+/// cut off more than half of the curve around one.
 fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
     let surfaces = mesh.curve_surfaces(on);
+    let rounds = [on, mesh.twin(on)].map(|side| mesh.region(side).round.as_ref());
     let (p, q, r) = (
         mesh.at(mesh.target(back)),
         mesh.at(vertex),
@@ -267,9 +269,14 @@ fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
         {
             return chord.dot(edge) > 0.0;
         }
-        let cosine = tangent.dot(chord) * tangent.dot(edge).signum();
-        cosine > 0.0
-            && cosine * cosine >= LEAST_CHORD_COSINE_SQUARED * square * chord.length_squared()
+        let tangent = tangent * tangent.dot(edge).signum();
+        let rounds = rounds.into_iter().flatten();
+        let placed = rounds.map(|round| [tangent, chord].map(|along| round.direction(along)));
+        placed.chain([[tangent, chord]]).all(|[tangent, chord]| {
+            let cosine = tangent.dot(chord);
+            let squares = tangent.length_squared() * chord.length_squared();
+            cosine > 0.0 && cosine * cosine >= LEAST_CHORD_COSINE_SQUARED * squares
+        })
     };
     along(p, q - p) && along(r, r - q)
 }

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::half_edges::{HalfEdges, next, previous};
 use super::region::{Bend, Region, Way, metric};
-use super::shape::faces_out_in_the_middle;
+use super::shape::{LEAST_COSINE, faces_out_everywhere, outward_cosine, outward_range};
 use crate::numeric::tolerance::NEAR;
 use crate::program::Surface;
 
@@ -114,11 +114,39 @@ fn exceeds_half_turn([a, d, b, c]: [DVec3; 4], square: impl Fn(DVec3) -> f64) ->
     c2 + d2 < -NEAR * c2.max(d2)
 }
 
-/// Whether the triangles that a flip would make face the way their surface does.
+/// Whether the triangles that a flip would make face the way their surface does, next to
+/// all their points, as a flip makes edges longer than a cut does; or, where triangles are
+/// folded, face it better than those that there are: a narrow strip whose sides are joined
+/// askew is unfolded flip by flip.
 #[inline]
 fn leaves_it_unfolded(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4]) -> bool {
-    faces_out_in_the_middle(surface, region, [d, b, c])
-        && faces_out_in_the_middle(surface, region, [c, a, d])
+    let made = [[d, b, c], [c, a, d]];
+    if made.map(|corners| faces_out_everywhere(surface, region, corners)) == [true; 2] {
+        return true;
+    }
+    let there = [[a, b, c], [b, a, d]];
+    let worst = |triangles: [[DVec3; 3]; 2]| {
+        let [one, other] = triangles.map(|corners| outward_cosine(surface, region, corners));
+        one.min(other)
+    };
+    let before = worst(there);
+    before < LEAST_COSINE
+        && worst(made) > before
+        && !leads_around(
+            there.map(|corners| outward_range(surface, region, corners)),
+            made.map(|corners| outward_range(surface, region, corners)),
+        )
+}
+
+/// Whether a flip would lead to the other side of the axis or the centre of a surface that
+/// bends around it, by how much the triangles before and after it face outward: the least and
+/// the most. Then the axis runs through the tetrahedron between them.
+fn leads_around(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> bool {
+    let is_pierced = |[least, most]: [f64; 2]| least < 0.0 && most > 0.0;
+    let faces_in = |[_, most]: [f64; 2]| most < 0.0;
+    let faces_out = |[least, _]: [f64; 2]| least > 0.0;
+    before.into_iter().any(is_pierced)
+        || (before.into_iter().all(faces_in) && after.into_iter().all(faces_out))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ pub(super) use self::pairing::{NONE, first_of, halves_of, next, previous, triang
 use self::pairing::Half;
 use super::contacts::Contacts;
 use super::region::Region;
+use super::shape::faces_in;
 use crate::arrangement::Borders;
 use crate::program::Surface;
 
@@ -219,6 +220,17 @@ impl<'a> HalfEdges<'a> {
     pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
         let [a, b, c] = self.triangle(triangle);
         [self.at(a), self.at(b), self.at(c)]
+    }
+
+    /// Whether a triangle faces against the rest of its face.
+    pub fn is_folded(&self, triangle: u32) -> bool {
+        let half = first_of(triangle);
+        !self.is_gone(triangle)
+            && faces_in(
+                self.surface(half),
+                self.region(half),
+                self.corners(triangle),
+            )
     }
 
     pub fn is_gone(&self, triangle: u32) -> bool {

@@ -61,7 +61,7 @@ use self::half_edges::HalfEdges;
 use self::hand_back::hand_back;
 pub(crate) use self::outcome::{Outcome, Unkept};
 pub(crate) use self::parts::{Refined, join, join_refined, parts};
-pub(crate) use self::separate::{Parting, folded, separate};
+pub(crate) use self::separate::{Parting, Separation, folded};
 use self::surfaced::{BYTES_PER_FINISHED, BYTES_PER_TRIANGLE};
 pub(crate) use self::surfaced::{Surfaced, precision};
 use self::whole::Whole;

@@ -94,6 +94,12 @@ impl Round {
         self.to_round * (point - self.center)
     }
 
+    /// What a direction becomes.
+    #[inline]
+    pub fn direction(&self, along: DVec3) -> DVec3 {
+        self.to_round * along
+    }
+
     /// Another surface as it lies with the round one.
     pub fn image(&self, surface: &Surface) -> Surface {
         surface.pulled_back(&self.to_round.inverse(), self.place(surface.anchor))

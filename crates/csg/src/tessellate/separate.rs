@@ -7,17 +7,20 @@
 //! the mesh runs through itself no more once it is fine enough there, and none of it
 //! is folded.
 
+use glam::DVec3;
+
 use super::beside::sides_beside;
 use super::fine::Fine;
 use super::goal::Goal;
 use super::grow::Grower;
 use super::half_edges::{HalfEdges, first_of, halves_of};
 use super::hand_back::hand_back;
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Unkept};
 use super::round::Round;
-use super::shape::{faces_in, facing};
+use super::shape::facing;
 use super::side::{Side, halved, together};
 use super::surfaced::Surfaced;
+use crate::mesh::{Intersections, Mesh};
 use crate::program::Surface;
 
 /// How triangles that run through each other are parted.
@@ -31,32 +34,103 @@ pub(crate) enum Parting {
     Beside,
 }
 
-/// Cuts sides of the pairs of triangles, and notes in `outcome` how far what comes
-/// of it strays; false if there is nothing to be cut.
-pub(crate) fn separate(
-    surfaced: &mut Surfaced,
-    surfaces: &[Surface],
-    goal: &Goal,
-    pairs: &[[u32; 2]],
-    parting: Parting,
-    outcome: &mut Outcome,
-) -> bool {
-    let precision = surfaced.precision;
-    let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
-        return false;
-    };
-    mesh.fix_contacts();
-    let sides = pairs
-        .iter()
-        .flat_map(|&pair| sides_of(&mesh, pair, parting, precision))
-        .collect();
-    let sides = together(&mesh, sides);
-    let mut grower = Grower::new(&mut mesh, goal, precision);
-    grower.outcome = std::mem::take(outcome);
-    let is_changed = grower.cut_sides(&sides);
-    *outcome = std::mem::take(&mut grower.outcome);
-    hand_back(&mesh, &Fine::default(), surfaced);
-    is_changed
+/// A mesh whose triangles run through each other or face into the solid, while they are
+/// parted.
+#[derive(Clone)]
+pub(crate) struct Separation<'a> {
+    mesh: HalfEdges<'a>,
+    goal: &'a Goal,
+    /// With how far what was cut strays.
+    pub outcome: Outcome,
+    /// The middle of the frame: whether triangles run through each other is asked about the
+    /// true origin, as rounding decides where faces meet in a plane.
+    origin: DVec3,
+    intersections: Intersections,
+    is_folded: Vec<bool>,
+}
+
+impl<'a> Separation<'a> {
+    /// `None` if the mesh is no closed manifold.
+    pub fn new(
+        surfaced: &Surfaced,
+        surfaces: &'a [Surface],
+        goal: &'a Goal,
+        outcome: Outcome,
+        origin: DVec3,
+    ) -> Option<Self> {
+        let mesh = HalfEdges::new(surfaced, surfaces)?;
+        let all = 0..mesh.triangle_count();
+        Some(Self {
+            intersections: Intersections::of(seen(&mesh, origin)),
+            is_folded: all.map(|triangle| mesh.is_folded(triangle)).collect(),
+            mesh,
+            goal,
+            outcome,
+            origin,
+        })
+    }
+
+    /// The pairs of triangles that run through each other; and twice each that faces into
+    /// the solid.
+    pub fn wrong(&self) -> Vec<[u32; 2]> {
+        let folded = (0u32..).zip(&self.is_folded);
+        let folded = folded.filter_map(|(triangle, &is_folded)| is_folded.then_some([triangle; 2]));
+        let pairs = self.intersections.pairs().iter().copied();
+        pairs.chain(folded).collect()
+    }
+
+    /// Cuts sides of pairs of triangles; false if there is nothing to be cut.
+    pub fn cut(&mut self, pairs: &[[u32; 2]], parting: Parting) -> bool {
+        let precision = self.mesh.precision;
+        self.mesh.fix_contacts();
+        let sides = pairs
+            .iter()
+            .flat_map(|&pair| sides_of(&self.mesh, pair, parting, precision));
+        let sides = together(&self.mesh, sides.collect());
+        let mut grower = Grower::new(&mut self.mesh, self.goal, precision);
+        grower.outcome = std::mem::take(&mut self.outcome);
+        let is_cut = grower.cut_sides(&sides);
+        self.outcome = std::mem::take(&mut grower.outcome);
+        let changed = self.intersections.update(seen(&self.mesh, self.origin));
+        self.is_folded
+            .resize(self.mesh.triangle_count() as usize, false);
+        for triangle in changed {
+            self.is_folded[triangle as usize] = self.mesh.is_folded(triangle);
+        }
+        is_cut
+    }
+
+    /// Notes where pairs of triangles still run through each other, or one faces into the
+    /// solid, and hands back the mesh.
+    pub fn finish(mut self, surfaced: &mut Surfaced) -> Outcome {
+        for pair in self.wrong() {
+            let place = self.mesh.corners(pair[0])[0];
+            let reason = if pair[0] == pair[1] {
+                Unkept::TurnedOver
+            } else {
+                Unkept::Crossing
+            };
+            self.outcome.unkept.push((reason, place));
+            let surfaces = pair.map(|triangle| self.mesh.surface_index(first_of(triangle)));
+            self.outcome.tighter.extend(surfaces);
+        }
+        hand_back(&self.mesh, &Fine::default(), surfaced);
+        self.outcome
+    }
+}
+
+/// The triangles of a mesh, with those that are gone, about the true origin.
+fn seen(mesh: &HalfEdges<'_>, origin: DVec3) -> Mesh {
+    let triangles = (0..mesh.triangle_count()).map(|triangle| {
+        let is_gone = mesh.is_gone(triangle);
+        if is_gone {
+            [0; 3]
+        } else {
+            mesh.triangle(triangle)
+        }
+    });
+    let positions = mesh.positions.iter().map(|&p| p + origin);
+    Mesh::new(positions.collect(), triangles.collect())
 }
 
 /// The triangles that face against the rest of their face: into the solid.
@@ -66,15 +140,8 @@ pub(crate) fn folded(surfaced: &Surfaced, surfaces: &[Surface]) -> Vec<u32> {
         return Vec::new();
     }
     HalfEdges::new(surfaced, surfaces).map_or_else(Vec::new, |mesh| {
-        let is_folded = |&triangle: &u32| {
-            let half = first_of(triangle);
-            faces_in(
-                mesh.surface(half),
-                mesh.region(half),
-                mesh.corners(triangle),
-            )
-        };
-        (0..mesh.triangle_count()).filter(is_folded).collect()
+        let all = 0..mesh.triangle_count();
+        all.filter(|&triangle| mesh.is_folded(triangle)).collect()
     })
 }
 
@@ -127,10 +194,7 @@ fn farthest_sides(mesh: &HalfEdges<'_>, pair: [u32; 2], precision: f64) -> Vec<S
 pub(super) mod tests {
     use std::sync::Arc;
 
-    use glam::DVec3;
-
     use super::*;
-    use crate::mesh::Mesh;
     use crate::program::Program;
     use crate::solid::Solid;
     use crate::tessellate::deviation::of_triangle;
@@ -221,25 +285,13 @@ pub(super) mod tests {
             let (mut surfaced, surfaces) = spheres(radii, DVec3::ZERO, rows);
             assert!(mesh(&surfaced).check().is_manifold());
             let goal = goal(0.2);
-            let mut outcome = Outcome::default();
-            let before = mesh(&surfaced).self_intersections();
-            assert!(before.len() > 20, "{radii:?}: {}", before.len());
-            let mut pairs = before;
-            for _ in 0..14 {
-                if pairs.is_empty() {
-                    break;
-                }
-                assert!(separate(
-                    &mut surfaced,
-                    &surfaces,
-                    &goal,
-                    &pairs,
-                    Parting::Farthest,
-                    &mut outcome
-                ));
-                pairs = mesh(&surfaced).self_intersections();
-            }
-            assert_eq!(pairs, [[0; 2]; 0], "{radii:?}");
+            assert!(mesh(&surfaced).self_intersections().len() > 20, "{radii:?}");
+            let outcome = parted(&mut surfaced, &surfaces, &goal, Parting::Farthest);
+            assert_eq!(
+                mesh(&surfaced).self_intersections(),
+                [[0; 2]; 0],
+                "{radii:?}"
+            );
             let made = mesh(&surfaced);
             assert!(made.check().is_manifold());
             assert_eq!(made.check().components, 2);
@@ -259,24 +311,40 @@ pub(super) mod tests {
         }
     }
 
+    /// Parts the triangles of a mesh in some rounds.
+    fn parted(
+        surfaced: &mut Surfaced,
+        surfaces: &[Surface],
+        goal: &Goal,
+        parting: Parting,
+    ) -> Outcome {
+        let origin = DVec3::ZERO;
+        let separation = Separation::new(surfaced, surfaces, goal, Outcome::default(), origin);
+        let mut separation = separation.expect("closed");
+        for _ in 0..14 {
+            let wrong = separation.wrong();
+            if wrong.is_empty() {
+                break;
+            }
+            assert!(separation.cut(&wrong, parting));
+        }
+        separation.finish(surfaced)
+    }
+
     /// How many pairs of triangles of two spheres that touch still cross after some
     /// rounds.
     fn left(parting: Parting, radius: f64, rows: [u32; 2]) -> usize {
         let touching = (1.0 - radius) * DVec3::new(0.6, 0.48, 0.64);
         let (mut surfaced, surfaces) = spheres([1.0, radius], touching, rows);
-        let mut pairs = mesh(&surfaced).self_intersections();
-        assert!(pairs.len() > 10, "{}", pairs.len());
-        let (goal, mut outcome) = (goal(0.2), Outcome::default());
-        for _ in 0..14 {
-            if pairs.is_empty() {
-                break;
-            }
-            let (all, outcome) = (&mut surfaced, &mut outcome);
-            assert!(separate(all, &surfaces, &goal, &pairs, parting, outcome));
-            pairs = mesh(&surfaced).self_intersections();
-        }
-        assert_eq!(outcome.unkept, [], "{radius}");
+        let before = mesh(&surfaced).self_intersections().len();
+        assert!(before > 10, "{before}");
+        let goal = goal(0.2);
+        let outcome = parted(&mut surfaced, &surfaces, &goal, parting);
+        let pairs = mesh(&surfaced).self_intersections();
         assert!(mesh(&surfaced).check().is_manifold());
+        let mut others = outcome.unkept.iter();
+        assert!(others.all(|(reason, _)| *reason == Unkept::Crossing));
+        assert_eq!(outcome.unkept.len(), pairs.len());
         pairs.len()
     }
 
@@ -319,16 +387,11 @@ pub(super) mod tests {
         assert!(mesh(&surfaced).check().is_manifold());
         let before = surfaced.positions.clone();
         let goal = goal(1.0);
-        let pairs = [[triangle; 2]];
-        let mut outcome = Outcome::default();
-        assert!(separate(
-            &mut surfaced,
-            &surfaces,
-            &goal,
-            &pairs,
-            Parting::Farthest,
-            &mut outcome
-        ));
+        let origin = DVec3::ZERO;
+        let separation = Separation::new(&surfaced, &surfaces, &goal, Outcome::default(), origin);
+        let mut separation = separation.expect("closed");
+        assert!(separation.cut(&[[triangle; 2]], Parting::Farthest));
+        separation.finish(&mut surfaced);
         assert!(mesh(&surfaced).check().is_manifold());
         let is_new = |p: &DVec3| before.iter().all(|q| q.distance(*p) > 1e-9);
         surfaced.positions.into_iter().filter(is_new).collect()

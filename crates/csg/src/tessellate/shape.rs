@@ -19,6 +19,9 @@ fn gradient(surface: &Surface, round: Option<&Round>, at: DVec3) -> DVec3 {
     round.map_or_else(|| surface.gradient(at), |round| round.gradient(at))
 }
 
+/// Of the angle between normals, in the middle: far from folded.
+pub(super) const LEAST_COSINE: f64 = 0.2;
+
 /// Whether the triangle's normal is within the angle of the given cosine of
 /// the outward normal of its surface at each of its corners.
 pub(super) fn faces_out(
@@ -50,8 +53,6 @@ pub(super) fn faces_out_in_the_middle(
     region: &Region,
     corners: [DVec3; 3],
 ) -> bool {
-    /// Far from folded.
-    const LEAST_COSINE: f64 = 0.2;
     if region.way == Way::Done {
         return true;
     }
@@ -69,6 +70,46 @@ pub(super) fn faces_out_in_the_middle(
         region.outward * gradient(surface, round, middle),
         LEAST_COSINE,
     )
+}
+
+/// How well a triangle faces out at its middle: the cosine of the angle between normals.
+pub(super) fn outward_cosine(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
+    let round = region.round.as_ref();
+    let [p, q, r] = placed(round, corners);
+    let gradient = gradient(surface, round, (p + q + r) / 3.0);
+    let normal = (q - p).cross(r - p);
+    let lengths = normal.length_squared() * gradient.length_squared();
+    if lengths > 0.0 {
+        region.outward * normal.dot(gradient) / lengths.sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// The same, and nowhere against it: no edge runs around more than half of a tube, on the
+/// wrong side of its axis.
+#[inline(always)]
+pub(super) fn faces_out_everywhere(
+    surface: &Surface,
+    region: &Region,
+    corners: [DVec3; 3],
+) -> bool {
+    faces_out_in_the_middle(surface, region, corners)
+        && (region.way == Way::Done || outward_range(surface, region, corners)[0] >= 0.0)
+}
+
+/// The least and the most, of all points of a triangle, of how much it faces outward, in
+/// units of no meaning: at the corners, as a quadric's gradient is linear in the point.
+#[inline(always)]
+pub(super) fn outward_range(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> [f64; 2] {
+    let round = region.round.as_ref();
+    let corners @ [p, q, r] = placed(round, corners);
+    let normal = region.outward * (q - p).cross(r - p);
+    let along = corners.map(|at| normal.dot(gradient(surface, round, at)));
+    [
+        along[0].min(along[1]).min(along[2]),
+        along[0].max(along[1]).max(along[2]),
+    ]
 }
 
 /// Whether a triangle that has an area faces into the solid.

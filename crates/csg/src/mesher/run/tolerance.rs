@@ -15,7 +15,7 @@ use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::Program;
 use crate::report::Report;
 use crate::task::Task;
-use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Surfaced, Unkept};
+use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced};
 
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
@@ -218,49 +218,42 @@ impl Run<'_> {
         goal: &Goal,
     ) -> Result<(), Error> {
         const MOST_ROUNDS: u32 = 14;
-        let mut wrong = wrong_triangles(surfaced, task);
+        let noted = outcome.clone();
+        let before = Separation::new(surfaced, &task.surfaces, goal, noted, task.origin);
+        // (What is not manifold is reported as such.)
+        let Some(before) = before else {
+            return Ok(());
+        };
+        let mut wrong = before.wrong();
         if wrong.is_empty() {
             return Ok(());
         }
         // Where the mesh is folded there are more and more.
         let too_many = 4 * wrong.len() + 16;
-        let before = (surfaced.clone(), outcome.clone(), wrong);
-        let mut least = before.clone();
+        let mut least = (wrong.len(), before.clone());
         for parting in [Parting::Farthest, Parting::Beside] {
-            (*surfaced, *outcome, wrong) = before.clone();
+            let mut separation = before.clone();
+            wrong = separation.wrong();
             for round in 0..MOST_ROUNDS {
                 self.control.check()?;
                 let share = f64::from(round) / f64::from(MOST_ROUNDS);
                 self.control.tell(REFINED + (PARTED - REFINED) * share);
-                if !tessellate::separate(surfaced, &task.surfaces, goal, &wrong, parting, outcome) {
+                if !separation.cut(&wrong, parting) {
                     break;
                 }
-                wrong = wrong_triangles(surfaced, task);
-                if wrong.len() < least.2.len() {
-                    least = (surfaced.clone(), outcome.clone(), wrong.clone());
+                wrong = separation.wrong();
+                if wrong.len() < least.0 {
+                    least = (wrong.len(), separation.clone());
                 }
                 if wrong.is_empty() || wrong.len() > too_many {
                     break;
                 }
             }
-            if least.2.is_empty() {
+            if least.0 == 0 {
                 break;
             }
         }
-        (*surfaced, *outcome, wrong) = least;
-        for pair in wrong {
-            let corner = surfaced.triangles[pair[0] as usize][0];
-            let place = surfaced.positions[corner as usize];
-            let reason = if pair[0] == pair[1] {
-                Unkept::TurnedOver
-            } else {
-                Unkept::Crossing
-            };
-            outcome.unkept.push((reason, place));
-            let group = |triangle: u32| surfaced.groups[triangle as usize] as usize;
-            let surfaces = pair.map(|triangle| surfaced.surface_of_group[group(triangle)]);
-            outcome.tighter.extend(surfaces);
-        }
+        *outcome = least.1.finish(surfaced);
         Ok(())
     }
 }

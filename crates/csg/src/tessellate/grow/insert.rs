@@ -40,7 +40,7 @@ impl Grower<'_, '_> {
     }
 
     /// All edges around a vertex are to be looked at again.
-    fn touch(&mut self, vertex: u32) {
+    pub(super) fn touch(&mut self, vertex: u32) {
         for spoke in self.mesh.around(vertex) {
             self.waiting.push(next(spoke));
             self.changed.extend([spoke, self.mesh.twin(spoke)]);

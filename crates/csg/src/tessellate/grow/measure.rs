@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Grower;
 use crate::tessellate::deviation;
-use crate::tessellate::half_edges::first_of;
+use crate::tessellate::half_edges::{first_of, triangle_of};
 use crate::tessellate::outcome::Unkept;
 use crate::tessellate::region::{Bend, Way};
 
@@ -90,17 +90,25 @@ impl Grower<'_, '_> {
             .note(bound, middle, tighter.as_slice(), promised);
     }
 
-    /// Puts vertices that are stuck on their surfaces, whatever they fold, and
-    /// measures triangles.
+    /// Puts vertices that are stuck on their surfaces, and measures triangles. What they
+    /// fold may be unfolded by flips.
     pub(super) fn settle(&mut self, mut far: Vec<u32>) {
         if !self.stuck.is_empty() {
             self.cut_beside_stuck();
-            for (vertex, place) in std::mem::take(&mut self.stuck) {
+            let stuck = std::mem::take(&mut self.stuck);
+            for &(vertex, place) in &stuck {
                 self.mesh.positions[vertex as usize] = place;
-                self.outcome.unkept.push((Unkept::Folded, place));
+                self.touch(vertex);
+            }
+            self.flip();
+            for (vertex, place) in stuck {
                 let around = self.mesh.around(vertex);
-                let surfaces = around.map(|half| self.mesh.surface_index(half));
-                self.outcome.tighter.extend(surfaces);
+                let folded = around.filter(|&half| self.mesh.is_folded(triangle_of(half)));
+                let surfaces: Vec<u32> = folded.map(|half| self.mesh.surface_index(half)).collect();
+                if !surfaces.is_empty() {
+                    self.outcome.unkept.push((Unkept::Folded, place));
+                    self.outcome.tighter.extend(surfaces);
+                }
             }
             far = (0..self.mesh.triangle_count()).collect();
         }
