@@ -12,13 +12,13 @@ mod step {
 mod random;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use python::python;
 use step::script::{Read, Script};
 use stereotomy::csg::brep::CurveShape;
 use stereotomy::csg::glam::{DVec3, dvec3};
-use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Program, Solid};
+use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Limits, Program, Solid};
 use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
 
@@ -170,6 +170,9 @@ fn models_are_read_back() {
 fn corpus_is_read_back() {
     /// A larger one takes some seconds to be read.
     const FEW: usize = 40;
+    /// The longest time for a boundary, in seconds: all but one tree, of three letters cut with each
+    /// other, take less than a second.
+    const LONGEST: u64 = 10;
     let Some(folder) = std::env::var_os("STEREOTOMY_CORPUS") else {
         return;
     };
@@ -189,7 +192,8 @@ fn corpus_is_read_back() {
                 continue;
             };
             let program = Program::lower(&scene.solid).expect("a valid solid");
-            let options = BoundaryOptions::new().cut_at_seams();
+            let limits = Limits::new().time(Duration::from_secs(LONGEST));
+            let options = BoundaryOptions::new().limits(limits).cut_at_seams();
             let Ok(brep) = program.boundary(&options) else {
                 refused.push(name);
                 continue;
