@@ -1,5 +1,5 @@
 use stereotomy::csg::{BoundaryOptions, Mesher, Program, Solid};
-use stereotomy::io::WriteOptions;
+use stereotomy::io::{WriteOptions, write_mesh};
 use stereotomy::io::step::{StepOptions, write_step_file};
 
 pub fn solid() -> Solid {
@@ -10,7 +10,7 @@ pub fn solid() -> Solid {
 pub fn run() -> Result<(), Box<dyn std::error::Error>> {
     let program = Program::lower(&solid())?;
     let meshed = Mesher::new().tolerance(0.02).mesh(&program)?;
-    stereotomy::io::write_mesh("washer.3mf", &meshed.mesh, &WriteOptions::default())?;
+    write_mesh("washer.3mf", &meshed.mesh, &WriteOptions::default())?;
     let exact = program.boundary(&BoundaryOptions::new().cut_at_seams())?;
     write_step_file("washer.step", &exact, &StepOptions::default().name("washer"))?;
     Ok(())
