@@ -7,5 +7,8 @@ pub fn solid() -> Solid {
     let hole = Solid::cylinder(3.0, -6.0..6.0)
         | chamfer.translate([0.0, 0.0, -5.0])
         | chamfer.rotate_x_degrees(180.0).translate([0.0, 0.0, 5.0]);
-    plate - hole.grid_pattern([2, 2, 1], [36.0, 20.0, 1.0]).translate([-18.0, -10.0, 0.0])
+    plate
+        - hole
+            .grid_pattern([2, 2, 1], [36.0, 20.0, 1.0])
+            .translate([-18.0, -10.0, 0.0])
 }

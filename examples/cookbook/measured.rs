@@ -8,7 +8,10 @@ pub fn solid() -> Solid {
 pub fn run() -> Result<(), Box<dyn std::error::Error>> {
     let brep = Program::lower(&solid())?.boundary(&Default::default())?;
     let measure = brep.measure();
-    println!("volume {} ± {:.0e}", measure.volume.value, measure.volume.error);
+    println!(
+        "volume {} ± {:.0e}",
+        measure.volume.value, measure.volume.error
+    );
     println!("area {} ± {:.0e}", measure.area.value, measure.area.error);
     Ok(())
 }

@@ -17,7 +17,10 @@ pub fn solid() -> Solid {
 /// With files in place of a model in Rust, `csg sweep table.csv --shard 3/8` does the same.
 pub fn run() -> Result<(), Box<dyn std::error::Error>> {
     let number = |name: &str, or: usize| std::env::var(name).map_or(Ok(or), |text| text.parse());
-    let (part, of) = (number("SLURM_ARRAY_TASK_ID", 0)?, number("SLURM_ARRAY_TASK_COUNT", 8)?);
+    let (part, of) = (
+        number("SLURM_ARRAY_TASK_ID", 0)?,
+        number("SLURM_ARRAY_TASK_COUNT", 8)?,
+    );
     let mut table = "bore,thickness,volume\n".to_owned();
     for row in 1000 * part / of..1000 * (part + 1) / of {
         let (bore, thickness) = (5.0 + 0.01 * row as f64, 2.0 + 0.002 * row as f64);

@@ -7,5 +7,9 @@ pub fn solid() -> Solid {
         scale: [0.8, 0.8].into(),
         steps: 24,
     };
-    Solid::extrude_in_steps(&Profile::rounded_rectangle([30.0, 30.0], 5.0), 0.0..60.0, twist)
+    Solid::extrude_in_steps(
+        &Profile::rounded_rectangle([30.0, 30.0], 5.0),
+        0.0..60.0,
+        twist,
+    )
 }
