@@ -118,13 +118,14 @@ fn fuzz(name: &str) {
     let until = Instant::now() + Duration::from_secs_f64(seconds);
     let seeds = seeds(name);
     let mut count = 0;
-    for whole in &seeds {
-        targets::run(name, whole);
-    }
-    while Instant::now() < until {
+    // Every other one is whole.
+    while count == 0 || Instant::now() < until {
         let mut random = Random(count);
-        let mut data = seeds[random.below(seeds.len())].clone();
-        damage(&mut data, &mut random);
+        let whole = count as usize / 2 % seeds.len();
+        let mut data = seeds[whole].clone();
+        if count % 2 == 1 {
+            damage(&mut data, &mut random);
+        }
         if catch_unwind(|| targets::run(name, &data)).is_err() {
             let path = std::env::temp_dir().join(format!("fuzz-{name}-{count}"));
             std::fs::write(&path, &data).expect("kept");
@@ -133,7 +134,6 @@ fn fuzz(name: &str) {
         count += 1;
     }
     println!("{name}: {count} inputs");
-    assert!(count > 0);
 }
 
 macro_rules! fuzzed {

@@ -12,13 +12,13 @@ mod step {
 mod random;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use python::python;
 use step::script::{Read, Script};
 use stereotomy::csg::brep::CurveShape;
 use stereotomy::csg::glam::{DVec3, dvec3};
-use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Program, Solid};
+use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Limits, Program, Solid};
 use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
 
@@ -193,7 +193,11 @@ fn corpus_is_read_back() {
                 continue;
             };
             let program = Program::lower(&scene.solid).expect("a valid solid");
-            let options = BoundaryOptions::new().cut_at_seams();
+            // (Tori out of tori, as cones, take a minute.)
+            let longest = Duration::from_secs(if is_whole() { 600 } else { 4 });
+            let options = BoundaryOptions::new()
+                .limits(Limits::new().time(longest))
+                .cut_at_seams();
             let Ok(brep) = program.boundary(&options) else {
                 refused.push(name);
                 continue;
