@@ -13,6 +13,7 @@ use stereotomy::{csg, io, raster};
 mod targets;
 
 #[path = "../crates/csg/src/random.rs"]
+#[allow(dead_code, reason = "shared")]
 mod split_mix;
 use split_mix::Random;
 

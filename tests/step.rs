@@ -35,6 +35,10 @@ const NOT_VALID: [(&str, &str); 2] = [
     ),
 ];
 
+/// A tree whose volume is off by more, of it: the hull of points of six digits, whose faces have more
+/// than three corners, which are off their planes by these digits.
+const NOT_SO_EXACT: (&str, f64) = ("tests__data__scad__3D__issues__issue1089b", 1.1e-8);
+
 fn start() -> Script {
     let required = include_str!("step/requirements.txt");
     Script::start(&python("open_cascade", required))
@@ -116,7 +120,14 @@ impl Tally {
         let high = points().reduce(DVec3::max).expect("a vertex");
         let stray = 1e-9 * low.distance(high) * measure.area.value;
         let off = (found.volume - volume).abs();
-        let allowed = (1e-9 + self.slack) * volume + if has_quartics { stray } else { 0.0 };
+        let (of_digits, digits) = NOT_SO_EXACT;
+        let digits = if name.starts_with(of_digits) {
+            digits
+        } else {
+            0.0
+        };
+        let allowed =
+            (1e-9 + self.slack + digits) * volume + if has_quartics { stray } else { 0.0 };
         hold(
             off <= allowed,
             format!("volume {volume}, read back {}: {off:e} off", found.volume),
@@ -210,7 +221,7 @@ fn corpus_is_read_back() {
     println!("no boundary: {refused:?}");
     let read = tally.finish();
     println!("{read} read back");
-    assert!(read >= if is_whole() { 90 } else { 30 }, "{read}");
+    assert!(read >= if is_whole() { 200 } else { 80 }, "{read}");
 }
 
 /// Flat ellipsoids of up to 1 : 10,000: along their rims charts are so steep that the volume of what

@@ -18,11 +18,11 @@ pub const ALL: [Target; 10] = [
     ("ply", |data| mesh(ply::read_ply(data))),
     ("off", |data| mesh(off::read_off(data))),
     ("obj", |data| {
-        mesh(obj::read_obj(data, |_| Some(data.to_vec())))
+        mesh(obj::read_obj(data, |_| Some(data.to_vec())));
     }),
     ("glb", |data| mesh(gltf::read_glb(data))),
     ("gltf", |data| {
-        mesh(gltf::read_gltf(data, |_| Ok(data.to_vec())))
+        mesh(gltf::read_gltf(data, |_| Ok(data.to_vec())));
     }),
     ("threemf", |data| mesh(threemf::read_3mf(data))),
     ("scene", |data| {
