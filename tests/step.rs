@@ -12,12 +12,13 @@ mod step {
 mod random;
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use python::python;
 use step::script::{Read, Script};
 use stereotomy::csg::brep::CurveShape;
 use stereotomy::csg::glam::{DVec3, dvec3};
-use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Program, Solid};
+use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Limits, Program, Solid};
 use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
 
@@ -33,6 +34,10 @@ const NOT_VALID: [(&str, &str); 2] = [
         "the same: surfaces touch along a curve within a face",
     ),
 ];
+
+/// A tree whose volume is off by more, of it: the hull of points of six digits, whose faces have more
+/// than three corners, which are off their planes by these digits.
+const NOT_SO_EXACT: (&str, f64) = ("tests__data__scad__3D__issues__issue1089b", 1.1e-8);
 
 fn start() -> Script {
     let required = include_str!("step/requirements.txt");
@@ -53,45 +58,95 @@ fn read_back(script: &mut Script, brep: &Brep, options: &StepOptions) -> Read {
     script.read(&path, brep.faces().len() < 100)
 }
 
-/// Whether a boundary is not empty and read back as it is.
-fn check(script: &mut Script, name: &str, solid: &Solid) -> bool {
-    let brep = boundary(solid);
-    if brep.is_empty() {
-        return false;
+/// Whether all solids are tried, which takes longer, or a part of them.
+fn is_whole() -> bool {
+    std::env::var_os("STEREOTOMY_STEP").is_some_and(|text| text == "whole")
+}
+
+/// What was tried, and what was found.
+#[derive(Default)]
+struct Tally {
+    read: usize,
+    problems: Vec<String>,
+    /// Of a volume, by how much it may be off besides.
+    slack: f64,
+}
+
+impl Tally {
+    fn check(&mut self, script: &mut Script, name: &str, solid: &Solid) {
+        self.check_boundary(script, name, &boundary(solid));
     }
-    let found = read_back(script, &brep, &StepOptions::default().name(name));
-    let is_known = NOT_VALID.iter().any(|(known, _)| *known == name);
-    assert_eq!(found.is_valid, !is_known, "{name}: valid");
-    assert!(found.is_closed, "{name}: not closed");
-    let mut shells: Vec<usize> = brep.bodies().iter().map(Vec::len).collect();
-    let mut found_shells: Vec<usize> = found.solids.iter().map(|s| s.shells).collect();
-    shells.sort_unstable();
-    found_shells.sort_unstable();
-    assert_eq!(found_shells, shells, "{name}: shells of solids");
-    assert_eq!(found.faces.len(), brep.faces().len(), "{name}: faces");
-    assert_eq!(found.products, [name]);
-    let measure = brep.measure();
-    let volume = measure.volume.value;
-    let is_quartic = |shape: CurveShape| matches!(shape, CurveShape::Quartic);
-    let has_quartics = brep.edges().any(|edge| is_quartic(edge.curve()));
-    // B-splines stray from curves by 1e-9 of the solid's size at most.
-    let points = || brep.vertices().map(|vertex| vertex.point());
-    let low = points().reduce(DVec3::min).expect("a vertex");
-    let high = points().reduce(DVec3::max).expect("a vertex");
-    let stray = 1e-9 * low.distance(high) * measure.area.value;
-    let off = (found.volume - volume).abs();
-    let allowed = 1e-9 * volume + if has_quartics { stray } else { 0.0 };
-    assert!(
-        off <= allowed,
-        "{name}: volume {volume}, read back {}: {off:e} off",
-        found.volume
-    );
-    println!(
-        "{name:40} valid {:5} quartics {has_quartics:5} volume off by {:.1e} of it",
-        found.is_valid,
-        off / volume
-    );
-    true
+
+    /// Whether a boundary is read back as it is; nothing of an empty one.
+    fn check_boundary(&mut self, script: &mut Script, name: &str, brep: &Brep) {
+        if brep.is_empty() {
+            return;
+        }
+        let start = Instant::now();
+        let found = read_back(script, brep, &StepOptions::default().name(name));
+        self.read += 1;
+        let mut hold = |holds: bool, what: String| {
+            if !holds {
+                self.problems.push(format!("{name}: {what}"));
+            }
+        };
+        let is_known = NOT_VALID.iter().any(|(known, _)| *known == name);
+        hold(
+            found.is_valid != is_known,
+            format!("valid: {}", found.is_valid),
+        );
+        hold(found.is_closed, "not closed".to_owned());
+        let mut shells: Vec<usize> = brep.bodies().iter().map(Vec::len).collect();
+        let mut found_shells: Vec<usize> = found.solids.iter().map(|s| s.shells).collect();
+        shells.sort_unstable();
+        found_shells.sort_unstable();
+        hold(
+            found_shells == shells,
+            format!("shells {shells:?}, read back {found_shells:?}"),
+        );
+        let faces = [found.faces.len(), brep.faces().len()];
+        hold(faces[0] == faces[1], format!("faces: {faces:?}"));
+        hold(
+            found.products == [name],
+            format!("products: {:?}", found.products),
+        );
+        let measure = brep.measure();
+        let volume = measure.volume.value;
+        let is_quartic = |shape: CurveShape| matches!(shape, CurveShape::Quartic);
+        let has_quartics = brep.edges().any(|edge| is_quartic(edge.curve()));
+        // B-splines stray from curves by 1e-9 of the solid's size at most.
+        let points = || brep.vertices().map(|vertex| vertex.point());
+        let low = points().reduce(DVec3::min).expect("a vertex");
+        let high = points().reduce(DVec3::max).expect("a vertex");
+        let stray = 1e-9 * low.distance(high) * measure.area.value;
+        let off = (found.volume - volume).abs();
+        let (of_digits, digits) = NOT_SO_EXACT;
+        let digits = if name.starts_with(of_digits) {
+            digits
+        } else {
+            0.0
+        };
+        let allowed =
+            (1e-9 + self.slack + digits) * volume + if has_quartics { stray } else { 0.0 };
+        hold(
+            off <= allowed,
+            format!("volume {volume}, read back {}: {off:e} off", found.volume),
+        );
+        println!(
+            "{name:40} faces {:5} valid {:5} quartics {has_quartics:5} volume off by {:.1e} of \
+             it, {:.1} s",
+            faces[0],
+            found.is_valid,
+            off / volume,
+            start.elapsed().as_secs_f64()
+        );
+    }
+
+    /// How many were read, if nothing was wrong.
+    fn finish(self) -> usize {
+        assert!(self.problems.is_empty(), "{:#?}", self.problems);
+        self.read
+    }
 }
 
 fn scenes(folder: &str) -> Vec<PathBuf> {
@@ -110,19 +165,92 @@ fn models_are_read_back() {
     let mut script = start();
     let paths = [scenes("models"), scenes("models/hard")].concat();
     assert!(paths.len() > 60);
+    let count = paths.len();
+    let mut tally = Tally::default();
     for path in paths {
         let name = path.file_stem().expect("a name").to_string_lossy();
         let read = read_file(&path, &scene::ReadOptions::default()).expect("a scene");
-        assert!(check(&mut script, &name, &read.solid), "{name} is empty");
+        tally.check(&mut script, &name, &read.solid);
     }
+    assert_eq!(tally.finish(), count);
+}
+
+/// Trees that others wrote, with circles and with OpenSCAD's facets: those of few faces unless all
+/// are asked for.
+#[test]
+fn corpus_is_read_back() {
+    /// A larger one takes some seconds to be read.
+    const FEW: usize = 40;
+    /// The projection of three letters that are cut with each other: with circles it takes minutes to
+    /// be read, and with facets the reader refuses it.
+    const TOO_MUCH_WORK: &str = "GEB.csg";
+    let Some(folder) = std::env::var_os("STEREOTOMY_CORPUS") else {
+        return;
+    };
+    let folder = Path::new(&folder).join("csg");
+    let entries = std::fs::read_dir(&folder).expect("the corpus");
+    let mut paths: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
+    paths.sort();
+    let mut script = start();
+    let (mut tally, mut refused) = (Tally::default(), Vec::new());
+    let is_read = |path: &PathBuf| !path.to_string_lossy().ends_with(TOO_MUCH_WORK);
+    for path in paths.into_iter().filter(is_read) {
+        for faceted in [false, true] {
+            let kind = if faceted { "faceted" } else { "smooth" };
+            let name = format!("{}-{kind}", path.file_stem().expect("a name").display());
+            let scene = read_file(&path, &scene::ReadOptions::default().faceted(faceted));
+            let Ok(scene) = scene else {
+                refused.push(name);
+                continue;
+            };
+            let program = Program::lower(&scene.solid).expect("a valid solid");
+            // (Tori out of tori, as cones, take a minute.)
+            let longest = Duration::from_secs(if is_whole() { 600 } else { 4 });
+            let options = BoundaryOptions::new()
+                .limits(Limits::new().time(longest))
+                .cut_at_seams();
+            let Ok(brep) = program.boundary(&options) else {
+                refused.push(name);
+                continue;
+            };
+            if is_whole() || brep.faces().len() <= FEW {
+                tally.check_boundary(&mut script, &name, &brep);
+            }
+        }
+    }
+    println!("no boundary: {refused:?}");
+    let read = tally.finish();
+    println!("{read} read back");
+    assert!(read >= if is_whole() { 200 } else { 80 }, "{read}");
+}
+
+/// Flat ellipsoids of up to 1 : 10,000: along their rims charts are so steep that the volume of what
+/// is read back is known to some digits only, more of them with images through more points.
+#[test]
+fn plates_are_read_back() {
+    let mut script = start();
+    let mut tally = Tally {
+        slack: 2e-4,
+        ..Tally::default()
+    };
+    for path in scenes("models/plates") {
+        let name = path.file_stem().expect("a name").to_string_lossy();
+        let read = read_file(&path, &scene::ReadOptions::default()).expect("a scene");
+        tally.check(&mut script, &name, &read.solid);
+    }
+    assert_eq!(tally.finish(), 3);
 }
 
 #[test]
 fn random_solids_are_read_back() {
     let mut script = start();
-    let solids = (0..60).map(|seed| (seed, random::Random::new(seed).solid()));
-    let read = solids.filter(|(seed, solid)| check(&mut script, &format!("random-{seed}"), solid));
-    assert!(read.count() >= 50);
+    let count = if is_whole() { 200 } else { 60 };
+    let mut tally = Tally::default();
+    for seed in 0..count {
+        let solid = random::Random::new(seed).solid();
+        tally.check(&mut script, &format!("random-{seed}"), &solid);
+    }
+    assert!(tally.finish() as u64 >= count * 9 / 10);
 }
 
 /// One of each surface that is no plane, turned and cut by a plane.
@@ -150,17 +278,26 @@ fn every_kind_of_surface_is_read_back() {
             Solid::hyperboloid_two_sheets([0.4, 0.6, 0.5]) & within(),
         ),
         ("paraboloid", Solid::paraboloid([0.8, 1.1]) & within()),
+        (
+            "round hyperboloid of one sheet",
+            Solid::hyperboloid_one_sheet([0.5, 0.5, 0.6]) & within(),
+        ),
+        (
+            "round hyperboloid of two sheets",
+            Solid::hyperboloid_two_sheets([0.5, 0.5, 0.6]) & within(),
+        ),
+        ("round paraboloid", Solid::paraboloid([0.9, 0.9]) & within()),
         ("cone", Solid::cone(0.8, -0.7..0.9)),
         ("frustum", Solid::frustum(0.8, 0.4, -0.7..0.9)),
     ];
+    let mut tally = Tally::default();
+    let count = solids.len();
     for (name, solid) in solids {
         let turned = solid.rotate_xyz(0.4, 0.5, 0.6).translate([0.1, 0.2, 0.3]);
-        assert!(
-            check(&mut script, name, &(turned.clone() & within())),
-            "{name}"
-        );
-        assert!(check(&mut script, name, &(within() - turned)), "{name}");
+        tally.check(&mut script, name, &(turned.clone() & within()));
+        tally.check(&mut script, name, &(within() - turned));
     }
+    assert_eq!(tally.finish(), 2 * count);
 }
 
 #[test]
@@ -198,7 +335,7 @@ fn names_and_colors_are_read_back() {
             found.faces.iter().filter(of).count()
         };
         assert_eq!(count("block", steel), 6);
-        assert_eq!(count("bore's wall", brass), 4);
+        assert_eq!(count("bore's wall", brass), 1);
     }
 }
 
@@ -227,7 +364,7 @@ fn parts_are_products_of_products() {
         let [r, ..] = housing.and_then(|solid| solid.color).expect("a colour");
         assert!((r - 0.5).abs() < 1e-5, "{r}");
         let bores = found.faces.iter().filter(|face| face.name == "bore");
-        assert_eq!(bores.count(), 4);
+        assert_eq!(bores.count(), 1);
         let exact = 5.0 - 0.04 * std::f64::consts::PI;
         assert!(
             (found.volume - exact).abs() < 1e-9 * exact,

@@ -1,7 +1,7 @@
 //! What faces, loops, edges and vertices there are.
 
-use csg::brep::CurveShape;
-use csg::{BoundaryOptions, CancelToken, Error, Limits, Program, Solid};
+use csg::brep::{CurveShape, Face};
+use csg::{BoundaryOptions, CancelToken, Error, Limits, Program, Solid, SurfaceShape};
 use stereotomy::csg;
 
 use super::boundary;
@@ -72,23 +72,35 @@ fn where_a_solid_touches_itself_parts_keep_their_own_edges() {
 }
 
 #[test]
-fn faces_cut_at_seams_are_seen_whole() {
+fn faces_cut_at_seams_have_charts() {
     let solid = Solid::cylinder(1.0, -1.0..1.0) | Solid::sphere(1.0).translate([3.0, 0.0, 0.0]);
     let program = Program::lower(&solid).expect("valid");
     let options = BoundaryOptions::new().cut_at_seams();
     let brep = program.boundary(&options).expect("a boundary");
     assert_sound(&brep, &program, "cut");
-    // Four quadrants and two ends; eight octants.
-    assert_eq!((brep.shells().len(), brep.faces().len()), (2, 14));
-    assert_eq!(
-        (brep.edges().len(), brep.vertices().len()),
-        (12 + 12, 8 + 6)
-    );
-    for face in brep.faces() {
+    // A wall and two ends; eight octants.
+    assert_eq!((brep.shells().len(), brep.faces().len()), (2, 11));
+    assert_eq!((brep.edges().len(), brep.vertices().len()), (3 + 12, 2 + 6));
+    let is_ball = |face: &Face<'_>| matches!(face.surface().shape(), SurfaceShape::Sphere { .. });
+    for face in brep.faces().filter(is_ball) {
         let view = face.view();
         for at in face.points() {
             assert!(face.normal(at).dot(view).abs() > 0.5, "{at}");
         }
+    }
+    // The wall is on both sides of one line.
+    let seams = brep.edges().filter(|edge| {
+        let [one, other] = edge.faces();
+        one == other
+    });
+    assert_eq!(seams.count(), 1);
+    // A quarter of it is not cut.
+    let quarter = Solid::cylinder(1.0, -1.0..1.0) & Solid::cuboid_between([0.0; 3], [2.0; 3]);
+    for turn in 0..8 {
+        let turned = quarter.rotate_z(0.7 * f64::from(turn));
+        let program = Program::lower(&turned).expect("valid");
+        let cut = program.boundary(&options).expect("a boundary");
+        assert_eq!((cut.faces().len(), cut.edges().len()), (5, 9));
     }
     let whole = boundary(&solid).expect("a boundary").measure();
     let cut = brep.measure();

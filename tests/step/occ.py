@@ -29,8 +29,8 @@ from OCP.TopoDS import TopoDS
 from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 # Spans of an edge's image on a surface: so many if it is as long as the solid, and limits.
-SPANS = 400
-FEWEST, MOST = 40, 160
+SPANS = 800
+FEWEST, MOST = 80, 320
 
 
 def all_of(shape, kind):
@@ -62,7 +62,9 @@ def refine_images(shape):
         on = ShapeAnalysis_Surface(surface)
         for edge in all_of(face, TopAbs_EDGE):
             edge = TopoDS.Edge(edge)
-            if not BRep_Tool.Degenerated_s(edge):
+            # (Those of seams are lines, on both sides of the chart.)
+            is_seam = BRep_Tool.IsClosed_s(edge, face)
+            if not is_seam and not BRep_Tool.Degenerated_s(edge):
                 builder.UpdateEdge(edge, refined(edge, face, on, per_length), face, 1e-7)
 
 
@@ -90,6 +92,7 @@ def refined(edge, face, on, per_length):
     image = Geom2dAPI_Interpolate(points, places, False, 1e-12)
     image.Perform()
     return image.Curve()
+
 
 def written(reader, shape):
     """The name of the entity that a shape was made from."""

@@ -11,6 +11,10 @@ use crate::input::Subject;
 use crate::nothing::Nothing;
 use crate::progress::Progress;
 
+/// The largest angle in degrees that a surface turns along an edge where nothing else is asked for:
+/// a thousandth of the solid makes octahedra of balls that are small beside it.
+pub(crate) const ANGLE: f64 = 20.0;
+
 /// How to mesh a solid.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct MesherOptions {
@@ -28,7 +32,8 @@ pub(crate) struct MesherOptions {
           allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
     /// The largest angle in degrees, too, that a surface may turn along an edge of a mesh
-    /// to a tolerance: 10 makes 36 corners of every circle at least [default: any]
+    /// to a tolerance: 10 makes 36 corners of every circle at least [default: 20, or any with a
+    /// tolerance or for a picture]
     #[arg(long, value_name = "DEGREES", conflicts_with = "draft", value_parser = angle,
           allow_negative_numbers = true)]
     pub(crate) angle: Option<f64>,
@@ -202,14 +207,7 @@ pub(crate) enum Unit {
 impl Unit {
     /// Its symbol.
     pub(crate) fn symbol(self) -> &'static str {
-        match self {
-            Self::Um => "µm",
-            Self::Mm => "mm",
-            Self::Cm => "cm",
-            Self::M => "m",
-            Self::In => "in",
-            Self::Ft => "ft",
-        }
+        self.length_unit().symbol()
     }
 
     pub(crate) fn length_unit(self) -> LengthUnit {
@@ -280,7 +278,7 @@ pub(crate) fn produce(
             let program = Program::lower(&solid)?;
             seconds.push(("lower", start.elapsed().as_secs_f64()));
             progress.stage("meshing");
-            let mesher = options
+            let mut mesher = options
                 .mesher()
                 .normals()
                 // To a tolerance, a mesh that fails its check is made anew.
@@ -291,6 +289,9 @@ pub(crate) fn produce(
             let mut tolerance = None;
             if options.tolerance.is_none() && options.is_to_tolerance() {
                 tolerance = within(&program).and_then(|corners| needs(&corners));
+                if tolerance.is_none() && options.angle.is_none() {
+                    mesher = mesher.angle(ANGLE.to_radians());
+                }
             }
             let mesh = |tolerance: Option<f64>| match tolerance {
                 Some(tolerance) => mesher.clone().tolerance(tolerance).mesh(&program),

@@ -27,6 +27,22 @@ pub(crate) enum StreamFormat {
     Ply,
 }
 
+/// How STEP files are written.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct StepArguments {
+    /// Which part of the standard .step files follow: AP242, or AP214 for older programs
+    #[arg(long, value_enum, default_value_t)]
+    step_schema: Schema,
+}
+
+/// Parts of the standard for STEP.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Schema {
+    #[default]
+    Ap242,
+    Ap214,
+}
+
 /// Whether a file argument means standard output.
 pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == OsStr::new("-")
@@ -85,8 +101,12 @@ pub(crate) fn write_step(
     path: &Path,
     brep: &Brep,
     unit: LengthUnit,
-    schema: StepSchema,
+    arguments: StepArguments,
 ) -> Result<(), Failure> {
+    let schema = match arguments.step_schema {
+        Schema::Ap242 => StepSchema::Ap242,
+        Schema::Ap214 => StepSchema::Ap214,
+    };
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let options = StepOptions::default().name(name).unit(unit).schema(schema);
     io::step::write_step_file(path, brep, &options)

@@ -11,7 +11,7 @@ use crate::commands::sweep::Variable;
 #[cfg(feature = "view")]
 use crate::commands::view;
 use crate::commands::{
-    compare, convert, info, manual, measure, merge, mesh, render, section, sweep,
+    compare, convert, drawing, info, manual, measure, merge, mesh, render, section, sweep,
 };
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
 use crate::input::{Input, Reading, Subject, is_openscad};
@@ -59,6 +59,13 @@ enum FileCommand {
         input: Input,
         #[command(flatten)]
         options: section::Options,
+    },
+    /// Draw what is seen of the input, with true lines, arcs and ellipses, hidden lines dashed
+    Drawing {
+        #[command(flatten)]
+        input: Input,
+        #[command(flatten)]
+        options: drawing::Options,
     },
     /// Write the input in other formats
     Convert(Box<convert::Options>),
@@ -113,6 +120,8 @@ enum ModelCommand {
     Measure(measure::Options),
     /// Draw what a plane meets of the model, with true lines, arcs and ellipses
     Section(section::Options),
+    /// Draw what is seen of the model, with true lines, arcs and ellipses, hidden lines dashed
+    Drawing(drawing::Options),
     /// Measure, and mesh, a table of variants: its columns are the model's arguments
     Sweep(sweep::Options),
     /// Show the model in the browser, its arguments as sliders
@@ -143,6 +152,9 @@ pub fn main() -> ExitCode {
         }
         FileCommand::Section { input, options } => {
             section::run(|| input.read(false), &options, progress)
+        }
+        FileCommand::Drawing { input, options } => {
+            drawing::run(|| input.read(false), &options, progress)
         }
         FileCommand::Convert(options) => convert::run(&options, progress),
         FileCommand::Info(options) => info::run(&options),
@@ -254,6 +266,7 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         ModelCommand::Render(options) => render::run(subject, &options, progress),
         ModelCommand::Measure(options) => measure::run(subject, &options, progress),
         ModelCommand::Section(options) => section::run(subject, &options, progress),
+        ModelCommand::Drawing(options) => drawing::run(subject, &options, progress),
         ModelCommand::Sweep(options) => {
             let variant = |row: &[Variable]| Ok(Subject::Solid(model(variant_of(row)?)));
             sweep::run(&variant, &options, progress)

@@ -17,6 +17,7 @@ mod rows;
 pub mod scene;
 pub mod shard;
 mod solid;
+mod spline;
 pub mod step;
 pub mod stl;
 pub mod threemf;

@@ -7,11 +7,11 @@ mod python;
 use std::f64::consts::PI;
 use std::process::Command;
 
-use csg::glam::DVec2;
+use csg::glam::{DVec2, DVec3};
 use csg::{LengthUnit, Solid};
 use io::drawing::{
-    DrawingFormat, DrawingOptions, Outline, Section, SectionFrame, Shape, write_drawing,
-    write_drawing_to,
+    Drawing, DrawingFormat, DrawingOptions, Outline, Piece, Section, SectionFrame, Shape, View,
+    write_drawing, write_drawing_to,
 };
 
 fn section(solid: &Solid, point: [f64; 3], normal: [f64; 3]) -> Section {
@@ -207,7 +207,7 @@ fn nothing_and_wrong_tolerances_are_errors() {
     let empty = section(&Solid::sphere(1.0), [0.0, 0.0, 2.0], [0.0, 0.0, 1.0]);
     let mut out = Vec::new();
     for format in [DrawingFormat::Svg, DrawingFormat::Dxf, DrawingFormat::Pdf] {
-        let error = write_drawing_to(format, &empty.outlines, &options, &mut out);
+        let error = write_drawing_to(format, &empty.drawing(), &options, &mut out);
         assert!(
             error
                 .expect_err("nothing")
@@ -217,14 +217,199 @@ fn nothing_and_wrong_tolerances_are_errors() {
         let disk = section(&Solid::sphere(1.0), [0.0; 3], [0.0, 0.0, 1.0]);
         for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let options = options.clone().tolerance(tolerance);
-            let error = write_drawing_to(format, &disk.outlines, &options, &mut out);
+            let error = write_drawing_to(format, &disk.drawing(), &options, &mut out);
             assert!(error.expect_err("a fault").to_string().contains("above 0"));
         }
     }
-    assert!(write_drawing("no/such/a.svg", &[], &options).is_err());
-    assert!(write_drawing("a.txt", &[], &options).is_err());
+    assert!(write_drawing("no/such/a.svg", &Drawing::default(), &options).is_err());
+    assert!(write_drawing("a.txt", &Drawing::default(), &options).is_err());
     assert_eq!(SectionFrame::facing([0.0; 3], [0.0; 3]), None);
     assert_eq!(SectionFrame::facing([f64::NAN; 3], [0.0, 0.0, 1.0]), None);
+}
+
+/// The length of pieces, by so many chords of each.
+fn length(pieces: &[Piece]) -> f64 {
+    const CHORDS: u32 = 4000;
+    let of = |piece: &Piece| -> f64 {
+        let at = |k: u32| piece.at(f64::from(k) / f64::from(CHORDS));
+        (0..CHORDS).map(|k| at(k).distance(at(k + 1))).sum()
+    };
+    pieces.iter().map(of).sum()
+}
+
+fn view(solid: &Solid, towards_eye: [f64; 3]) -> View {
+    let frame = SectionFrame::facing([0.0; 3], towards_eye).expect("a direction");
+    View::of(solid, &frame, &Default::default()).expect("a view")
+}
+
+/// Lengths of what is seen and hidden, in closed form.
+#[test]
+fn views_tell_what_is_seen_and_what_is_hidden() {
+    let up = [0.0, 0.0, 1.0];
+    let front = [0.0, -1.0, 0.0];
+    let diagonal = [1.0, -1.0, 1.0];
+    let cube = Solid::cube(2.0);
+    let bore = Solid::cylinder(0.5, -2.0..2.0);
+    let ball = Solid::sphere(1.0);
+    // A side of a cube is seen as √(2/3) of its length along a diagonal.
+    let side = 2.0 * (2.0f64 / 3.0).sqrt();
+    let far = Solid::cube(1.0).translate([0.0, 5.0, 0.0]);
+    let near = Solid::cuboid([1.0, 1.0, 1.0]).translate([0.5, 0.0, 0.0]);
+    let dome = &ball & Solid::half_space_through([0.0; 3], [0.0, 0.0, -1.0]);
+    let post = Solid::cylinder(0.5, 0.0..2.0);
+    let plate = Solid::cuboid_between([-2.0, -2.0, -1.0], [2.0, 2.0, 0.0]);
+    let slit = Solid::cuboid([0.5, 3.0, 3.0]);
+    let round = 2.0 * PI;
+    let cases: [(&str, View, f64, f64); 13] = [
+        ("a cube from above", view(&cube, up), 8.0, 0.0),
+        (
+            "a cube along a diagonal",
+            view(&cube, diagonal),
+            9.0 * side,
+            3.0 * side,
+        ),
+        (
+            "a bore from above",
+            view(&(&cube - &bore), up),
+            8.0 + PI,
+            0.0,
+        ),
+        (
+            "a bore from the front",
+            view(&(&cube - &bore), front),
+            8.0,
+            4.0,
+        ),
+        ("a ball", view(&ball, [0.3, 0.4, 0.5]), round, 0.0),
+        (
+            "a ball, turned",
+            view(
+                &ball.rotate_xyz(1.0, 2.0, 3.0).translate([9.0, 8.0, 7.0]),
+                [-0.3, 0.4, 0.1],
+            ),
+            round,
+            0.0,
+        ),
+        ("a cylinder lying", view(&bore, front), 2.0 + 8.0, 0.0),
+        ("a dome from the front", view(&dome, front), 2.0 + PI, 0.0),
+        (
+            "a dome from below",
+            view(&dome, [0.0, 0.0, -1.0]),
+            round,
+            0.0,
+        ),
+        // Its far end is out of sight.
+        (
+            "one cube behind another",
+            view(&(&far | &near), front),
+            6.0,
+            1.0,
+        ),
+        // Of the post's foot a half is hidden by the post itself.
+        (
+            "a post on a plate",
+            view(&(&post | &plate), [0.0, -3f64.sqrt(), 1.0]),
+            f64::NAN,
+            f64::NAN,
+        ),
+        (
+            "two bores across",
+            view(&(&ball - &bore - bore.rotate_x(0.5 * PI)), up),
+            f64::NAN,
+            f64::NAN,
+        ),
+        (
+            "a ball slit through",
+            view(&(&ball - &slit), front),
+            f64::NAN,
+            f64::NAN,
+        ),
+    ];
+    for (name, view, seen, hidden) in &cases {
+        println!("{name}: {} {}", length(&view.visible), length(&view.hidden));
+        let near = |found: f64, wanted: f64| wanted.is_nan() || (found - wanted).abs() < 1e-5;
+        assert!(
+            near(length(&view.visible), *seen),
+            "{name}: {}",
+            length(&view.visible)
+        );
+        assert!(
+            near(length(&view.hidden), *hidden),
+            "{name}: {}",
+            length(&view.hidden)
+        );
+    }
+    // The two halves of the ball end in circles seen as lines, and in arcs.
+    let (_, slit, ..) = &cases[12];
+    let angle = 0.25f64.acos();
+    let flat = 4.0 * (1.0f64 - 0.0625).sqrt();
+    assert!((length(&slit.visible) - 4.0 * angle - flat).abs() < 1e-5);
+    // Three ellipses, two of them in part, and straight lines.
+    let (_, post, ..) = &cases[10];
+    let is_ellipse = |piece: &&Piece| {
+        matches!(
+            piece.shape,
+            Shape::Ellipse {
+                is_circle: false,
+                ..
+            }
+        )
+    };
+    assert!((2..=3).contains(&post.visible.iter().filter(is_ellipse).count()));
+    assert!((1..=2).contains(&post.hidden.iter().filter(is_ellipse).count()));
+}
+
+/// Lines of views lie within the shadow that a mesh of the solid throws.
+#[test]
+fn views_lie_within_the_shadow_of_a_mesh() {
+    let bore = Solid::cylinder(0.35, -3.0..3.0);
+    let solids = [
+        Solid::cube(1.5) & Solid::sphere(1.0),
+        Solid::cylinder(1.0, -0.5..0.5) - bore.rotate_x(1.2),
+        Solid::cone(1.0, -1.0..1.0) | Solid::cuboid([1.2, 0.5, 0.4]),
+        Solid::sphere(1.0) - Solid::sphere(0.8).translate([0.5, 0.3, 0.6]),
+        Solid::ellipsoid([1.0, 0.7, 0.4]) | bore.rotate_y(1.0) & Solid::cube(2.5),
+        Solid::paraboloid([0.8, 0.8]) & Solid::cuboid([1.9, 2.1, 1.8]),
+    ];
+    let eyes = [[0.31, -0.87, 0.44], [-0.2, 0.5, -0.9], [1.0, -1.0, 1.0]];
+    let mut asked = 0;
+    for (k, solid) in solids.iter().enumerate() {
+        let program = csg::Program::lower(solid).expect("a program");
+        let mesh = csg::Mesher::new()
+            .tolerance(1e-3)
+            .mesh(&program)
+            .expect("a mesh")
+            .mesh;
+        for eye in eyes {
+            let frame = SectionFrame::facing([0.0; 3], eye).expect("a direction");
+            let view = View::of(solid, &frame, &Default::default()).expect("a view");
+            let is_short = |piece: &&Piece| !matches!(piece.shape, Shape::Cubic { .. });
+            for pieces in [&view.visible, &view.hidden] {
+                assert!(pieces.iter().filter(is_short).count() < 60, "{k}");
+            }
+            let flat = |p: DVec3| DVec2::new(p.dot(frame.x), p.dot(frame.y));
+            let shadow: Vec<[DVec2; 3]> = (0..mesh.triangles.len())
+                .map(|t| mesh.corners(t).map(flat))
+                .collect();
+            let covers = |point: DVec2, by: f64| {
+                shadow.iter().any(|[a, b, c]| {
+                    let turn = (*b - *a).perp_dot(*c - *a).signum();
+                    [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
+                        let side = **to - **from;
+                        turn * side.perp_dot(point - **from) >= by * side.length()
+                    })
+                })
+            };
+            for piece in view.visible.iter().chain(&view.hidden) {
+                let at = piece.at(0.37);
+                let around = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y];
+                let is_near = around.iter().any(|off| covers(at + 4e-3 * *off, -1e-9));
+                assert!(is_near, "{k}: {piece:?} beside the solid, from {eye:?}");
+                asked += 1;
+            }
+        }
+    }
+    assert!(asked > 150, "{asked}");
 }
 
 /// Reads drawings: a line for each, the areas of closed outlines added up (holes counted as
@@ -291,7 +476,7 @@ fn other_programs_read_the_same() {
         let path = folder.path().join(k.to_string());
         let options = DrawingOptions::default().unit(unit).title(name);
         for extension in ["dxf", "svg", "pdf"] {
-            write_drawing(path.with_extension(extension), &section.outlines, &options)
+            write_drawing(path.with_extension(extension), &section.drawing(), &options)
                 .expect("a drawing");
         }
         names += &format!("{}\n", path.display());
@@ -329,4 +514,79 @@ fn other_programs_read_the_same() {
             assert!((found - area).abs() < 2e-6 * area, "{name}: {line}, {area}");
         }
     }
+}
+
+/// Reads views: the number of faults, and how long lines on layers are.
+const VIEW_READER: &str = r#"
+import math, sys
+import ezdxf
+for line in sys.stdin:
+    drawing = ezdxf.readfile(line.rstrip("\n"))
+    audit = drawing.audit()
+    lengths = {"VISIBLE": 0.0, "HIDDEN": 0.0}
+    texts = []
+    for entity in drawing.modelspace():
+        layer = entity.dxf.layer
+        if entity.dxftype() == "TEXT":
+            texts.append(entity.plain_text())
+        if layer in lengths:
+            is_line = entity.dxftype() == "LINE"
+            ends = [entity.dxf.start, entity.dxf.end] if is_line else list(entity.flattening(1e-8))
+            lengths[layer] += sum(a.distance(b) for a, b in zip(ends, ends[1:]))
+    dashes = drawing.linetypes.get(drawing.layers.get("HIDDEN").dxf.linetype).pattern_tags.tags
+    print(len(audit.errors) + len(audit.fixes), lengths["VISIBLE"], lengths["HIDDEN"],
+          len(dashes), "|".join(texts), sep="\t", flush=True)
+"#;
+
+#[test]
+fn views_are_read_by_another_program() {
+    let python = python::python("drawings", "ezdxf==1.4.5\nsvgpathtools==1.8.0\n");
+    let folder = tempfile::tempdir().expect("a folder");
+    let bore = Solid::cylinder(0.5, -2.0..2.0);
+    let solids = [
+        Solid::cube(2.0) - &bore,
+        Solid::cylinder(1.0, -1.0..1.0) - bore.rotate_x(1.2),
+        Solid::sphere(1.0) - Solid::sphere(0.5).translate([0.8, 0.0, 0.0]),
+    ];
+    let mut names = String::new();
+    let mut views = Vec::new();
+    for (k, solid) in solids.iter().enumerate() {
+        for eye in [[0.0, 0.0, 1.0], [1.0, -1.0, 1.0]] {
+            let view = view(solid, eye);
+            let path = folder.path().join(format!("{}.dxf", views.len()));
+            write_drawing(&path, &view.drawing(k == 0), &DrawingOptions::default())
+                .expect("a drawing");
+            names += &format!("{}\n", path.display());
+            views.push(view);
+        }
+    }
+    let input = folder.path().join("names");
+    std::fs::write(&input, names).expect("a file");
+    let output = Command::new(python)
+        .args(["-c", VIEW_READER])
+        .stdin(std::fs::File::open(&input).expect("a file"))
+        .output()
+        .expect("Python runs");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let problem = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{problem}");
+    assert_eq!(said.lines().count(), views.len());
+    for (line, view) in said.lines().zip(&views) {
+        let fields: Vec<&str> = line.split('\t').collect();
+        assert_eq!(fields[0], "0", "{line}");
+        for (field, pieces) in fields[1..3].iter().zip([&view.visible, &view.hidden]) {
+            let found: f64 = field.parse().expect("a number");
+            assert!(
+                (found - length(pieces)).abs() < 1e-5,
+                "{line}: {}",
+                length(pieces)
+            );
+        }
+    }
+    assert!(
+        said.lines()
+            .next()
+            .is_some_and(|line| line.contains("2 mm|2 mm|")),
+        "{said}"
+    );
 }

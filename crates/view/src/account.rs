@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::pick::{Row, number};
-use crate::shown::{Shown, symbol};
+use crate::shown::Shown;
 
 /// Measures of a model, and the mesher's report, for people.
 #[derive(Clone, Debug, Serialize)]
@@ -27,7 +27,7 @@ pub struct Account {
 
 impl Account {
     pub(crate) fn of(shown: &Shown) -> Self {
-        let unit = symbol(shown.unit);
+        let unit = shown.unit.symbol();
         let (square, cube) = (format!("{unit}²"), format!("{unit}³"));
         let mut measures = Vec::new();
         let volume = match (shown.measure(), &shown.brep) {

@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use crate::faces;
 use crate::pick;
-use crate::shown::{Settings, Shown, symbol};
+use crate::shown::{Settings, Shown};
 
 #[derive(Debug, Serialize)]
 struct Head<'a> {
@@ -126,7 +126,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let head = Head {
         revision: shown.revision,
         name: &shown.name,
-        unit: symbol(shown.unit),
+        unit: shown.unit.symbol(),
         is_coarse: shown.is_coarse,
         is_exact: shown.brep.is_some(),
         warnings: &shown.warnings,

@@ -110,7 +110,7 @@ impl Shown {
     #[must_use]
     pub fn describe(&self, pick: Pick) -> Option<Vec<Row>> {
         let picked = pick.of(self.brep.as_ref()?)?;
-        Some(picked.describe(symbol(self.unit)))
+        Some(picked.describe(self.unit.symbol()))
     }
 
     /// Distances and angles between two of them; `None` as for [`Self::describe`].
@@ -118,19 +118,7 @@ impl Shown {
     pub fn between(&self, picks: [Pick; 2]) -> Option<Vec<Row>> {
         let brep = self.brep.as_ref()?;
         let [one, other] = picks.map(|pick| pick.of(brep));
-        Some(distance::between(&one?, &other?, symbol(self.unit)))
-    }
-}
-
-/// A unit's symbol.
-pub(crate) fn symbol(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Micrometre => "µm",
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Centimetre => "cm",
-        LengthUnit::Metre => "m",
-        LengthUnit::Inch => "in",
-        LengthUnit::Foot => "ft",
+        Some(distance::between(&one?, &other?, self.unit.symbol()))
     }
 }
 

@@ -94,18 +94,6 @@ fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
-/// How a unit is written.
-fn symbol(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Micrometre => "µm",
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Centimetre => "cm",
-        LengthUnit::Metre => "m",
-        LengthUnit::Inch => "in",
-        LengthUnit::Foot => "ft",
-    }
-}
-
 impl Annotations {
     /// Whether a mesh is needed whose triangles are connected.
     pub(super) fn needs_connections(&self) -> bool {
@@ -188,10 +176,10 @@ impl Annotations {
         image: &mut Image,
     ) {
         let ink = ink_on(background);
-        draw_dimensions(dimensions, symbol(unit), view, ink, image);
+        draw_dimensions(dimensions, unit.symbol(), view, ink, image);
         if self.scale_bar {
             let pixel = camera.pixel_size(camera.eye.distance(camera.target), image.height);
-            draw_scale_bar(pixel, symbol(unit), ink, image);
+            draw_scale_bar(pixel, unit.symbol(), ink, image);
         }
         if let Some(legend) = legend {
             draw_legend(legend, ink, image);

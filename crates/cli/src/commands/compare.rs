@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use super::figure::{Figure, at_most, short};
 use super::parse::length;
+use super::sheet::TellOptions;
 use crate::failure::Failure;
 use crate::input::{Reading, Subject};
-use crate::mesher::{LimitOptions, Unit};
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
@@ -35,14 +35,8 @@ pub(crate) struct Options {
     /// --within, or a ten-thousandth of the longest side]
     #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// The unit of the models' lengths
-    #[arg(long, value_enum, default_value_t = Unit::Mm)]
-    unit: Unit,
-    /// Write it as JSON; `-` writes to standard output, in place of the text
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
     #[command(flatten)]
-    limits: LimitOptions,
+    tell: TellOptions,
 }
 
 /// How two solids differ.
@@ -109,7 +103,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     let [one, other] = [read(&options.one)?, read(&options.other)?];
     progress.stage("volumes");
     let solids = [one.solid()?, other.solid()?];
-    let boundary = BoundaryOptions::new().limits(options.limits.limits());
+    let boundary = BoundaryOptions::new().limits(options.tell.limits.limits());
     let (volumes, witness) = match volumes(&solids, &boundary) {
         Ok((volumes, witness)) => (Some(volumes), witness),
         Err(error @ (Error::Undecided(_) | Error::TooLarge { .. })) => {
@@ -145,10 +139,10 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
         volumes,
         distance,
         witness,
-        unit: options.unit.symbol(),
+        unit: options.tell.unit.symbol(),
     };
     let equal = comparison.equal;
-    if let Some(path) = &options.json {
+    if let Some(path) = &options.tell.json {
         output::write_json(path, &comparison)?;
         if is_stream(path) {
             return Ok(equal);
@@ -178,7 +172,7 @@ impl Boundary {
             Subject::Solid(solid) => solid,
         };
         let program = Program::lower(solid)?;
-        let mut mesher = Mesher::new().limits(options.limits.limits());
+        let mut mesher = Mesher::new().limits(options.tell.limits.limits());
         let side = program
             .bounds()?
             .map_or(0.0, |bounds| bounds.size().max_element());

@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use csg::{BoundaryOptions, Program};
 use io::WriteOptions;
-use io::step::StepSchema;
 
 use crate::failure::{Failure, exit_codes};
 use crate::input::{Input, Subject};
 use crate::mesher::{MesherOptions, no_needs, produce};
-use crate::output::{self, StreamFormat};
+use crate::output::{self, StepArguments, StreamFormat};
 use crate::progress::Progress;
 
 /// Options of `convert`.
@@ -22,6 +21,8 @@ pub(crate) struct Options {
     /// may be given more than once
     #[arg(value_name = "OUT", required = true)]
     outputs: Vec<PathBuf>,
+    #[command(flatten)]
+    step: StepArguments,
     #[command(flatten)]
     mesher: MesherOptions,
 }
@@ -64,7 +65,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
                 .cut_at_seams();
             let brep = Program::lower(solid)?.boundary(&boundary)?;
             let unit = options.mesher.unit.length_unit();
-            output::write_step(path, &brep, unit, StepSchema::default())?;
+            output::write_step(path, &brep, unit, options.step)?;
         }
     }
     let mut meshes = options

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use csg::{LengthUnit, Mesh, Node, Program, Solid, SurfaceShape};
+use csg::{Mesh, Node, Program, Solid, SurfaceShape};
 use serde::Serialize;
 
 use super::account::Bounds;
@@ -124,18 +124,7 @@ fn of_mesh(path: &Path, mesh: &Mesh) -> Info {
         colors: colors.len(),
         normals: !mesh.corner_normals.is_empty(),
         bounds: mesh.bounds().map(|(min, max)| Bounds::new(min, max)),
-        unit: unit(mesh.unit).to_owned(),
-    }
-}
-
-fn unit(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Micrometre => "µm",
-        LengthUnit::Millimetre => "mm",
-        LengthUnit::Centimetre => "cm",
-        LengthUnit::Metre => "m",
-        LengthUnit::Inch => "in",
-        LengthUnit::Foot => "ft",
+        unit: mesh.unit.symbol().to_owned(),
     }
 }
 

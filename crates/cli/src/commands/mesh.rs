@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use csg::{Program, Solid};
 use io::WriteOptions;
 use io::shard::{is_shard, write_shard_file};
-use io::step::StepSchema;
 use serde::Serialize;
 
 use super::account::Account;
@@ -14,7 +13,7 @@ use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::nothing::Nothing;
-use crate::output::{self, StreamFormat, is_stream};
+use crate::output::{self, StepArguments, StreamFormat, is_stream};
 use crate::progress::Progress;
 use crate::shard::Shard;
 
@@ -34,9 +33,8 @@ pub(crate) struct Options {
     #[cfg(feature = "compress")]
     #[arg(long)]
     compress: bool,
-    /// Which part of the standard .step files follow: AP242, or AP214 for older programs
-    #[arg(long, value_enum, default_value_t)]
-    step_schema: Schema,
+    #[command(flatten)]
+    step: StepArguments,
     #[command(flatten)]
     mesher: MesherOptions,
     /// Make only the i-th of n slabs of a mesh by cells, as 1/4, and write it as a .shard: made
@@ -50,22 +48,7 @@ pub(crate) struct Options {
     json: Option<PathBuf>,
 }
 
-/// Parts of the standard for STEP.
-#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
-enum Schema {
-    #[default]
-    Ap242,
-    Ap214,
-}
-
 impl Options {
-    fn schema(&self) -> StepSchema {
-        match self.step_schema {
-            Schema::Ap242 => StepSchema::Ap242,
-            Schema::Ap214 => StepSchema::Ap214,
-        }
-    }
-
     fn write_options(&self) -> WriteOptions {
         #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
         let mut write = WriteOptions::default();
@@ -102,7 +85,7 @@ pub(crate) fn run(
             Some(program) if io::step::is_step(path) => {
                 let boundary = options.mesher.boundary(progress).cut_at_seams();
                 let brep = program.boundary(&boundary)?;
-                output::write_step(path, &brep, product.mesh.unit, options.schema())
+                output::write_step(path, &brep, product.mesh.unit, options.step)
             }
             _ => output::write_mesh(
                 path,
@@ -185,7 +168,7 @@ fn write_exact(
     }
     progress.stage("writing");
     for path in &options.outputs {
-        output::write_step(path, &brep, unit.length_unit(), options.schema())?;
+        output::write_step(path, &brep, unit.length_unit(), options.step)?;
     }
     progress.end();
     tell(&account, options, progress)

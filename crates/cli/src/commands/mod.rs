@@ -4,6 +4,7 @@ pub(crate) mod account;
 mod annotate;
 pub(crate) mod compare;
 pub(crate) mod convert;
+pub(crate) mod drawing;
 mod exact;
 pub(crate) mod figure;
 pub(crate) mod info;
@@ -18,6 +19,7 @@ pub(crate) mod render;
 #[cfg(test)]
 mod schema_tests;
 pub(crate) mod section;
+mod sheet;
 pub(crate) mod sweep;
 #[cfg(feature = "view")]
 pub(crate) mod view;

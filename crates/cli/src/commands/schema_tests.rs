@@ -9,7 +9,7 @@ use super::account::Account;
 use super::compare::Comparison;
 use super::exact::ExactAccount;
 use super::info::Info;
-use super::section;
+use super::{drawing, section};
 
 /// Of `measure`: of the exact boundary, or of a mesh.
 #[derive(JsonSchema)]
@@ -27,6 +27,7 @@ fn schemas_are_those_in_the_repository() {
         ("mesh", schema_for!(Account)),
         ("measure", schema_for!(Measure)),
         ("section", schema_for!(section::Account)),
+        ("drawing", schema_for!(drawing::Account)),
         ("info", schema_for!(Info)),
         ("compare", schema_for!(Comparison)),
     ];

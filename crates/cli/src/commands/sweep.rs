@@ -6,14 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use csg::{BoundaryOptions, Mesher, Program};
 use io::WriteOptions;
-use io::step::StepSchema;
 use rayon::prelude::*;
 
 use super::parse::{angle, length};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
-use crate::mesher::{LimitOptions, Unit};
-use crate::output::{self, StreamFormat};
+use crate::mesher::{ANGLE, LimitOptions, Unit};
+use crate::output::{self, StepArguments, StreamFormat};
 use crate::progress::Progress;
 use crate::shard::Shard;
 
@@ -40,9 +39,12 @@ pub(crate) struct Options {
     /// The tolerance of meshes [default: as `mesh` has it]
     #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// The largest angle in degrees that a surface may turn along an edge of meshes
+    /// The largest angle in degrees that a surface may turn along an edge of meshes [default: as
+    /// `mesh` has it]
     #[arg(long, value_name = "DEGREES", value_parser = angle, allow_negative_numbers = true)]
     angle: Option<f64>,
+    #[command(flatten)]
+    step: StepArguments,
     /// The unit of the models' lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     unit: Unit,
@@ -258,7 +260,7 @@ fn measured(
     };
     let unit = options.unit.length_unit();
     for path in steps {
-        output::write_step(path, &brep, unit, StepSchema::default())?;
+        output::write_step(path, &brep, unit, options.step)?;
     }
     let mut triangles = String::new();
     if !meshes.is_empty() {
@@ -266,7 +268,10 @@ fn measured(
         if let Some(tolerance) = options.tolerance {
             mesher = mesher.tolerance(tolerance);
         }
-        if let Some(angle) = options.angle {
+        let angle = options
+            .angle
+            .or(options.tolerance.is_none().then_some(ANGLE));
+        if let Some(angle) = angle {
             mesher = mesher.angle(angle.to_radians());
         }
         let mesh = mesher.mesh(&program)?.mesh;

@@ -2,6 +2,7 @@
 #![allow(missing_docs, reason = "a test")]
 
 mod compare;
+mod drawing;
 mod files;
 mod measure;
 mod merge;

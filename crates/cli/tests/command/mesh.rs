@@ -239,3 +239,21 @@ fn surfaces_that_were_made_one_are_told() {
     let text = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
     assert!(text.contains("(1 made one with others)"), "{text}");
 }
+
+/// A thousandth of the distance between two balls is two fifths of their radius.
+#[test]
+fn small_balls_far_apart_stay_round_without_an_option() {
+    let folder = Folder::new();
+    let scene = "sphere(r = 0.05); multmatrix([[1, 0, 0, 20], [0, 1, 0, 0], [0, 0, 1, 0], \
+                 [0, 0, 0, 1]]) { sphere(r = 0.05); }";
+    fs::write(folder.file("balls.csg"), scene).expect("a file");
+    let share = |options: &str| {
+        let output = folder.run(&format!("mesh balls.csg {options} -o balls.stl --json -"));
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        let volume = json["volume"]["value"].as_f64().expect("a number");
+        volume / (8.0 / 3.0 * std::f64::consts::PI * 0.05f64.powi(3))
+    };
+    assert!((0.93..1.0).contains(&share("")), "{}", share(""));
+    assert!(share("--tolerance 0.02") < 0.8);
+    assert!(share("--angle 5") > 0.99);
+}

@@ -9,6 +9,7 @@ use super::data::{
 };
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
+use super::seams::Seams;
 use crate::arrangement::{Arrangement, CurveId, Side};
 use crate::numeric::Groups;
 use crate::program::Surface;
@@ -19,12 +20,13 @@ const NONE: u32 = u32::MAX;
 
 /// Whether a half-edge bounds a face: the surface, its look or the side of it that is solid
 /// changes there, or faces are to be cut at seams.
-fn is_edge(all: &Arrangement, half: u32, cut_at_seams: bool) -> bool {
+fn is_edge(all: &Arrangement, half: u32, seams: Option<&Seams>) -> bool {
     let half_edge = &all.half_edges[half as usize];
     let sides = [half_edge.face, all.half_edges[half_edge.twin as usize].face];
     let look = |side: &Side| (side.plane, side.along_normal, side.look);
     let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
-    one != other || cut_at_seams && half_edge.curve.is_seam()
+    one != other
+        || half_edge.curve.is_seam() && seams.is_some_and(|seams| seams.has(all, half_edge))
 }
 
 /// Adds the boundary of an arrangement to an empty one.
@@ -35,7 +37,8 @@ pub(super) fn build(
 ) -> Result<Brep, Undecided> {
     let curves = curves(&all, &brep.surfaces)?;
     let regions = regions(&all, &brep.surfaces, &curves)?;
-    let is_edge = |half: u32| is_edge(&all, half, cut_at_seams);
+    let seams = cut_at_seams.then(|| Seams::new(&all, &brep.surfaces));
+    let is_edge = |half: u32| is_edge(&all, half, seams.as_ref());
     let faces = Faces::new(&all, regions, is_edge)?;
     let links = Links::new(&all, is_edge);
     let chains = links.edges(&all);

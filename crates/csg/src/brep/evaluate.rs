@@ -58,9 +58,10 @@ impl BoundaryOptions {
         self
     }
 
-    /// Cuts faces along seams, planes through centres and axes, so that each is seen whole
-    /// from one direction ([`crate::brep::Face::view`]): no cylinder goes all around then, and
-    /// a sphere has eight faces. For formats in which faces have a chart.
+    /// Cuts faces along seams, planes through centres and axes, so that each has a chart, as some
+    /// formats want: those of cylinders and cones at one line, if they go all around, and is
+    /// on both sides of it then. Others are cut so that each is seen whole from one direction
+    /// ([`crate::brep::Face::view`]): a sphere has eight faces.
     pub fn cut_at_seams(mut self) -> Self {
         self.cut_at_seams = true;
         self

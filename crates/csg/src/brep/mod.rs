@@ -34,6 +34,7 @@ mod loops;
 mod measure;
 mod patches;
 mod quadrature;
+mod seams;
 mod view;
 
 pub use self::bounded::Bounded;

@@ -188,7 +188,8 @@ impl<'a> Face<'a> {
     }
 
     /// A direction along which lines meet the first part of the face once at most: where
-    /// faces were cut at seams it is seen whole from there. Of a plane its normal.
+    /// faces were cut at seams it is seen whole from there, but for those of cylinders and cones.
+    /// Of a plane its normal.
     #[must_use]
     pub fn view(&self) -> DVec3 {
         let patch = &self.brep.patches[self.data().patches.0 as usize];

@@ -39,6 +39,19 @@ impl LengthUnit {
             Self::Foot => 0.3048,
         }
     }
+
+    /// How it is written: µm, mm, cm, m, in or ft.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Micrometre => "µm",
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Metre => "m",
+            Self::Inch => "in",
+            Self::Foot => "ft",
+        }
+    }
 }
 
 /// Where triangles come from: one surface of one primitive.

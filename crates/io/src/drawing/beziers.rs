@@ -54,6 +54,7 @@ pub(super) fn cubics(piece: &Piece, tolerance: f64) -> Vec<Cubic> {
         |from: DVec2, to: DVec2| [from.lerp(to, 1.0 / 3.0), from.lerp(to, 2.0 / 3.0), to];
     match piece.shape {
         Shape::Line => vec![straight(piece.from, piece.to)],
+        Shape::Cubic { controls: [a, b] } => vec![[a, b, piece.to]],
         Shape::Conic { .. } => {
             let mut from = piece.from;
             let raise = |[control, to]: Quadratic| {

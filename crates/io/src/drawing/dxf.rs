@@ -8,22 +8,24 @@ use std::io::Write;
 use csg::LengthUnit;
 use glam::DVec2;
 
+use super::dimension::HEIGHT;
 use super::outline::{Outline, Piece, Shape};
-use super::{DrawingOptions, Sheet};
+use super::{Dimension, Drawing, DrawingOptions, Sheet};
 use crate::Error;
 
 /// Writes outlines: of lines and circular arcs as one closed polyline with bulges, whole circles
 /// and ellipses as such, and others piece by piece, parabolas and hyperbolas as rational splines
-/// of degree two.
+/// of degree two. Lines of views are on the layers `VISIBLE` and `HIDDEN`, which is dashed, and
+/// sizes, as lines and text, on `DIMENSIONS`.
 ///
 /// # Errors
 /// [`Error::EmptyDrawing`], [`Error::DrawingTolerance`]; failed writing.
 pub fn write_dxf(
-    outlines: &[Outline],
+    drawing: &Drawing,
     options: &DrawingOptions,
     out: &mut impl Write,
 ) -> Result<(), Error> {
-    let sheet = Sheet::new(outlines, options)?;
+    let sheet = Sheet::new(drawing, options)?;
     let mut file = Tags::default();
     let units = units(sheet.unit);
     file.section("HEADER", |file| {
@@ -34,7 +36,7 @@ pub fn write_dxf(
         file.tag(9, "$EXTMIN").point(10, sheet.low);
         file.tag(9, "$EXTMAX").point(10, sheet.high);
     });
-    file.section("TABLES", tables);
+    file.section("TABLES", |file| tables(file, DASH * sheet.side));
     file.section("BLOCKS", |file| {
         for (k, block) in [MODEL, PAPER].into_iter().enumerate() {
             let owner = block.handle;
@@ -51,9 +53,21 @@ pub fn write_dxf(
         }
     });
     file.section("ENTITIES", |file| {
-        let mut entities = Entities { file, next: 0x100 };
-        for outline in sheet.outlines {
+        let mut entities = Entities {
+            file,
+            next: 0x100,
+            layer: "0",
+        };
+        for outline in &drawing.outlines {
             entities.outline(outline);
+        }
+        for (layer, pieces) in [(VISIBLE, &drawing.visible), (HIDDEN, &drawing.hidden)] {
+            entities.layer = layer;
+            pieces.iter().for_each(|piece| entities.piece(piece));
+        }
+        entities.layer = DIMENSIONS;
+        for size in &drawing.dimensions {
+            entities.dimension(size, &sheet);
         }
     });
     file.section("OBJECTS", |file| {
@@ -85,6 +99,14 @@ fn units(unit: LengthUnit) -> u8 {
     }
 }
 
+/// Layers, and the line type of the second.
+const VISIBLE: &str = "VISIBLE";
+const HIDDEN: &str = "HIDDEN";
+const DIMENSIONS: &str = "DIMENSIONS";
+
+/// Of the longer side, a dash; the gap after it is a half as long.
+const DASH: f64 = 0.012;
+
 /// Handles: numbers of what others name.
 const ROOT: u32 = 0xC;
 const GROUPS: u32 = 0xD;
@@ -105,15 +127,19 @@ const PAPER: Block = Block {
 };
 
 /// The tables that programs want to find, with no more in them than they must have.
-fn tables(file: &mut Tags) {
+fn tables(file: &mut Tags, dash: f64) {
     let records: [(&str, &str, &[&str]); 9] = [
         ("VPORT", "", &[]),
         (
             "LTYPE",
             "AcDbLinetypeTableRecord",
-            &["ByBlock", "ByLayer", "Continuous"],
+            &["ByBlock", "ByLayer", "Continuous", HIDDEN],
         ),
-        ("LAYER", "AcDbLayerTableRecord", &["0"]),
+        (
+            "LAYER",
+            "AcDbLayerTableRecord",
+            &["0", VISIBLE, HIDDEN, DIMENSIONS],
+        ),
         ("STYLE", "AcDbTextStyleTableRecord", &["Standard"]),
         ("VIEW", "", &[]),
         ("UCS", "", &[]),
@@ -144,6 +170,15 @@ fn tables(file: &mut Tags) {
                 .tag(2, entry);
             next += 1;
             match name {
+                "LTYPE" if entry == HIDDEN => {
+                    file.tag(70, 0)
+                        .tag(3, "__ __ __")
+                        .tag(72, 65)
+                        .tag(73, 2)
+                        .number(40, 1.5 * dash);
+                    file.number(49, dash).tag(74, 0);
+                    file.number(49, -0.5 * dash).tag(74, 0);
+                }
                 "LTYPE" => {
                     file.tag(70, 0)
                         .tag(3, "")
@@ -152,7 +187,13 @@ fn tables(file: &mut Tags) {
                         .tag(40, "0.0");
                 }
                 "LAYER" => {
-                    file.tag(70, 0).tag(62, 7).tag(6, "Continuous");
+                    let color = if entry == DIMENSIONS { 5 } else { 7 };
+                    let kind = if entry == HIDDEN {
+                        HIDDEN
+                    } else {
+                        "Continuous"
+                    };
+                    file.tag(70, 0).tag(62, color).tag(6, kind);
                 }
                 "STYLE" => {
                     file.tag(70, 0).tag(40, "0.0").tag(41, "1.0").tag(50, "0.0");
@@ -209,6 +250,7 @@ impl Tags {
 struct Entities<'a> {
     file: &'a mut Tags,
     next: u32,
+    layer: &'static str,
 }
 
 impl Entities<'_> {
@@ -217,7 +259,7 @@ impl Entities<'_> {
         let is_round = |piece: &Piece| match piece.shape {
             Shape::Line => true,
             Shape::Ellipse { is_circle, .. } => is_circle && !piece.is_whole(),
-            Shape::Conic { .. } => false,
+            Shape::Conic { .. } | Shape::Cubic { .. } => false,
         };
         if pieces.iter().all(is_round) {
             self.polyline(pieces);
@@ -230,7 +272,10 @@ impl Entities<'_> {
         self.file.tag(0, name).handle(self.next);
         self.next += 1;
         self.file.tag(330, format_args!("{:X}", MODEL.handle));
-        self.file.tag(100, "AcDbEntity").tag(8, "0").tag(100, class)
+        self.file
+            .tag(100, "AcDbEntity")
+            .tag(8, self.layer)
+            .tag(100, class)
     }
 
     /// Closed, of lines and arcs: a bulge is the tangent of a quarter of an arc's angle.
@@ -254,6 +299,24 @@ impl Entities<'_> {
                 file.number(42, bulge);
             }
         }
+    }
+
+    fn dimension(&mut self, size: &Dimension, sheet: &Sheet<'_>) {
+        for [from, to] in size.strokes(sheet.side) {
+            let file = self.entity("LINE", "AcDbLine");
+            file.point(10, from).point(11, to);
+        }
+        let (at, along) = size.place(sheet.side);
+        // (Signs that are not ASCII have names of their own.)
+        let text = size.text(sheet.unit).replace('⌀', "%%c");
+        let text = text.replace('µ', "\\U+00B5");
+        let file = self.entity("TEXT", "AcDbText");
+        file.point(10, at)
+            .number(40, HEIGHT * sheet.side)
+            .tag(1, text);
+        file.number(50, along.to_angle().to_degrees());
+        // In the middle, on the base line.
+        file.tag(72, 1).point(11, at).tag(100, "AcDbText");
     }
 
     fn piece(&mut self, piece: &Piece) {
@@ -296,6 +359,16 @@ impl Entities<'_> {
                     let lean = long.to_angle();
                     let [from, to] = range.map(|t| (lean + t).to_degrees().rem_euclid(360.0));
                     file.tag(100, "AcDbArc").number(50, from).number(51, to);
+                }
+            }
+            Shape::Cubic { controls: [a, b] } => {
+                let file = self.entity("SPLINE", "AcDbSpline");
+                file.tag(70, 8).tag(71, 3).tag(72, 8).tag(73, 4).tag(74, 0);
+                for knot in [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0] {
+                    file.number(40, knot);
+                }
+                for point in [piece.from, a, b, piece.to] {
+                    file.point(10, point);
                 }
             }
             Shape::Conic { control, weight } => {

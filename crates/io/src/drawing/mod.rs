@@ -1,17 +1,23 @@
-//! Drawings of sections: true lines, arcs and ellipses, as SVG, DXF and PDF.
+//! Drawings of sections and views: true lines, arcs and ellipses, as SVG, DXF and PDF.
 //!
-//! What a plane meets of a solid is taken from its exact boundary, not from a mesh: planes give
-//! lines, and quadrics conics. Lines, circles and ellipses are what they are in SVG and DXF;
+//! What a plane meets of a solid ([`Section`]), and what is seen of it along a direction
+//! ([`View`]), is taken from its exact boundary, not from a mesh: planes give
+//! lines, and quadrics conics; curves of degree four, which views alone have, are Bézier curves
+//! of degree three. Lines, circles and ellipses are what they are in SVG and DXF;
 //! parabolas and hyperbolas are rational splines in DXF, which have the same points, and
 //! Bézier curves in SVG. PDF knows no curves but Bézier's. Where these stand for another curve
 //! they stray from it by no more than [`DrawingOptions::tolerance`].
 
 mod beziers;
+mod crossings;
+mod dimension;
 mod dxf;
 mod outline;
 mod pdf;
 mod section;
+mod seen;
 mod svg;
+mod view;
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -22,11 +28,42 @@ use glam::DVec2;
 
 use crate::{AtomicFile, Error};
 
+pub use self::dimension::Dimension;
 pub use self::dxf::write_dxf;
 pub use self::outline::{Outline, Piece, Shape};
 pub use self::pdf::write_pdf;
 pub use self::section::{Section, SectionFrame};
 pub use self::svg::write_svg;
+pub use self::view::View;
+
+/// What is drawn. DXF has a layer for each of these.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Drawing {
+    /// What they bound is filled.
+    pub outlines: Vec<Outline>,
+    /// Lines in full.
+    pub visible: Vec<Piece>,
+    /// Dashed lines.
+    pub hidden: Vec<Piece>,
+    /// Sizes, in thin lines, with numbers in the model's unit.
+    pub dimensions: Vec<Dimension>,
+}
+
+impl Drawing {
+    /// A box around all but sizes; none if there is nothing.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[DVec2; 2]> {
+        let outlines = self.outlines.iter().map(Outline::bounds);
+        let pieces = self.visible.iter().chain(&self.hidden).map(Piece::bounds);
+        join(outlines.chain(pieces))
+    }
+}
+
+/// The box around some.
+fn join(boxes: impl Iterator<Item = [DVec2; 2]>) -> Option<[DVec2; 2]> {
+    boxes.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
+}
 
 /// The formats of drawings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,28 +138,28 @@ const TOLERANCE: f64 = 1e-6;
 
 /// What a drawing's writers need to know of it.
 struct Sheet<'a> {
-    outlines: &'a [Outline],
     title: &'a str,
     unit: LengthUnit,
     tolerance: f64,
+    /// The longer side of what is drawn, without sizes.
+    side: f64,
     low: DVec2,
     high: DVec2,
 }
 
 impl<'a> Sheet<'a> {
-    fn new(outlines: &'a [Outline], options: &'a DrawingOptions) -> Result<Self, Error> {
-        let bounds = outlines.iter().map(Outline::bounds);
-        let bounds = bounds.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])]);
-        let [low, high] = bounds.ok_or(Error::EmptyDrawing)?;
-        let tolerance = options
-            .tolerance
-            .unwrap_or(TOLERANCE * (high - low).max_element());
+    fn new(drawing: &Drawing, options: &'a DrawingOptions) -> Result<Self, Error> {
+        let bounds = drawing.bounds().ok_or(Error::EmptyDrawing)?;
+        let side = (bounds[1] - bounds[0]).max_element();
+        let sizes = drawing.dimensions.iter().map(|size| size.bounds(side));
+        let [low, high] = join(sizes.chain([bounds])).unwrap_or(bounds);
+        let tolerance = options.tolerance.unwrap_or(TOLERANCE * side);
         if tolerance > 0.0 && tolerance.is_finite() {
             Ok(Self {
-                outlines,
                 title: &options.title,
                 unit: options.unit,
                 tolerance,
+                side,
                 low,
                 high,
             })
@@ -159,14 +196,14 @@ fn decimal(number: f64, decimals: usize) -> String {
 /// operating system refuses.
 pub fn write_drawing(
     path: impl AsRef<Path>,
-    outlines: &[Outline],
+    drawing: &Drawing,
     options: &DrawingOptions,
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let format = DrawingFormat::from_path(path)?;
     let write = || {
         let mut file = AtomicFile::create(path)?;
-        write_drawing_to(format, outlines, options, &mut file)?;
+        write_drawing_to(format, drawing, options, &mut file)?;
         file.commit()
     };
     write().map_err(|error| error.in_file(path))
@@ -178,13 +215,13 @@ pub fn write_drawing(
 /// As [`write_drawing`].
 pub fn write_drawing_to(
     format: DrawingFormat,
-    outlines: &[Outline],
+    drawing: &Drawing,
     options: &DrawingOptions,
     out: &mut impl Write,
 ) -> Result<(), Error> {
     match format {
-        DrawingFormat::Svg => write_svg(outlines, options, out),
-        DrawingFormat::Dxf => write_dxf(outlines, options, out),
-        DrawingFormat::Pdf => write_pdf(outlines, options, out),
+        DrawingFormat::Svg => write_svg(drawing, options, out),
+        DrawingFormat::Dxf => write_dxf(drawing, options, out),
+        DrawingFormat::Pdf => write_pdf(drawing, options, out),
     }
 }

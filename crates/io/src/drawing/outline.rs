@@ -49,6 +49,11 @@ pub enum Shape {
         /// Less than 1 for ellipses, 1 for parabolas, more for hyperbolas.
         weight: f64,
     },
+    /// A Bézier curve of degree three, in place of a curve of degree four or more in space.
+    Cubic {
+        /// The two points between the ends.
+        controls: [DVec2; 2],
+    },
 }
 
 impl Shape {
@@ -80,6 +85,11 @@ impl Piece {
                 let (sin, cos) = (from + share * (to - from)).sin_cos();
                 center + cos * long + sin * short
             }
+            Shape::Cubic { controls: [a, b] } => {
+                let rest = 1.0 - share;
+                let [from, to] = [rest.powi(3) * self.from, share.powi(3) * self.to];
+                from + 3.0 * rest * share * (rest * a + share * b) + to
+            }
             Shape::Conic { control, weight } => {
                 let rest = 1.0 - share;
                 let weights = [rest * rest, 2.0 * weight * rest * share, share * share];
@@ -95,13 +105,14 @@ impl Piece {
         matches!(self.shape, Shape::Ellipse { .. }) && self.from == self.to
     }
 
-    /// A box around it, the least one but for conics, which lie in that of their control
-    /// points.
-    fn bounds(&self) -> [DVec2; 2] {
+    /// A box around it, the least one but for conics and cubics, which lie in that of their
+    /// control points.
+    pub(super) fn bounds(&self) -> [DVec2; 2] {
         let ends = [self.from.min(self.to), self.from.max(self.to)];
         match self.shape {
             Shape::Line => ends,
             Shape::Conic { control, .. } => [ends[0].min(control), ends[1].max(control)],
+            Shape::Cubic { controls: [a, b] } => [ends[0].min(a).min(b), ends[1].max(a).max(b)],
             Shape::Ellipse {
                 long, short, range, ..
             } => {

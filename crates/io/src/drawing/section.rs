@@ -4,6 +4,7 @@ use csg::brep::{Bounded, Coedge, CurveShape, Face};
 use csg::{BoundaryOptions, Brep, Program, Solid, SurfaceShape};
 use glam::{DVec2, DVec3};
 
+use super::Drawing;
 use super::outline::{Outline, Piece, Shape};
 use crate::conic;
 
@@ -44,11 +45,11 @@ impl SectionFrame {
         self.x.cross(self.y)
     }
 
-    fn flatten(&self, point: DVec3) -> DVec2 {
+    pub(super) fn flatten(&self, point: DVec3) -> DVec2 {
         self.turned(point - self.origin)
     }
 
-    fn turned(&self, direction: DVec3) -> DVec2 {
+    pub(super) fn turned(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.x), direction.dot(self.y))
     }
 }
@@ -115,6 +116,12 @@ impl Section {
         }
         section.is_at_face = is_at_face;
         Ok(section)
+    }
+
+    /// The drawing of it: its parts, filled.
+    #[must_use]
+    pub fn drawing(&self) -> Drawing {
+        Drawing::of_outlines(self.outlines.clone())
     }
 
     /// Whether measures of both are one.

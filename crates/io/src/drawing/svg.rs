@@ -7,26 +7,28 @@ use csg::LengthUnit;
 use glam::DVec2;
 
 use super::beziers::parabolas;
+use super::dimension::HEIGHT;
 use super::outline::{Outline, Piece, Shape};
-use super::{DrawingOptions, Sheet, decimal};
+use super::{Dimension, Drawing, DrawingOptions, Sheet, decimal};
 use crate::Error;
 
 /// Of the longer side, the margin around the drawing and the width of its lines.
 const MARGIN: f64 = 0.02;
 const LINE: f64 = 0.002;
 
-/// Writes outlines as one path, what they bound filled: circles and ellipses as arcs, parabolas
-/// and hyperbolas as quadratic Bézier curves. Width and height are those of the model; y, which
+/// Writes outlines as one path, what they bound filled, and lines as another one, dashed ones
+/// as a third: circles and ellipses as arcs, parabolas and hyperbolas as quadratic Bézier curves.
+/// Sizes are lines and text. Width and height are those of the model; y, which
 /// points down in the format, is turned over.
 ///
 /// # Errors
 /// [`Error::EmptyDrawing`], [`Error::DrawingTolerance`]; failed writing.
 pub fn write_svg(
-    outlines: &[Outline],
+    drawing: &Drawing,
     options: &DrawingOptions,
     out: &mut impl Write,
 ) -> Result<(), Error> {
-    let sheet = Sheet::new(outlines, options)?;
+    let sheet = Sheet::new(drawing, options)?;
     let longer = (sheet.high - sheet.low).max_element();
     let margin = DVec2::splat(MARGIN * longer);
     let (low, high) = (sheet.low - margin, sheet.high + margin);
@@ -36,23 +38,52 @@ pub fn write_svg(
     let (unit, scale) = unit(sheet.unit);
     let [width, height] = (scale * size).to_array().map(number);
     let view = [low.x, -high.y, size.x, size.y].map(number).join(" ");
-    let line = decimal(LINE * longer, decimals);
+    let line = LINE * longer;
     let pen = Pen {
         sheet: &sheet,
         decimals,
     };
-    let paths: String = outlines
-        .iter()
-        .map(|outline| pen.outline(outline))
-        .collect();
+    let outlines = drawing.outlines.iter();
+    let paths: String = outlines.map(|outline| pen.outline(outline)).collect();
+    let mut layers = String::new();
+    if !paths.is_empty() {
+        let line = number(line);
+        layers += &format!(
+            "<path fill=\"#dbe4ee\" fill-rule=\"evenodd\" stroke=\"#1a1a1a\" \
+             stroke-width=\"{line}\" stroke-linejoin=\"round\" d=\"{paths}\"/>\n"
+        );
+    }
+    let dashes = [4.0, 3.0].map(|length| number(length * line)).join(" ");
+    let dashes = format!(" stroke-dasharray=\"{dashes}\"");
+    for (name, pieces, dashes, width) in [
+        ("hidden", &drawing.hidden, dashes.as_str(), 0.6 * line),
+        ("visible", &drawing.visible, "", 1.4 * line),
+    ] {
+        if !pieces.is_empty() {
+            let (paths, width) = (pen.pieces(pieces), number(width));
+            layers += &format!(
+                "<path id=\"{name}\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"{width}\"\
+                 {dashes} stroke-linecap=\"round\" d=\"{paths}\"/>\n"
+            );
+        }
+    }
+    if !drawing.dimensions.is_empty() {
+        let sizes = drawing.dimensions.iter();
+        let sizes: String = sizes.map(|size| pen.dimension(size)).collect();
+        let (width, height) = (number(0.5 * line), number(HEIGHT * sheet.side));
+        layers += &format!(
+            "<g id=\"dimensions\" stroke=\"#2a5caa\" fill=\"none\" stroke-width=\"{width}\" \
+             font-family=\"sans-serif\" font-size=\"{height}\" text-anchor=\"middle\">\n\
+             {sizes}</g>\n"
+        );
+    }
     let title = escaped(sheet.title);
     write!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}{unit}\" \
          height=\"{height}{unit}\" viewBox=\"{view}\">\n\
          <title>{title}</title>\n\
-         <path fill=\"#dbe4ee\" fill-rule=\"evenodd\" stroke=\"#1a1a1a\" stroke-width=\"{line}\" \
-         stroke-linejoin=\"round\" d=\"{paths}\"/>\n</svg>\n"
+         {layers}</svg>\n"
     )?;
     Ok(())
 }
@@ -98,6 +129,37 @@ impl Pen<'_> {
         path
     }
 
+    /// Pieces that need not follow each other.
+    fn pieces(&self, pieces: &[Piece]) -> String {
+        let mut path = String::new();
+        let mut at = None;
+        for piece in pieces {
+            if at != Some(piece.from) {
+                path += &format!("M{}", self.point(piece.from));
+            }
+            self.piece(piece, &mut path);
+            at = Some(piece.to);
+        }
+        path
+    }
+
+    fn dimension(&self, size: &Dimension) -> String {
+        let strokes = size.strokes(self.sheet.side).into_iter();
+        let strokes = strokes.map(|[from, to]| format!("M{}L{}", self.point(from), self.point(to)));
+        let (at, along) = size.place(self.sheet.side);
+        let [x, y] = [at.x, -at.y].map(|x| decimal(x, self.decimals));
+        let turn = match decimal(-along.to_angle().to_degrees(), 6).as_str() {
+            "0" => String::new(),
+            turn => format!(" transform=\"rotate({turn} {x} {y})\""),
+        };
+        format!(
+            "<path d=\"{}\"/>\n\
+             <text x=\"{x}\" y=\"{y}\"{turn} fill=\"#2a5caa\" stroke=\"none\">{}</text>\n",
+            strokes.collect::<String>(),
+            size.text(self.sheet.unit)
+        )
+    }
+
     fn piece(&self, piece: &Piece, path: &mut String) {
         // (Writing to a string cannot fail.)
         let _ = match piece.shape {
@@ -128,6 +190,10 @@ impl Pen<'_> {
                 } else {
                     write!(path, "{}", arc(piece.to, turn.abs() > std::f64::consts::PI))
                 }
+            }
+            Shape::Cubic { controls } => {
+                let [a, b] = controls.map(|control| self.point(control));
+                write!(path, "C{a} {b} {}", self.point(piece.to))
             }
             Shape::Conic { .. } => {
                 let parabolas = parabolas(piece, self.sheet.tolerance).into_iter();

@@ -3,6 +3,8 @@
 //! Poles and seams of the file's surfaces are put where the face is not: opposite of the
 //! direction from which it is seen.
 
+use std::f64::consts::TAU;
+
 use csg::brep::{Edge, Face};
 use csg::{Placement, SurfaceShape};
 use glam::{DVec2, DVec3, DVec4};
@@ -40,7 +42,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             axis,
             radius,
         } => {
-            let placement = to.placement(point, [axis, -across(view, axis)]);
+            let placement = to.placement(point, [axis, seam(face, point, axis)]);
             let radius = Real(radius);
             Written {
                 surface: to.share(format_args!("CYLINDRICAL_SURFACE('',{placement},{radius})")),
@@ -68,7 +70,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 origin -= 2.0 * radius / slope * axis;
                 radius = -radius;
             }
-            let placement = to.placement(origin, [axis, -across(view, axis)]);
+            let placement = to.placement(origin, [axis, seam(face, point, axis)]);
             let (radius, angle) = (Real(radius), Real(slope.atan()));
             Written {
                 surface: to.share(format_args!(
@@ -85,26 +87,25 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 scales: radii,
             },
         ),
-        SurfaceShape::EllipticParaboloid { placement, bends } => paraboloid(
-            to,
-            face,
-            &Scaled {
-                placement,
-                scales: [1.0; 3],
-            },
-            bends,
-        ),
-        SurfaceShape::EllipticCylinder {
-            placement,
-            radii: [a, b],
-        } => {
+        SurfaceShape::EllipticParaboloid { placement, bends } => {
             let scaled = Scaled {
                 placement,
-                scales: [a, b, 1.0],
+                scales: [1.0; 3],
             };
-            let [low, high] = scaled.range(face, |p| p.z);
-            let profile = [[1.0, low, 1.0], [1.0, high, 1.0]];
-            revolved(to, face, &scaled, &profile)
+            if is_round(bends) {
+                let turned = Turned::new(face, &placement, 1.0);
+                let focus = Real(0.25 / bends[0]);
+                let placement = to.placement(placement.origin, turned.across_and(turned.axis));
+                let parabola = to.add(format_args!("PARABOLA('',{placement},{focus})"));
+                let [_, farthest] = scaled.range(face, |p| p.x.hypot(p.y));
+                let ends = [0.0, bends[0] * farthest * farthest];
+                turned.half(to, face, parabola, (farthest, ends))
+            } else {
+                paraboloid(to, face, &scaled, bends)
+            }
+        }
+        SurfaceShape::EllipticCylinder { placement, radii } => {
+            extruded(to, face, &placement, radii)
         }
         SurfaceShape::EllipticCone {
             placement,
@@ -123,6 +124,16 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             let profile = [near, far].map(|z| [z.abs(), z, 1.0]);
             revolved(to, face, &scaled, &profile)
+        }
+        SurfaceShape::HyperboloidOneSheet {
+            placement,
+            radii: [a, b, c],
+        } if is_round([a, b]) => {
+            let turned = Turned::new(face, &placement, 1.0);
+            let placement = to.placement(placement.origin, turned.across_and(turned.x));
+            let [a, c] = [0.5 * (a + b), c].map(Real);
+            let branch = to.add(format_args!("HYPERBOLA('',{placement},{a},{c})"));
+            turned.whole(to, face, branch)
         }
         SurfaceShape::HyperboloidOneSheet { placement, radii } => {
             let scaled = Scaled {
@@ -145,6 +156,16 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
             let [_, high] = scaled.range(face, |p| p.z.abs().max(1.0).acosh());
+            let [a, b, c] = radii;
+            if is_round([a, b]) {
+                let turned = Turned::new(face, &placement, sign);
+                let placement = to.placement(placement.origin, turned.across_and(turned.axis));
+                let [c, a] = [c, 0.5 * (a + b)].map(Real);
+                let branch = to.add(format_args!("HYPERBOLA('',{placement},{c},{a})"));
+                let (far, ends) = (radii[0] * high.sinh(), [1.0, high.cosh()]);
+                let ends = ends.map(|height| radii[2] * height);
+                return Some(turned.half(to, face, branch, (far, ends)));
+            }
             let profile = [
                 [0.0, sign, 1.0],
                 [
@@ -160,12 +181,143 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
     })
 }
 
+/// Whether both scales of a section across an axis are one, to rounding.
+fn is_round([a, b]: [f64; 2]) -> bool {
+    (a - b).abs() <= ROUND * a.abs()
+}
+
+/// Two scales that differ by no more, of the larger, are one.
+const ROUND: f64 = 1e-14;
+
+/// A meridian turned around an axis: the file's curve lies opposite of the face.
+struct Turned {
+    origin: DVec3,
+    axis: DVec3,
+    /// The direction across the axis in which the meridian lies.
+    x: DVec3,
+}
+
+impl Turned {
+    /// Around the last axis of a placement or, for a negative sign, against it.
+    fn new(face: &Face<'_>, placement: &Placement, sign: f64) -> Self {
+        let axis = sign * placement.axes[2];
+        let ahead = face.points().into_iter().map(|p| p - placement.origin);
+        Self {
+            origin: placement.origin,
+            axis,
+            x: -across(ahead.sum(), axis),
+        }
+    }
+
+    /// Directions of z and x for a curve in the plane of the meridian that is symmetric about
+    /// one: y is the other one.
+    fn across_and(&self, symmetry: DVec3) -> [DVec3; 2] {
+        let other = if symmetry == self.x {
+            self.axis
+        } else {
+            self.x
+        };
+        [symmetry.cross(other), symmetry]
+    }
+
+    /// The surface of a curve that stays on one side of the axis.
+    fn whole(&self, to: &mut Entities, face: &Face<'_>, curve: Id) -> Written {
+        let (origin, axis) = (to.point(self.origin), to.direction(self.axis));
+        let axis = to.share(format_args!("AXIS1_PLACEMENT('',{origin},{axis})"));
+        Written {
+            surface: to.add(format_args!("SURFACE_OF_REVOLUTION('',{curve},{axis})")),
+            is_outward: is_away(face, |p| (p - self.origin).reject_from(self.axis)),
+        }
+    }
+
+    /// The surface of a curve that begins on the axis: as far as a radius, and from which height
+    /// to which.
+    fn half(
+        &self,
+        to: &mut Entities,
+        face: &Face<'_>,
+        curve: Id,
+        (radius, [low, high]): (f64, [f64; 2]),
+    ) -> Written {
+        let from = to.point(self.origin + low * self.axis);
+        let until = to.point(self.origin + high * self.axis + radius * self.x);
+        let half = to.add(format_args!(
+            "TRIMMED_CURVE('',{curve},({from}),({until}),.T.,.CARTESIAN.)"
+        ));
+        self.whole(to, face, half)
+    }
+}
+
+/// An ellipse along its axis.
+fn extruded(to: &mut Entities, face: &Face<'_>, placement: &Placement, radii: [f64; 2]) -> Written {
+    let Placement { origin, axes, .. } = *placement;
+    let [x, _, axis] = axes;
+    let (mut long, [most, least]) = if radii[0] < radii[1] {
+        (axes[1], [radii[1], radii[0]])
+    } else {
+        (x, radii)
+    };
+    // The ellipse begins at the end of its long axis where the face is not: a face is a quarter
+    // around the end of one axis.
+    if face.view().dot(long) > 0.0 {
+        long = -long;
+    }
+    let placement = to.placement(origin, [axis, long]);
+    let [most, least] = [most, least].map(Real);
+    let ellipse = to.share(format_args!("ELLIPSE('',{placement},{most},{least})"));
+    let direction = to.direction(axis);
+    let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
+    Written {
+        surface: to.share(format_args!(
+            "SURFACE_OF_LINEAR_EXTRUSION('',{ellipse},{vector})"
+        )),
+        is_outward: is_away(face, |p| (p - origin).reject_from(axis)),
+    }
+}
+
 /// The part of a direction across an axis, of unit length.
 fn across(direction: DVec3, axis: DVec3) -> DVec3 {
     let across = direction.reject_from(axis);
     across
         .try_normalize()
         .unwrap_or_else(|| axis.any_orthonormal_vector())
+}
+
+/// In which direction across its axis the seam of a cylinder or cone lies: where the face is cut,
+/// if it is on both sides of an edge, or else in the middle of the widest angle in which it
+/// is not.
+fn seam(face: &Face<'_>, point: DVec3, axis: DVec3) -> DVec3 {
+    const SAMPLES: u32 = 16;
+    let (x, y) = {
+        let x = axis.any_orthonormal_vector();
+        (x, axis.cross(x))
+    };
+    let mut angles: Vec<f64> = Vec::new();
+    for edge in face.edges() {
+        let [from, to] = edge.range();
+        let at = |share: f64| (edge.at(from + share * (to - from)) - point).reject_from(axis);
+        let [one, other] = edge.faces();
+        if one == other {
+            // (The end may be an apex, which is in no direction.)
+            let farthest = [0.0, 0.5, 1.0].map(at);
+            let farthest = farthest
+                .into_iter()
+                .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+            return farthest.unwrap_or(x).normalize_or(x);
+        }
+        let samples = (0..=SAMPLES).map(|k| at(f64::from(k) / f64::from(SAMPLES)));
+        angles.extend(samples.map(|off| off.dot(y).atan2(off.dot(x))));
+    }
+    angles.sort_by(f64::total_cmp);
+    let first = angles.first().map(|first| first + TAU);
+    let next = angles.iter().copied().skip(1).chain(first);
+    let gaps = angles
+        .iter()
+        .zip(next)
+        .map(|(from, to)| (to - from, 0.5 * (from + to)));
+    let widest = gaps.max_by(|a, b| a.0.total_cmp(&b.0));
+    let (sin, cos) = widest.map_or(0.0, |(_, middle)| middle).sin_cos();
+    cos * x + sin * y
 }
 
 /// Whether a vector leads out of the solid, where it is not 0, at points of a face.

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// A B-spline of degree five whose second derivative goes on and on.
 #[derive(Clone, Debug)]
-pub(super) struct Spline {
+pub(crate) struct Spline {
     /// From 0 to 1; the first and the last are six times there, the others three times.
     pub knots: Vec<f64>,
     pub points: Vec<DVec3>,
@@ -26,12 +26,45 @@ const MOST_SPANS: usize = 4096;
 /// error falls with the sixth power of its length. Derivatives are those of the polynomial
 /// through points of Chebyshev's on each span. Spans are halved until points between these
 /// are near enough.
-pub(super) fn fit(
+pub(crate) fn fit(at: impl Fn(f64) -> DVec3, range: [f64; 2], tolerance: f64) -> Option<Spline> {
+    let (knots, spans) = fit_spans(at, range, tolerance)?;
+    Some(Spline {
+        points: joined_points(&knots, &spans),
+        knots,
+    })
+}
+
+/// The control points of a span.
+pub(crate) type Span = [DVec3; 6];
+
+/// The knots and spans of such a spline.
+///
+/// Where a curve's parameter is that of a square root at an end, no polynomial follows it, and spans
+/// there would be halved without end: such a curve is taken by the root.
+pub(crate) fn fit_spans(
     at: impl Fn(f64) -> DVec3,
     [from, to]: [f64; 2],
     tolerance: f64,
-) -> Option<Spline> {
-    let at = |u: f64| at(from + u * (to - from));
+) -> Option<(Vec<f64>, Vec<Span>)> {
+    /// Shorter spans at an end tell of a root there.
+    const SHORT: f64 = 1e-5;
+    // (To the bit at both ends.)
+    let place = |u: f64| if u == 1.0 { to } else { from + u * (to - from) };
+    let plain = halved(|u| at(place(u)), tolerance);
+    let is_root = plain.as_ref().map_or([true; 2], |(knots, _)| {
+        let last = knots.len() - 1;
+        [knots[1], 1.0 - knots[last - 1]].map(|length| length < SHORT)
+    });
+    match is_root {
+        [false, false] => plain,
+        [true, false] => halved(|u| at(place(u * u)), tolerance),
+        [false, true] => halved(|u| at(place(u * (2.0 - u))), tolerance),
+        [true, true] => halved(|u| at(place(u * u * (3.0 - 2.0 * u))), tolerance),
+    }
+}
+
+/// The knots and spans for a curve whose parameter goes from 0 to 1.
+fn halved(at: impl Fn(f64) -> DVec3, tolerance: f64) -> Option<(Vec<f64>, Vec<Span>)> {
     let mut knots = vec![0.0, 0.25, 0.5, 0.75, 1.0];
     while knots.len() <= MOST_SPANS {
         let spans: Vec<[f64; 2]> = knots.windows(2).map(|pair| [pair[0], pair[1]]).collect();
@@ -42,7 +75,7 @@ pub(super) fn fit(
             joined.push(std::array::from_fn(|k| 0.5 * (before[k] + after[k])));
         }
         joined.push(jets[jets.len() - 1][1]);
-        let spans: Vec<[DVec3; 6]> = spans
+        let spans: Vec<Span> = spans
             .iter()
             .zip(joined.windows(2))
             .map(|(span, jets)| bezier(span[1] - span[0], [jets[0], jets[1]]))
@@ -51,7 +84,7 @@ pub(super) fn fit(
         for (pair, span) in knots.windows(2).zip(&spans) {
             let [a, b] = [pair[0], pair[1]];
             let is_near = CHECKED.iter().all(|&share| {
-                let off = at(a + share * (b - a)).distance(point(span, share));
+                let off = at(a + share * (b - a)).distance(point(*span, share));
                 off <= tolerance
             });
             if !is_near {
@@ -60,10 +93,7 @@ pub(super) fn fit(
             finer.push(b);
         }
         if finer.len() == knots.len() {
-            return Some(Spline {
-                points: joined_points(&knots, &spans),
-                knots,
-            });
+            return Some((knots, spans));
         }
         knots = finer;
     }
@@ -148,9 +178,8 @@ fn bezier(length: f64, [a, b]: [Jet; 2]) -> [DVec3; 6] {
 }
 
 /// The point of a polynomial, by de Casteljau's algorithm.
-fn point(control: &[DVec3; 6], share: f64) -> DVec3 {
-    let mut points = *control;
-    for count in (1..points.len()).rev() {
+pub(crate) fn point<const N: usize>(mut points: [DVec3; N], share: f64) -> DVec3 {
+    for count in (1..N).rev() {
         for k in 0..count {
             points[k] = points[k].lerp(points[k + 1], share);
         }
@@ -173,7 +202,7 @@ fn joined_points(knots: &[f64], spans: &[[DVec3; 6]]) -> Vec<DVec3> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// By de Boor's algorithm.
@@ -226,6 +255,26 @@ pub(super) mod tests {
                 2 => assert_eq!(spans, [4, 4]),
                 // A thousandth of the error takes about three times as many.
                 _ => assert!(spans[1] < 5 * spans[0], "{spans:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn roots_at_ends_are_no_trouble() {
+        let curves: [Curve<'_>; 3] = [
+            &|t| DVec3::new(t.sqrt(), t, 0.3 * t * t),
+            &|t| DVec3::new((1.0 - t).sqrt(), t, t.sin()),
+            &|t| DVec3::new((t * (1.0 - t)).sqrt(), t, t.cos()),
+        ];
+        for (k, curve) in curves.into_iter().enumerate() {
+            let (knots, spans) = fit_spans(curve, [0.0, 1.0], 1e-9).expect("a spline");
+            assert!(spans.len() < 60, "{k}: {}", spans.len());
+            assert!(knots.windows(2).all(|pair| pair[1] - pair[0] > 1e-5));
+            for ends in [
+                [curve(0.0), spans[0][0]],
+                [curve(1.0), spans[spans.len() - 1][5]],
+            ] {
+                assert!(ends[0].distance(ends[1]) < 1e-15, "{k}: {ends:?}");
             }
         }
     }

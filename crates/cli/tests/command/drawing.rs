@@ -1,0 +1,115 @@
+//! `csg drawing`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::{Folder, failed, succeeded};
+
+/// A block with a bore upright and one across.
+const BLOCK: &str = "difference() {
+\tcube(size = [40, 30, 20], center = true);
+\tcylinder(h = 50, r1 = 5, r2 = 5, center = true);
+\tmultmatrix([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]) { cylinder(h = 60, r1 = 3, r2 = 3, center = true); }
+}
+";
+
+#[test]
+fn hidden_lines_are_dashed_and_sizes_told() {
+    let folder = Folder::new();
+    fs::write(folder.file("block.csg"), BLOCK).expect("a file");
+    let drawing = |options: &str| -> Value {
+        let output = folder.run(&format!("drawing block.csg {options} --json -"));
+        serde_json::from_slice(&succeeded(&output).stdout).expect("JSON")
+    };
+    let count = |json: &Value, of: &str, kind: &str| json[of][kind].as_u64().expect("a number");
+    let outputs = "-o part.svg -o part.dxf -o part.pdf";
+    // From above: a block with a circle in it, and the other bore's walls, up to the circle and
+    // beyond.
+    let top = drawing(&format!("--view top --dimensions {outputs}"));
+    assert_eq!(count(&top, "visible", "lines"), 4, "{top}");
+    assert_eq!(count(&top, "visible", "arcs"), 1, "{top}");
+    assert!(count(&top, "hidden", "lines") >= 4, "{top}");
+    assert_eq!(top["dimensions"], serde_json::json!([40.0, 30.0, 10.0]));
+    let text = |name: &str| fs::read_to_string(folder.file(name)).expect("a file");
+    let (svg, dxf) = (text("part.svg"), text("part.dxf"));
+    for part in ["stroke-dasharray", ">40 mm<", ">30 mm<", ">⌀10 mm<"] {
+        assert!(svg.contains(part), "no {part} in {svg}");
+    }
+    for part in [
+        "\nCIRCLE\n",
+        "\nHIDDEN\n",
+        "\nVISIBLE\n",
+        "\n40 mm\n",
+        "\n%%c10 mm\n",
+    ] {
+        assert!(dxf.contains(part), "no {part:?}");
+    }
+    let pdf = fs::read(folder.file("part.pdf")).expect("a file");
+    assert!(pdf.starts_with(b"%PDF") && pdf.windows(9).any(|bytes| bytes == b"Helvetica"));
+    // The saddle curves of the bores are not seen from the front: from aslant they are, as
+    // splines.
+    let aslant = drawing("--view -1,1,-1 --unit in -o part.dxf");
+    assert!(count(&aslant, "hidden", "splines") > 0, "{aslant}");
+    assert!(count(&aslant, "visible", "ellipses") > 0, "{aslant}");
+    let visible = drawing("--view iso --no-hidden -o part.svg");
+    assert_eq!(
+        visible["hidden"],
+        drawing("--view top --no-hidden -o part.svg")["hidden"]
+    );
+    assert_eq!(count(&visible, "hidden", "lines"), 0);
+}
+
+#[test]
+fn what_cannot_be_drawn_is_told() {
+    let folder = Folder::new();
+    for (wrong, code) in [
+        ("--view above -o a.svg", 2),
+        ("--view 0,0,0 -o a.svg", 2),
+        ("--view top -o a.png", 2),
+        ("--view top", 2),
+    ] {
+        failed(&folder.run(&format!("drawing in.csg {wrong}")), code);
+    }
+    fs::write(folder.file("nothing.csg"), "union();").expect("a file");
+    let said = failed(&folder.run("drawing nothing.csg -o a.svg"), 4);
+    assert!(said.contains("empty"), "{said}");
+    assert_eq!(
+        folder
+            .files()
+            .iter()
+            .filter(|name| name.contains(".svg"))
+            .count(),
+        0
+    );
+}
+
+#[test]
+fn step_schemas_and_compression_are_choices_of_every_command() {
+    let folder = Folder::new();
+    let text = |name: &str| fs::read_to_string(folder.file(name)).expect("a file");
+    succeeded(&folder.run("mesh in.csg -o old.step --step-schema ap214"));
+    succeeded(&folder.run("convert in.csg same.step --step-schema ap214"));
+    succeeded(&folder.run("convert in.csg new.step"));
+    fs::write(folder.file("table.csv"), "model\nin.csg\n").expect("a file");
+    succeeded(&folder.run("sweep table.csv -o all.csv --write row-{row}.step --step-schema ap214"));
+    for (name, schema) in [
+        ("old.step", "AUTOMOTIVE_DESIGN"),
+        ("same.step", "AUTOMOTIVE_DESIGN"),
+        ("row-1.step", "AUTOMOTIVE_DESIGN"),
+        ("new.step", "AP242"),
+    ] {
+        assert!(text(name).contains(schema), "{name}");
+    }
+    if cfg!(feature = "compress") {
+        succeeded(&folder.run("mesh in.csg -o plain.glb"));
+        succeeded(&folder.run("mesh in.csg -o small.glb --compress"));
+        let size = |name: &str| fs::metadata(folder.file(name)).expect("a file").len();
+        assert!(2 * size("small.glb") < size("plain.glb"));
+        let output = folder.run("info small.glb");
+        let said = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+        assert!(said.contains("triangles"), "{said}");
+        let same = folder.run("compare small.glb plain.glb --within 0.0001");
+        succeeded(&same);
+    }
+}

@@ -1,0 +1,5 @@
+//! What fuzz targets do: see `targets.rs`.
+
+pub use {csg, io, raster};
+
+pub mod targets;

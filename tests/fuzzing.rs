@@ -1,0 +1,156 @@
+//! Fuzz targets on stable: whole files, and what chance makes of them. A fault is told with its
+//! seed, and its bytes are kept in the folder of temporary files.
+#![allow(missing_docs, reason = "a test")]
+
+use std::panic::catch_unwind;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use stereotomy::csg::{Color, Mesh, Mesher, Program, Solid};
+use stereotomy::{csg, io, raster};
+
+#[path = "../crates/fuzz/src/targets.rs"]
+mod targets;
+
+#[path = "../crates/csg/src/random.rs"]
+#[allow(dead_code, reason = "shared")]
+mod split_mix;
+use split_mix::Random;
+
+/// How long each target runs, unless STEREOTOMY_FUZZ_SECONDS says another time.
+const SECONDS: f64 = 2.0;
+
+fn small_mesh() -> Mesh {
+    let solid = Solid::cube(1.0)
+        .named("block")
+        .colored(Color::from_srgb([1.0, 0.5, 0.0]))
+        | Solid::cuboid([0.5, 0.5, 2.0]).named("post");
+    let program = Program::lower(&solid).expect("a program");
+    Mesher::new().normals().mesh(&program).expect("a mesh").mesh
+}
+
+/// Whole inputs, which chance damages.
+fn seeds(name: &str) -> Vec<Vec<u8>> {
+    let mesh = small_mesh();
+    let mut out = Vec::new();
+    let written = match name {
+        "stl" => io::stl::write_stl(&mesh, &mut out),
+        "ply" => io::ply::write_ply(&mesh, &mut out),
+        "off" => io::off::write_off(&mesh, &mut out),
+        "obj" => io::obj::write_obj(&mesh, Some("m"), &mut out),
+        "glb" => io::gltf::write_glb(&mesh, &mut out),
+        "gltf" => io::gltf::write_gltf(&mesh, "m", &mut out, &mut Vec::new()),
+        "threemf" => io::threemf::write_3mf(&mesh, &mut out),
+        "raster" => {
+            // A matrix, two more, vertices and triangles: all of them small numbers.
+            out.extend((0..400u32).map(|k| (40 + k * 37 % 200) as u8));
+            Ok(())
+        }
+        _ => {
+            let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
+            let folders = [models.clone(), models.join("hard")];
+            let files = folders
+                .iter()
+                .flat_map(|folder| std::fs::read_dir(folder).expect("models"))
+                .map(|entry| entry.expect("an entry").path());
+            let mut files: Vec<_> = files
+                .filter(|path| path.extension().is_some_and(|e| e == "csg"))
+                .collect();
+            files.sort();
+            let texts = files
+                .iter()
+                .map(|path| std::fs::read(path).expect("a model"));
+            // (Of large ones what is damaged is not looked at for long.)
+            return texts.filter(|text| text.len() < 2000).collect();
+        }
+    };
+    written.expect("written");
+    vec![out]
+}
+
+/// Text and numbers that matter somewhere.
+const TOKENS: [&[u8]; 16] = [
+    b"0",
+    b"-1",
+    b"1e309",
+    b"nan",
+    b"4294967296",
+    b"0.1",
+    b"\n",
+    b" ",
+    b"/",
+    b"null",
+    b"[]",
+    b"{",
+    b"}",
+    b"\"",
+    b"\xff\xff\xff\xff",
+    b"\0\0\0\0",
+];
+
+fn damage(data: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(5) {
+        let at = random.below(data.len().max(1));
+        let length = random.below(12);
+        let end = data.len().min(at + length);
+        match random.below(5) {
+            0 if at < data.len() => data[at] = random.below(256) as u8,
+            1 => {
+                let token = TOKENS[random.below(TOKENS.len())];
+                data.splice(at..end.max(at), token.iter().copied());
+            }
+            2 => drop(data.drain(at..end.max(at))),
+            3 => {
+                let copy = data[at..end.max(at)].to_vec();
+                let place = random.below(data.len() + 1);
+                data.splice(place..place, copy);
+            }
+            _ if at < data.len() && data[at].is_ascii_digit() => {
+                data[at] = b'0' + random.below(10) as u8;
+            }
+            _ => {}
+        }
+    }
+}
+
+fn fuzz(name: &str) {
+    let seconds = std::env::var("STEREOTOMY_FUZZ_SECONDS")
+        .map_or(SECONDS, |text| text.parse().expect("a number of seconds"));
+    let until = Instant::now() + Duration::from_secs_f64(seconds);
+    let seeds = seeds(name);
+    let mut count = 0;
+    // Every other one is whole.
+    while count == 0 || Instant::now() < until {
+        let mut random = Random(count);
+        let whole = count as usize / 2 % seeds.len();
+        let mut data = seeds[whole].clone();
+        if count % 2 == 1 {
+            damage(&mut data, &mut random);
+        }
+        if catch_unwind(|| targets::run(name, &data)).is_err() {
+            let path = std::env::temp_dir().join(format!("fuzz-{name}-{count}"));
+            std::fs::write(&path, &data).expect("kept");
+            panic!("{name}: seed {count}, in {}", path.display());
+        }
+        count += 1;
+    }
+    println!("{name}: {count} inputs");
+}
+
+macro_rules! fuzzed {
+    ($($name:ident)*) => {
+        $(
+            #[test]
+            fn $name() {
+                fuzz(stringify!($name));
+            }
+        )*
+
+        #[test]
+        fn every_target_is_run() {
+            assert_eq!(targets::ALL.map(|(name, _)| name), [$(stringify!($name)),*]);
+        }
+    };
+}
+
+fuzzed! { stl ply off obj glb gltf threemf scene solid raster }
