@@ -1,5 +1,6 @@
 //! Scalable Vector Graphics.
 
+use csg::elementary;
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -112,7 +113,7 @@ impl Pen<'_> {
                 // (Seen from the other side angles change their signs.)
                 let lean = match is_circle {
                     true => "0".to_owned(),
-                    false => decimal((-long.y).atan2(long.x).to_degrees(), 12),
+                    false => decimal(elementary::atan2(-long.y, long.x).to_degrees(), 12),
                 };
                 let turn = piece.shape.turn();
                 let sweep = u8::from(turn < 0.0);

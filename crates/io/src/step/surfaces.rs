@@ -4,6 +4,7 @@
 //! direction from which it is seen.
 
 use csg::brep::{Edge, Face};
+use csg::elementary;
 use csg::{Placement, SurfaceShape};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -69,7 +70,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 radius = -radius;
             }
             let placement = to.placement(origin, [axis, -across(view, axis)]);
-            let (radius, angle) = (Real(radius), Real(slope.atan()));
+            let (radius, angle) = (Real(radius), Real(elementary::atan(slope)));
             Written {
                 surface: to.share(format_args!(
                     "CONICAL_SURFACE('',{placement},{radius},{angle})"
@@ -129,12 +130,16 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 placement,
                 scales: radii,
             };
-            let [low, high] = scaled.range(face, |p| p.z.asinh());
+            let [low, high] = scaled.range(face, |p| elementary::asinh(p.z));
             let [half, middle] = [0.5 * (high - low), 0.5 * (low + high)];
             let profile = [
-                [low.cosh(), low.sinh(), 1.0],
-                [middle.cosh(), middle.sinh(), half.cosh()],
-                [high.cosh(), high.sinh(), 1.0],
+                [elementary::cosh(low), elementary::sinh(low), 1.0],
+                [
+                    elementary::cosh(middle),
+                    elementary::sinh(middle),
+                    elementary::cosh(half),
+                ],
+                [elementary::cosh(high), elementary::sinh(high), 1.0],
             ];
             revolved(to, face, &scaled, &profile)
         }
@@ -144,15 +149,15 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 scales: radii,
             };
             let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
-            let [_, high] = scaled.range(face, |p| p.z.abs().max(1.0).acosh());
+            let [_, high] = scaled.range(face, |p| elementary::acosh(p.z.abs().max(1.0)));
             let profile = [
                 [0.0, sign, 1.0],
                 [
-                    (0.5 * high).sinh(),
-                    sign * (0.5 * high).cosh(),
-                    (0.5 * high).cosh(),
+                    elementary::sinh(0.5 * high),
+                    sign * elementary::cosh(0.5 * high),
+                    elementary::cosh(0.5 * high),
                 ],
-                [high.sinh(), sign * high.cosh(), 1.0],
+                [elementary::sinh(high), sign * elementary::cosh(high), 1.0],
             ];
             revolved(to, face, &scaled, &profile)
         }
@@ -222,11 +227,16 @@ impl Scaled {
         let samples = self.samples(face);
         let sum: DVec3 = samples.iter().sum();
         let ahead = DVec2::new(sum.x, sum.y);
-        let farthest = samples.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
+        let farthest = samples
+            .iter()
+            .map(|p| elementary::hypot(p.x, p.y))
+            .fold(0.0, f64::max);
         // On the axis there is no angle.
-        let off_axis = samples.iter().filter(|p| p.x.hypot(p.y) > 1e-6 * farthest);
-        let turns = off_axis.map(|p| ahead.angle_to(DVec2::new(p.x, p.y)));
-        wider(turns).map(|turn| ahead.to_angle() + turn)
+        let off_axis = samples
+            .iter()
+            .filter(|p| elementary::hypot(p.x, p.y) > 1e-6 * farthest);
+        let turns = off_axis.map(|p| elementary::turn(ahead, DVec2::new(p.x, p.y)));
+        wider(turns).map(|turn| elementary::atan2(ahead.y, ahead.x) + turn)
     }
 }
 
@@ -244,9 +254,13 @@ fn wider(values: impl Iterator<Item = f64>) -> [f64; 2] {
 fn arc([from, to]: [f64; 2]) -> [[f64; 3]; 3] {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     [
-        [from.cos(), from.sin(), 1.0],
-        [middle.cos(), middle.sin(), half.cos()],
-        [to.cos(), to.sin(), 1.0],
+        [elementary::cos(from), elementary::sin(from), 1.0],
+        [
+            elementary::cos(middle),
+            elementary::sin(middle),
+            elementary::cos(half),
+        ],
+        [elementary::cos(to), elementary::sin(to), 1.0],
     ]
 }
 
