@@ -83,16 +83,17 @@ def test_lights_are_where_they_are_said_to_be() -> None:
 
 
 def test_turntables_go_round(tmp_path: pathlib.Path) -> None:
-    # A ball beside the axis is now in front of a rod on it, and now behind.
+    # A ball beside a rod: together twice as wide as thick.
     solid = st.cylinder(0.3, z=(-1, 1)) | st.sphere(0.4).translate([1, 0, 0])
     turning = solid.turntable(8, frames_per_second=5, size=(80, 60), faces_only=True)
     assert len(turning) == 8 and turning.size == (80, 60)
-    middles = []
+    widths = []
     for frame in turning:
         columns = np.nonzero((frame.pixels[..., 3] > 0).any(axis=0))[0]
-        middles.append((columns[0] + columns[-1]) / 2)
-    # To one side, and half a turn later to the other.
-    assert max(middles) > 44 and min(middles) < 36
+        widths.append(int(columns[-1] - columns[0]))
+    # Along and across, each twice in a turn.
+    assert max(widths) > 1.4 * min(widths)
+    assert all(abs(widths[k] - widths[k + 4]) <= 8 for k in range(4))
     assert turning[-1].png() == turning[7].png() != turning[0].png()
     with pytest.raises(IndexError):
         turning[8]
