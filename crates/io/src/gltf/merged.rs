@@ -298,7 +298,7 @@ impl Data {
                 });
             }
             let mut bytes = Vec::with_capacity(12 * group.positions.len());
-            for coordinate in group.positions.iter().flat_map(|p| p.to_array()) {
+            for coordinate in group.positions.iter().flat_map(Vec3::to_array) {
                 bytes.extend_from_slice(&coordinate.to_le_bytes());
             }
             let start = self.length;
