@@ -20,6 +20,8 @@ pub mod exit_codes {
     /// The model is right but too large for this program, or for the limits
     /// that were given.
     pub const TOO_LARGE: u8 = 6;
+    /// Ctrl-C was pressed.
+    pub const INTERRUPTED: u8 = 130;
 }
 
 /// The table of [`exit_codes`] for `--help`.
@@ -31,7 +33,8 @@ Exit codes:
   3  the input cannot be read, or is not what its name says
   4  the model is faulty: a bad argument of a node, or no bounds
   5  the output cannot be written
-  6  the model is too large for this program, or for the limits given";
+  6  the model is too large for this program, or for the limits given
+130  stopped by Ctrl-C";
 
 /// An error on its way to the user.
 #[derive(Debug)]

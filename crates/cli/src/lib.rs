@@ -18,6 +18,7 @@
 mod commands;
 mod failure;
 mod input;
+mod interrupt;
 mod mesher;
 mod nothing;
 mod openscad;

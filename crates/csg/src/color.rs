@@ -1,5 +1,6 @@
 //! Colours: linear RGBA inside, sRGB only where a name says so.
 
+use crate::elementary;
 use serde::{Deserialize, Serialize};
 
 /// A colour in linear RGB with straight (not premultiplied) opacity; every
@@ -45,7 +46,7 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
+        power((encoded + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -55,8 +56,12 @@ pub fn linear_to_srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 {
         linear * 12.92
     } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
+        1.055 * power(linear, 1.0 / 2.4) - 0.055
     }
+}
+
+fn power(x: f32, y: f64) -> f32 {
+    elementary::pow(f64::from(x), y) as f32
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What a finished mesh gets from the surfaces it lies on: exact normals,
 //! feature edges, and a measurement of how far it strays.
 
+use crate::elementary;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -79,7 +80,7 @@ pub(crate) fn largest_distances(program: &Program, mesh: &Mesh) -> (f64, f64) {
 pub(crate) fn feature_edges(program: &Program, mesh: &Mesh, angle: f64) -> Vec<Vec<u32>> {
     let mut sides: FxHashMap<(u32, u32), usize> = FxHashMap::default();
     let mut edges: Vec<(u32, u32)> = Vec::new();
-    let least_cosine = angle.cos();
+    let least_cosine = elementary::cos(angle);
     // Only vertices on several surfaces have such edges.
     let on_feature = vertices_on_several(mesh);
     for (triangle, corners) in mesh.triangles.iter().enumerate() {

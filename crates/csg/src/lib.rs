@@ -39,6 +39,7 @@
 //!
 //! What could not be done is in the report ([`Report`]) or an [`Error`] that says where and how to
 //! mend it; nothing is silently wrong. `ARCHITECTURE.md` in the repository tells how it works.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod adapt;
 mod arrangement;
@@ -47,6 +48,7 @@ mod clock;
 pub mod color;
 mod control;
 mod draft;
+pub mod elementary;
 mod error;
 mod finish;
 mod limits;

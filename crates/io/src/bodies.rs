@@ -1,6 +1,7 @@
 //! Which connected parts of a mesh are the walls of voids, and in which others these are.
 
 use csg::Mesh;
+use csg::elementary;
 use csg::mesh::Components;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -85,7 +86,7 @@ fn winding(mesh: &Mesh, components: &Components, component: usize, point: DVec3)
                 .corners(index)
                 .map(|corner| (corner - point).normalize_or_zero());
             let below = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
-            2.0 * a.dot(b.cross(c)).atan2(below)
+            2.0 * elementary::atan2(a.dot(b.cross(c)), below)
         });
     angles.sum::<f64>() / (4.0 * std::f64::consts::PI)
 }

@@ -1,6 +1,7 @@
 //! Pieces of conics as rational curves of degree two.
 
 use csg::brep::CurveShape;
+use csg::elementary;
 use glam::{DVec3, DVec4};
 
 /// Control points of a piece of a hyperbola, a parabola or a conic whose centre is far away:
@@ -20,8 +21,8 @@ pub(crate) fn control(curve: &CurveShape, [from, to]: [f64; 2]) -> Option<[DVec4
         // The tangents at m - h and m + h meet at center + (cosh m a + sinh m b) / cosh h, and
         // the weight of that is cosh h.
         CurveShape::Hyperbola { center, a, b } => {
-            let at = |t: f64| -> DVec3 { t.cosh() * a + t.sinh() * b };
-            let half = (0.5 * (to - from)).cosh();
+            let at = |t: f64| -> DVec3 { elementary::cosh(t) * a + elementary::sinh(t) * b };
+            let half = elementary::cosh(0.5 * (to - from));
             let middle = half * center + at(0.5 * (from + to));
             let ends = [from, to].map(|t| (center + at(t)).extend(1.0));
             Some([ends[0], middle.extend(half), ends[1]])

@@ -1,4 +1,5 @@
 //! Files: meshes and scenes, in and out.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod assemble;
 mod atomic;

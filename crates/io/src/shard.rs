@@ -19,15 +19,19 @@
 //! to be put together by the program that made them, not for keeping.
 
 use std::borrow::Cow;
+use std::fmt;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use csg::{Merger, Slab, SlabBody, SlabHead, SlabSource};
+use csg::{CancelToken, Merger, Slab, SlabBody, SlabHead, SlabSource};
 use glam::DVec3;
 
 use crate::atomic::AtomicFile;
+use crate::gltf::{self, MergedGlb};
 use crate::{Error, MeshFormat, WriteOptions, ply, stl, write_mesh};
 
 /// The extension of such files, without the dot.
@@ -103,6 +107,61 @@ pub struct ShardFile {
     path: PathBuf,
     sections: [Section; SECTIONS],
     head: SlabHead,
+    reading: Reading,
+}
+
+/// What follows the reading of shards, and stops it: all that a merger does comes of that.
+/// Clones are of the same reading.
+#[derive(Clone, Default)]
+pub struct Reading {
+    cancel: CancelToken,
+    read: Arc<AtomicU64>,
+    told: Option<Arc<dyn Fn(u64) + Send + Sync>>,
+}
+
+impl Reading {
+    /// Nobody follows it yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Cancelling ends it, and what is made of the shards, with [`csg::Error::Cancelled`].
+    #[must_use]
+    pub fn cancel_token(mut self, token: CancelToken) -> Self {
+        self.cancel = token;
+        self
+    }
+
+    /// `told` is called with the number of bytes that were read so far. A file is written when
+    /// all of them ([`ShardFile::length`]) were read about once since it was begun.
+    #[must_use]
+    pub fn progress(mut self, told: impl Fn(u64) + Send + Sync + 'static) -> Self {
+        self.told = Some(Arc::new(told));
+        self
+    }
+
+    /// How many bytes were read so far.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.read.load(Ordering::Relaxed)
+    }
+
+    fn add(&self, bytes: u64) {
+        let so_far = bytes + self.read.fetch_add(bytes, Ordering::Relaxed);
+        if let Some(told) = &self.told {
+            told(so_far);
+        }
+    }
+}
+
+impl fmt::Debug for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Reading")
+            .field("cancel", &self.cancel)
+            .field("read", &self.read)
+            .finish_non_exhaustive()
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -120,6 +179,22 @@ impl ShardFile {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path).map_err(|problem| Error::Slab(faulty(path, problem)))
+    }
+
+    /// The same, followed and stopped by others.
+    #[must_use]
+    pub fn followed(mut self, reading: &Reading) -> Self {
+        self.reading = reading.clone();
+        self
+    }
+
+    /// How many bytes there are of vertices, triangles and what they lie on.
+    #[must_use]
+    pub fn length(&self) -> u64 {
+        let sections = self.sections[1..].iter();
+        sections
+            .map(|section| section.bytes.end - section.bytes.start)
+            .sum()
     }
 
     fn read(path: &Path) -> Result<Self, String> {
@@ -180,16 +255,22 @@ impl ShardFile {
             path: path.to_owned(),
             sections,
             head,
+            reading: Reading::new(),
         })
     }
 
     /// A section of the file.
     fn bytes(&self, index: usize) -> Result<Vec<u8>, csg::Error> {
+        if self.reading.cancel.is_cancelled() {
+            return Err(csg::Error::Cancelled);
+        }
         let read = || {
             let mut file = File::open(&self.path).map_err(|error| error.to_string())?;
             section(&mut file, &self.sections[index])
         };
-        read().map_err(|problem| faulty(&self.path, problem))
+        let bytes = read().map_err(|problem| faulty(&self.path, problem))?;
+        self.reading.add(bytes.len() as u64);
+        Ok(bytes)
     }
 }
 
@@ -262,34 +343,77 @@ impl SlabSource for ShardFile {
     }
 }
 
-/// Writes a mesh put together from slabs to a file whose extension names the format: the same
-/// bytes as [`write_mesh`] writes of the whole mesh with normals. PLY and
-/// binary STL are written piece by piece; for the other formats the mesh is put together in
-/// memory.
+/// Writes a mesh put together from slabs to a file whose extension names the format, and returns
+/// the names of the files.
+///
+/// The bytes are those that [`write_mesh`] writes of the whole mesh with normals, but for GLB of
+/// more than [`gltf::CHUNK`] triangles: that has a mesh without normals and names for every so
+/// many of them, in files of [`gltf::CHUNKS_PER_FILE`] such chunks (`a.glb`, `a-2.glb`, …), each
+/// whole by itself and all in one place. PLY, binary STL and such GLB are written piece by piece;
+/// for the other formats the mesh is put together in memory. The bytes are the same for any
+/// number of slabs.
 ///
 /// # Errors
-/// As [`write_mesh`]; and slabs that cannot be read.
-pub fn write_merged(path: impl AsRef<Path>, merger: &Merger<impl SlabSource>) -> Result<(), Error> {
+/// As [`write_mesh`]; and slabs that cannot be read, or no longer shall be ([`Reading`]).
+pub fn write_merged(
+    path: impl AsRef<Path>,
+    merger: &Merger<impl SlabSource>,
+) -> Result<Vec<PathBuf>, Error> {
     let path = path.as_ref();
-    let by_format = || {
-        let mut file = match MeshFormat::from_path(path)? {
-            MeshFormat::Ply | MeshFormat::Stl => AtomicFile::create(path)?,
-            _ => {
-                let mesh = merger.mesh_with_normals()?;
-                return write_mesh(path, &mesh, &WriteOptions::default());
-            }
-        };
-        match MeshFormat::from_path(path)? {
-            MeshFormat::Ply => ply::write_merged_ply(merger, &mut file)?,
-            _ => stl::write_merged_stl(merger, &mut file)?,
-        }
-        file.commit()
-    };
-    by_format().map_err(|error: Error| match error {
+    by_format(path, merger, (gltf::CHUNK, gltf::CHUNKS_PER_FILE)).map_err(|error| match error {
         // It names the shard.
         Error::Slab(_) => error,
         _ => error.in_file(path),
     })
+}
+
+fn by_format(
+    path: &Path,
+    merger: &Merger<impl SlabSource>,
+    (chunk, chunks): (usize, usize),
+) -> Result<Vec<PathBuf>, Error> {
+    match MeshFormat::from_path(path)? {
+        MeshFormat::Ply => {
+            let mut file = AtomicFile::create(path)?;
+            ply::write_merged_ply(merger, &mut file)?;
+            file.commit()?;
+        }
+        MeshFormat::Stl => {
+            let mut file = AtomicFile::create(path)?;
+            stl::write_merged_stl(merger, &mut file)?;
+            file.commit()?;
+        }
+        MeshFormat::Glb if merger.triangle_count() > chunk => {
+            let glb = MergedGlb::new(merger, chunk);
+            let names = (1..=glb.files(chunks)).map(|number| numbered(path, number));
+            let names: Vec<PathBuf> = names.collect();
+            let files = names.iter().map(AtomicFile::create);
+            let mut files = files.collect::<Result<Vec<_>, _>>()?;
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new("."));
+            let data = || tempfile::tempfile_in(folder).map_err(Error::file("write in", folder));
+            glb.write(chunks, &mut files, data)?;
+            AtomicFile::commit_all(files)?;
+            return Ok(names);
+        }
+        _ => {
+            let mesh = merger.mesh_with_normals()?;
+            write_mesh(path, &mesh, &WriteOptions::default())?;
+        }
+    }
+    Ok(vec![path.to_owned()])
+}
+
+/// The name of one of several files.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    if number == 1 {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{number}.{extension}"))
 }
 
 #[cfg(test)]
@@ -341,6 +465,77 @@ mod tests {
                 assert!(merged == expected, "{format} of {shards}");
             }
         }
+    }
+
+    #[test]
+    fn chunks_are_the_same_for_any_number_of_shards() {
+        let glb = |shards: u32, chunks: usize| {
+            let (folder, paths, mesh) = folder(shards, 50);
+            let merger = merger(&paths).expect("shards of one mesh");
+            let path = folder.path().join("a.glb");
+            let chunk = mesh.triangles.len() / 5 + 1;
+            let names = by_format(&path, &merger, (chunk, chunks)).expect("written");
+            let files = names.iter().map(|name| fs::read(name).expect("a file"));
+            let files: Vec<Vec<u8>> = files.collect();
+            // Nothing is left that was on the way.
+            let all = fs::read_dir(folder.path()).expect("a folder").count();
+            assert_eq!(all, paths.len() + names.len());
+            (files, mesh)
+        };
+        for (chunks, files) in [(64, 1), (2, 3), (5, 1)] {
+            let (whole, mesh) = glb(1, chunks);
+            assert_eq!(whole.len(), files);
+            for shards in [3, 40] {
+                assert!(glb(shards, chunks).0 == whole, "{shards} shards");
+            }
+            // The triangles of the whole, in single precision.
+            let read = whole.iter().map(|file| gltf::read_glb(file).expect("GLB"));
+            let read: Vec<csg::Mesh> = read.collect();
+            let count: usize = read.iter().map(|mesh| mesh.triangles.len()).sum();
+            assert_eq!(count, mesh.triangles.len());
+            // (About one point, as the files' meshes are not closed.)
+            let cones = |mesh: &csg::Mesh| -> f64 {
+                let corners = (0..mesh.triangles.len()).map(|t| mesh.corners(t));
+                corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+            };
+            let volume: f64 = read.iter().map(cones).sum();
+            assert!((volume - cones(&mesh)).abs() < 1e-5, "{volume}");
+            let colors = read.iter().flat_map(|mesh| &mesh.surfaces);
+            assert!(colors.clone().any(|surface| surface.color.is_some()));
+        }
+    }
+
+    #[test]
+    fn reading_is_followed_and_stopped() {
+        let (folder, paths, _) = folder(3, 20);
+        let token = CancelToken::new();
+        let most = Arc::new(AtomicU64::new(0));
+        let seen = Arc::clone(&most);
+        let reading = Reading::new()
+            .cancel_token(token.clone())
+            .progress(move |bytes| seen.store(bytes, Ordering::Relaxed));
+        let shards = paths.iter().map(ShardFile::open);
+        let shards = shards.map(|shard| shard.expect("a shard").followed(&reading));
+        let shards: Vec<ShardFile> = shards.collect();
+        let length: u64 = shards.iter().map(ShardFile::length).sum();
+        let merger = Merger::new(shards).expect("shards of one mesh");
+        let before = reading.bytes();
+        for format in ["ply", "stl"] {
+            let path = folder.path().join("a").with_extension(format);
+            let before = reading.bytes();
+            write_merged(path, &merger).expect("written");
+            assert_eq!(reading.bytes(), most.load(Ordering::Relaxed));
+            let share = (reading.bytes() - before) as f64 / length as f64;
+            assert!((0.8..=1.2).contains(&share), "{format}: {share}");
+        }
+        assert!(before < length);
+        token.cancel();
+        let stopped = write_merged(folder.path().join("b.ply"), &merger).expect_err("cancelled");
+        assert!(
+            matches!(stopped, Error::Slab(csg::Error::Cancelled)),
+            "{stopped}"
+        );
+        assert!(!folder.path().join("b.ply").exists());
     }
 
     #[test]

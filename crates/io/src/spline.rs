@@ -1,5 +1,6 @@
 //! Curves without a short equation, as B-splines.
 
+use csg::elementary;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -119,14 +120,14 @@ struct Differences {
 /// whose square is that of second ones.
 static DIFFERENCES: LazyLock<Differences> = LazyLock::new(|| {
     let angle = |k: usize| PI * k as f64 / DEGREE as f64;
-    let nodes: [f64; DEGREE + 1] = std::array::from_fn(|k| (0.5 * angle(k)).sin().powi(2));
+    let nodes: [f64; DEGREE + 1] = std::array::from_fn(|k| elementary::sin(0.5 * angle(k)).powi(2));
     let weight = |k: usize| {
         let end = if k == 0 || k == DEGREE { 2.0 } else { 1.0 };
         if k.is_multiple_of(2) { end } else { -end }
     };
     // x_i - x_j without cancellation.
     let gap = |i: usize, j: usize| {
-        (0.5 * (angle(i) + angle(j))).sin() * (0.5 * (angle(i) - angle(j))).sin()
+        elementary::sin(0.5 * (angle(i) + angle(j))) * elementary::sin(0.5 * (angle(i) - angle(j)))
     };
     let mut matrix = [[0.0; DEGREE + 1]; DEGREE + 1];
     for (i, row) in matrix.iter_mut().enumerate() {

@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use common::{colored_box, in_unit, small_box, sphere};
-use csg::{LengthUnit, Mesh};
+use csg::{LengthUnit, Merger, Mesh, Mesher, Program, Solid};
 use glam::{DVec3, dvec3};
+use io::shard::write_merged;
 use io::{WriteOptions, write_mesh};
 
 /// The folder with the validator's `node_modules`.
@@ -128,6 +129,28 @@ fn the_khronos_validator_finds_nothing() {
             assert_eq!(report["materialCount"], *materials, "{name}");
         }
     }
+}
+
+#[test]
+fn chunks_of_a_merged_mesh_pass() {
+    let red = csg::Color::from_srgb([0.8, 0.1, 0.1]);
+    let solid = Solid::sphere(1.0) - Solid::cube(1.0).translate([0.5; 3]).colored(red);
+    let program = Program::lower(&solid).expect("a valid solid");
+    let mesher = Mesher::new().cells(480);
+    let slabs = (0..3).map(|part| mesher.slab(&program, part, 3));
+    let slabs = slabs.collect::<Result<_, _>>().expect("slabs");
+    let merger = Merger::new(slabs).expect("slabs of one mesh");
+    assert!(merger.triangle_count() > io::gltf::CHUNK);
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = write_merged(folder.path().join("ball.glb"), &merger).expect("written");
+    let report = &validate(&files)[0];
+    assert_eq!(report["numErrors"], 0, "{report:#}");
+    assert_eq!(report["numWarnings"], 0, "{report:#}");
+    assert_eq!(report["totalTriangleCount"], merger.triangle_count());
+    assert_eq!(report["materialCount"], 2);
+    let read = io::gltf::read_glb(&fs::read(&files[0]).expect("a file")).expect("GLB");
+    let whole = mesher.mesh(&program).expect("a mesh").mesh;
+    assert!((read.volume() - whole.volume()).abs() < 1e-5);
 }
 
 #[test]

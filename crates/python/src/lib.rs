@@ -48,6 +48,7 @@ fn _stereotomy(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<check::PyCheck>()?;
     module.add_class::<check::PyMeasure>()?;
     module.add_class::<picture::PyPicture>()?;
+    module.add_class::<picture::PyAnimation>()?;
     primitives::add_to(module)?;
     bodies::add_to(module)?;
     shapes::add_to(module)?;

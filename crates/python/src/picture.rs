@@ -1,22 +1,25 @@
 //! The class `Picture`, and pictures of solids and meshes.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use csg::{Mesh, Program};
-use glam::{DVec2, DVec3};
+use csg::{Color, Mesh, Program};
+use glam::{DVec2, DVec3, Vec3};
+use io::AtomicFile;
 use numpy::PyArray3;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use raster::{
-    Camera, EdgeOptions, Framing, HiddenEdges, Image, Lens, Part, RasterError, RenderOptions,
-    Scene, StandardView, clear_view,
+    Camera, EdgeOptions, Finish, Framing, HiddenEdges, Image, Lens, Light, MAX_SECTIONS, Part,
+    Prepared, RasterError, RenderOptions, Renderer, Scene, SectionPlane, StandardView, clear_view,
+    turntable, turntable_camera, write_apng, write_gif,
 };
 
 use crate::arguments::{AnyColor, Place, word};
 use crate::arrays;
-use crate::errors::{invalid, of_model};
+use crate::errors::{invalid, of_file, of_model};
 use crate::mesh::PyMesh;
 use crate::solid::PySolid;
 use crate::waiting::{Follow, wait, wait_out};
@@ -62,6 +65,77 @@ impl PyPicture {
     }
 }
 
+/// Pictures of one size, one after another: Jupyter plays them, `save` writes an animated PNG or a
+/// GIF file, and `animation[k]` is a `Picture`.
+#[pyclass(frozen, sequence, name = "Animation", module = "stereotomy")]
+pub(crate) struct PyAnimation {
+    frames: Vec<Image>,
+    frames_per_second: u16,
+}
+
+impl PyAnimation {
+    fn bytes(&self, is_gif: bool) -> Result<Vec<u8>, RasterError> {
+        let mut bytes = Vec::new();
+        let write = if is_gif { write_gif } else { write_apng };
+        write(&self.frames, self.frames_per_second, &mut bytes)?;
+        Ok(bytes)
+    }
+}
+
+#[pymethods]
+impl PyAnimation {
+    /// (width, height) in pixels.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        let first = self.frames.first();
+        first.map_or((0, 0), |first| (first.width, first.height))
+    }
+
+    fn __len__(&self) -> usize {
+        self.frames.len()
+    }
+
+    fn __getitem__(&self, index: isize) -> PyResult<PyPicture> {
+        let count = self.frames.len() as isize;
+        let at = if index < 0 { index + count } else { index };
+        let frame = usize::try_from(at).ok().and_then(|at| self.frames.get(at));
+        frame
+            .cloned()
+            .map(PyPicture)
+            .ok_or_else(|| PyIndexError::new_err(format!("frame {index} of {count}")))
+    }
+
+    /// The bytes of an animated PNG file.
+    fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = wait_out(py, || self.bytes(false))?.map_err(of_picture)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes an animated PNG file, or a GIF if the name ends so.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        let is_gif = ending == "gif";
+        if !(is_gif || ending == "png") {
+            let wanted = "animations are written as .png or .gif";
+            return Err(invalid(format!("{}: {wanted}", path.display())));
+        }
+        let bytes = wait_out(py, || self.bytes(is_gif))?.map_err(of_picture)?;
+        let mut file = AtomicFile::create(&path).map_err(of_file)?;
+        file.write_all(&bytes)?;
+        file.commit().map_err(of_file)
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.png(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let (width, height) = self.size();
+        let count = self.frames.len();
+        format!("<Animation of {count} pictures of {width} x {height} pixels>")
+    }
+}
+
 fn of_picture(error: RasterError) -> PyErr {
     invalid(match &error {
         RasterError::NothingToFrame => {
@@ -81,9 +155,10 @@ struct PictureOptions {
     /// The camera's own place and what it looks at.
     eye: Option<(DVec3, DVec3)>,
     lens: Lens,
+    sections: Vec<SectionPlane>,
 }
 
-const KNOWN: [&str; 11] = [
+const KNOWN: [&str; 17] = [
     "size",
     "view",
     "eye",
@@ -95,6 +170,12 @@ const KNOWN: [&str; 11] = [
     "faces_only",
     "hidden_edges",
     "axes",
+    "sections",
+    "cap_color",
+    "lights",
+    "point_lights",
+    "ambient",
+    "material",
 ];
 
 impl PictureOptions {
@@ -104,8 +185,10 @@ impl PictureOptions {
             direction: None,
             eye: None,
             lens: Lens::DEFAULT,
+            sections: Vec::new(),
         };
         let (mut eye, mut target) = (None, [0.0; 3]);
+        let (mut given, mut ambient) = (Vec::new(), None);
         for (name, value) in options.into_iter().flatten() {
             let name: String = name.extract()?;
             if value.is_none() && KNOWN.contains(&name.as_str()) {
@@ -136,6 +219,24 @@ impl PictureOptions {
                     render.edges = Some(EdgeOptions::default().hidden(HiddenEdges::Dash));
                 }
                 "axes" => render.triad = value.extract()?,
+                "sections" => made.sections = sections(&value)?,
+                "cap_color" => render.cap_color = Some(value.extract::<AnyColor>()?.0),
+                "lights" => {
+                    let lights = placed("lights", &value)?.into_iter();
+                    given.extend(
+                        lights
+                            .map(|(towards, intensity)| Light::Directional { towards, intensity }),
+                    );
+                }
+                "point_lights" => {
+                    let lights = placed("point_lights", &value)?.into_iter();
+                    given.extend(lights.map(|(position, intensity)| Light::Point {
+                        position,
+                        intensity,
+                    }));
+                }
+                "ambient" => ambient = Some(intensity(value.extract::<AnyColor>()?.0)),
+                "material" => render.finish = finish(&value)?,
                 "parallel" | "faces_only" | "hidden_edges" => {}
                 _ => {
                     return Err(PyTypeError::new_err(format!(
@@ -147,6 +248,19 @@ impl PictureOptions {
         }
         if let Some(eye) = eye {
             made.eye = Some((eye.into(), target.into()));
+        }
+        let lights = &mut made.render.lights;
+        let is_ambient = |light: &Light| matches!(light, Light::Ambient { .. });
+        if given.len() > 16 {
+            return Err(invalid(format!("{} lights: give 16 at most", given.len())));
+        }
+        if !given.is_empty() {
+            lights.retain(is_ambient);
+            lights.append(&mut given);
+        }
+        if let Some(intensity) = ambient {
+            lights.retain(|light| !is_ambient(light));
+            lights.push(Light::Ambient { intensity });
         }
         Ok(made)
     }
@@ -164,7 +278,7 @@ impl PictureOptions {
         let (direction, up) = match (self.eye, self.direction) {
             (Some((eye, target)), _) => upright(target - eye),
             (None, Some(view)) => view,
-            (None, None) => upright(clear_view(mesh, &[])),
+            (None, None) => upright(clear_view(mesh, &self.sections)),
         };
         let framing = Framing {
             direction,
@@ -191,13 +305,125 @@ impl PictureOptions {
         })
     }
 
+    fn prepared(&self, mesh: &Arc<Mesh>) -> Result<Prepared, RasterError> {
+        if self.sections.is_empty() {
+            return Ok(Scene::new().add(Part::new(Arc::clone(mesh))).prepare());
+        }
+        Prepared::with_sections(mesh, &self.sections)
+    }
+
     fn draw(&self, mesh: &Arc<Mesh>) -> Result<Image, RasterError> {
         let camera = self.camera(mesh)?;
         let mut render = self.render.clone();
         render.ground_shadow &= camera.target.z < camera.eye.z;
-        let scene = Scene::new().add(Part::new(Arc::clone(mesh)));
-        scene.render(&camera, &render)
+        let (width, height) = (render.width, render.height);
+        let view = camera.view(width, height)?;
+        let mut image = Image::default();
+        let prepared = self.prepared(mesh)?;
+        Renderer::default().draw(&prepared, &view, width, height, &render, &mut image)?;
+        Ok(image)
     }
+
+    /// Pictures from all around, at the attitude of the camera and as far away as all sides
+    /// need.
+    fn turn(&self, mesh: &Arc<Mesh>, frames: u32) -> Result<Vec<Image>, RasterError> {
+        let camera = self.camera(mesh)?;
+        let (width, height) = (self.render.width, self.render.height);
+        let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
+        let around = turntable_camera(mesh, StandardView::Iso, self.lens, aspect)?;
+        let back = (camera.eye - camera.target).normalize_or_zero();
+        let camera = Camera {
+            eye: around.target + back * around.eye.distance(around.target),
+            up: camera.up,
+            ..around
+        };
+        let mut render = self.render.clone();
+        render.ground_shadow &= back.z > 0.0;
+        turntable(
+            &self.prepared(mesh)?,
+            &camera,
+            frames,
+            width,
+            height,
+            &render,
+        )
+    }
+}
+
+/// Planes as (normal, point).
+fn sections(value: &Bound<'_, PyAny>) -> PyResult<Vec<SectionPlane>> {
+    let wrong = |said: &str| invalid(format!("sections: {said}"));
+    let planes: Vec<([f64; 3], [f64; 3])> = value.extract().map_err(|_| {
+        wrong("give a list of planes, each as (normal, point), with the normal towards what goes")
+    })?;
+    if planes.len() > MAX_SECTIONS {
+        let count = planes.len();
+        return Err(wrong(&format!(
+            "{count} planes: give {MAX_SECTIONS} at most"
+        )));
+    }
+    let plane = |(normal, point): ([f64; 3], [f64; 3])| {
+        let (normal, point) = (DVec3::from(normal), DVec3::from(point));
+        match normal.try_normalize() {
+            Some(_) if point.is_finite() => Ok(SectionPlane { normal, point }),
+            _ => Err(wrong("a normal is zero, or a number not finite")),
+        }
+    };
+    planes.into_iter().map(plane).collect()
+}
+
+fn intensity(color: Color) -> Vec3 {
+    Vec3::from_array(color.rgb)
+}
+
+/// Lights, each as a direction or a place, or that and a colour.
+fn placed(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(DVec3, Vec3)>> {
+    let wrong = || {
+        let form = "give a list of (x, y, z), or of ((x, y, z), color)";
+        invalid(format!(
+            "{name}: {form}, of numbers that are finite and not all 0"
+        ))
+    };
+    let light = |light: PyResult<Bound<'_, PyAny>>| {
+        let light = light?;
+        let (place, color) = match light.extract::<[f64; 3]>() {
+            Ok(place) => (place, Vec3::ONE),
+            Err(_) => {
+                let (place, color) = light
+                    .extract::<([f64; 3], AnyColor)>()
+                    .map_err(|_| wrong())?;
+                (place, intensity(color.0))
+            }
+        };
+        let place = DVec3::from(place);
+        match place.is_finite() && (name != "lights" || place != DVec3::ZERO) {
+            true => Ok((place, color)),
+            false => Err(wrong()),
+        }
+    };
+    value.try_iter().map_err(|_| wrong())?.map(light).collect()
+}
+
+/// Ka, Kd, Ks and n of the Phong model.
+fn finish(value: &Bound<'_, PyAny>) -> PyResult<Finish> {
+    match value.extract::<[f32; 4]>() {
+        Ok(numbers) if numbers.iter().all(|n| (0.0..=1e4).contains(n)) => {
+            let [ambient, diffuse, specular, exponent] = numbers;
+            Ok(Finish::new(ambient, diffuse, specular, exponent))
+        }
+        _ => Err(invalid(
+            "material: give Ka, Kd, Ks and n of the Phong model, four numbers from 0",
+        )),
+    }
+}
+
+fn frames_of(count: u32, frames_per_second: u16) -> PyResult<()> {
+    if (1..=1000).contains(&count) && (1..=100).contains(&frames_per_second) {
+        return Ok(());
+    }
+    Err(invalid(format!(
+        "turntable: frames={count}, frames_per_second={frames_per_second}: give 1 to 1000, and 1 to 100"
+    )))
 }
 
 /// Z is up, unless the view is along it.
@@ -228,12 +454,31 @@ impl PyMesh {
     /// A picture of the mesh: the options are those of `Solid.render`.
     #[pyo3(
         signature = (**options),
-        text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False)"
+        text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False, sections=(), cap_color=None, lights=None, point_lights=None, ambient=None, material=None)"
     )]
     fn render(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyPicture> {
         let options = PictureOptions::of(options)?;
         let image = wait_out(py, || options.draw(&self.mesh))?;
         Ok(PyPicture(image.map_err(of_picture)?))
+    }
+
+    /// Pictures from all around, once about the upward axis; the options are those of
+    /// `Solid.render`.
+    #[pyo3(signature = (frames=36, *, frames_per_second=15, **options))]
+    fn turntable(
+        &self,
+        py: Python<'_>,
+        frames: u32,
+        frames_per_second: u16,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyAnimation> {
+        frames_of(frames, frames_per_second)?;
+        let options = PictureOptions::of(options)?;
+        let frames = wait_out(py, || options.turn(&self.mesh, frames))?;
+        Ok(PyAnimation {
+            frames: frames.map_err(of_picture)?,
+            frames_per_second,
+        })
     }
 
     /// (Eye, target) of the camera of `render(size=size)`.
@@ -260,6 +505,12 @@ impl PySolid {
     /// faces_only: without edges, shadow and ambient occlusion.
     /// hidden_edges: dashed.
     /// axes: drawn in the lower left corner.
+    /// sections: planes as (normal, point), up to 4, which cut away what lies on the side of
+    ///     the normal; caps are hatched, and have `cap_color` if it is given.
+    /// lights, point_lights: in place of the three that follow the camera: directions towards
+    ///     lights, and places of lights, each alone or as ((x, y, z), color).
+    /// ambient: the light from everywhere.
+    /// material: Ka, Kd, Ks and n of the Phong model.
     ///
     /// >>> import stereotomy as st
     /// >>> picture = st.cube(1).render(size=(64, 48), background="#ffffff")
@@ -267,24 +518,57 @@ impl PySolid {
     /// (48, 64, 4)
     #[pyo3(
         signature = (**options),
-        text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False)"
+        text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False, sections=(), cap_color=None, lights=None, point_lights=None, ambient=None, material=None)"
     )]
     fn render(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyPicture> {
         let options = PictureOptions::of(options)?;
-        let solid = self.0.clone();
-        let follow = Follow::default();
-        let mesher = csg::Mesher::new()
-            .normals()
-            .cancel_token(follow.cancel.clone());
-        let image = wait(py, &follow, move || {
-            let program = Program::lower(&solid).map_err(of_model)?;
-            let mesher = match options.tolerance(&program).map_err(of_model)? {
-                Some(tolerance) => mesher.tolerance(tolerance),
-                None => mesher,
-            };
-            let meshed = mesher.mesh(&program).map_err(of_model)?;
-            options.draw(&Arc::new(meshed.mesh)).map_err(of_picture)
-        })?;
-        Ok(PyPicture(image?))
+        let image = of_solid(py, &self.0, &options, |mesh| options.draw(mesh))?;
+        Ok(PyPicture(image))
     }
+
+    /// Pictures from all around, once about the upward axis; the options are those of
+    /// `render`.
+    ///
+    /// >>> import stereotomy as st
+    /// >>> round_one = st.cube(1).turntable(12, size=(64, 48))
+    /// >>> len(round_one), round_one.size
+    /// (12, (64, 48))
+    #[pyo3(signature = (frames=36, *, frames_per_second=15, **options))]
+    fn turntable(
+        &self,
+        py: Python<'_>,
+        frames: u32,
+        frames_per_second: u16,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyAnimation> {
+        frames_of(frames, frames_per_second)?;
+        let options = PictureOptions::of(options)?;
+        let frames = of_solid(py, &self.0, &options, |mesh| options.turn(mesh, frames))?;
+        Ok(PyAnimation {
+            frames,
+            frames_per_second,
+        })
+    }
+}
+
+/// What is drawn of a solid's mesh, as fine as its pictures need.
+fn of_solid<T: Send>(
+    py: Python<'_>,
+    solid: &csg::Solid,
+    options: &PictureOptions,
+    draw: impl FnOnce(&Arc<Mesh>) -> Result<T, RasterError> + Send,
+) -> PyResult<T> {
+    let follow = Follow::default();
+    let mesher = csg::Mesher::new()
+        .normals()
+        .cancel_token(follow.cancel.clone());
+    wait(py, &follow, move || {
+        let program = Program::lower(solid).map_err(of_model)?;
+        let mesher = match options.tolerance(&program).map_err(of_model)? {
+            Some(tolerance) => mesher.tolerance(tolerance),
+            None => mesher,
+        };
+        let meshed = mesher.mesh(&program).map_err(of_model)?;
+        draw(&Arc::new(meshed.mesh)).map_err(of_picture)
+    })?
 }

@@ -2,9 +2,11 @@
 //! `stereotomy.distributed` hands out to workers.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use csg::{Merger, Meshed, Program};
-use io::shard::{ShardFile, write_merged, write_shard, write_shard_file};
+use io::shard::{Reading, ShardFile, write_merged, write_shard, write_shard_file};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -14,7 +16,7 @@ use crate::errors::{of_file, of_model};
 use crate::mesh::PyMesh;
 use crate::meshing::MeshOptions;
 use crate::solid::PySolid;
-use crate::waiting::{wait, wait_out};
+use crate::waiting::{Follow, wait, wait_out};
 
 pub(crate) fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(shard, module)?)?;
@@ -53,19 +55,36 @@ fn shard<'py>(
 
 /// The mesh of shards, in a file or in memory.
 #[pyfunction]
-#[pyo3(name = "_merge", signature = (shards, path, normals, check))]
-fn merge(
-    py: Python<'_>,
+#[pyo3(name = "_merge", signature = (shards, path, normals, check, progress))]
+fn merge<'py>(
+    py: Python<'py>,
     shards: Vec<PathBuf>,
     path: Option<PathBuf>,
     normals: bool,
     check: bool,
+    progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Option<PyMesh>> {
-    let made = wait_out(py, move || {
+    let follow = Follow {
+        callback: progress,
+        ..Follow::default()
+    };
+    let (share, length) = (follow.share.clone(), Arc::new(AtomicU64::new(u64::MAX)));
+    let all = Arc::clone(&length);
+    let reading = Reading::new()
+        .cancel_token(follow.cancel.clone())
+        .progress(move |bytes| {
+            // (To begin with some shards are looked at, then all of them once.)
+            share.set((bytes as f64 / all.load(Ordering::Relaxed) as f64).min(1.0));
+        });
+    let made = wait(py, &follow, move || {
         let shards = shards.iter().map(ShardFile::open);
-        let merger = Merger::new(shards.collect::<Result<Vec<_>, _>>()?)?;
+        let shards = shards.collect::<Result<Vec<_>, _>>()?;
+        let bytes = shards.iter().map(ShardFile::length).sum::<u64>().max(1);
+        length.store(bytes, Ordering::Relaxed);
+        let shards = shards.into_iter().map(|shard| shard.followed(&reading));
+        let merger = Merger::new(shards.collect())?;
         if let Some(path) = path {
-            return write_merged(path, &merger).map(|()| None);
+            return write_merged(path, &merger).map(|_| None);
         }
         let mut meshed = Meshed::default();
         meshed.mesh = match normals {

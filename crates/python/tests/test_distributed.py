@@ -225,4 +225,4 @@ def test_a_shard_that_is_damaged_is_named(tmp_path: pathlib.Path) -> None:
     from stereotomy._stereotomy import _merge
 
     with pytest.raises(st.FileError, match="part-2-of-2.shard: it was cut off"):
-        _merge(paths, None, False, False)
+        _merge(paths, None, False, False, None)

@@ -68,6 +68,7 @@ def test_types_are_strict_and_true() -> None:
         ["mypy", "--strict", str(PACKAGE / "python" / "stereotomy"), str(PACKAGE / "tests")],
         # The stubs say what is there, with the same signatures.
         ["mypy.stubtest", "stereotomy"],
+        ["pyright", "--pythonpath", sys.executable],
     ):
         done = subprocess.run(
             [sys.executable, "-m", *arguments], capture_output=True, text=True, cwd=PACKAGE

@@ -47,6 +47,85 @@ def test_pictures_show_what_is_there(tmp_path: pathlib.Path) -> None:
     assert (near.pixels[..., 3] == 255).sum() > (far.pixels[..., 3] == 255).sum()
 
 
+def test_sections_show_what_is_inside() -> None:
+    # A ball with a hollow of half its radius, cut through the middle and seen from above.
+    hollow = st.sphere(1) - st.sphere(0.5)
+    look = {"size": (200, 200), "view": "top", "parallel": True, "faces_only": True}
+    cut = hollow.render(
+        sections=[([0, 0, 1], [0, 0, 0])],
+        cap_color="#ff0000",
+        ambient="#ffffff",
+        lights=[([0, 0, 1], "#000000")],
+        material=(1, 0, 0, 1),
+        **look,  # type: ignore[arg-type]
+    )
+    red = (cut.pixels[..., 0] > 200) & (cut.pixels[..., 1] < 60)
+    # The cap is a ring, three quarters of the disc, but for its hatching.
+    disc = np.pi * 90**2
+    assert 0.4 * disc < red.sum() <= 0.76 * disc
+    assert not red[80:120, 80:120].any()
+    whole = hollow.render(**look)  # type: ignore[arg-type]
+    assert (whole.pixels[..., 3] == 255).sum() == pytest.approx(disc, rel=0.01)
+
+
+def test_lights_are_where_they_are_said_to_be() -> None:
+    look = {"size": (120, 120), "view": "top", "parallel": True, "faces_only": True}
+    for name in ("lights", "point_lights"):
+        lit = st.sphere(1).render(
+            ambient="#000000",
+            **{name: [((5, 0, 0), "#ffffff")]},  # type: ignore[arg-type]
+            **look,
+        )
+        left, right = lit.pixels[:, :60, :3].mean(), lit.pixels[:, 60:, :3].mean()
+        assert right > 3 * left, name
+    red = st.sphere(1).render(lights=[([0, 0, 1], "#ff0000")], ambient="#000000", **look)  # type: ignore[arg-type]
+    assert red.pixels[60, 60, 0] > 100 and red.pixels[60, 60, 1] < 10
+
+
+def test_turntables_go_round(tmp_path: pathlib.Path) -> None:
+    # A ball beside a rod: together twice as wide as thick.
+    solid = st.cylinder(0.3, z=(-1, 1)) | st.sphere(0.4).translate([1, 0, 0])
+    turning = solid.turntable(8, frames_per_second=5, size=(80, 60), faces_only=True)
+    assert len(turning) == 8 and turning.size == (80, 60)
+    widths = []
+    for frame in turning:
+        columns = np.nonzero((frame.pixels[..., 3] > 0).any(axis=0))[0]
+        widths.append(int(columns[-1] - columns[0]))
+    # Along and across, each twice in a turn.
+    assert max(widths) > 1.4 * min(widths)
+    assert all(abs(widths[k] - widths[k + 4]) <= 8 for k in range(4))
+    assert turning[-1].png() == turning[7].png() != turning[0].png()
+    with pytest.raises(IndexError):
+        turning[8]
+    turning.save(tmp_path / "a.png")
+    turning.save(tmp_path / "a.gif")
+    assert b"acTL" in (tmp_path / "a.png").read_bytes()
+    assert (tmp_path / "a.gif").read_bytes()[:6] == b"GIF89a"
+    assert b"acTL" in turning._repr_png_()
+    assert len(solid.mesh().turntable(3, size=(40, 30))) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"sections": [([0, 0, 0], [0, 0, 0])]}, "normal is zero"),
+        ({"sections": [([0, 0, 1], [0, 0, 0])] * 5}, "4 at most"),
+        ({"sections": [1, 2]}, "normal, point"),
+        ({"lights": [[0, 0, 0]]}, "lights"),
+        ({"lights": 3}, "lights"),
+        ({"point_lights": [([1, 2], "#ffffff")]}, "point_lights"),
+        ({"material": (1, 2, 3)}, "material"),
+        ({"material": (1, 1, -1, 1)}, "material"),
+        ({"lights": [[0, 0, 1]] * 17}, "16 at most"),
+    ],
+)
+def test_what_a_picture_cannot_have_is_named(options: dict[str, object], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        st.cube(1).render(size=(8, 8), **options)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="give 1 to 1000"):
+        st.cube(1).turntable(0)
+
+
 def test_profiles_are_drawings() -> None:
     from xml.etree import ElementTree
 

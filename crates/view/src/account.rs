@@ -90,8 +90,11 @@ impl Account {
 fn extent(min: DVec3, max: DVec3, unit: &str, rows: &mut Vec<Row>) {
     let [x, y, z] = (max - min).to_array().map(number);
     rows.push(Row::text("size", format!("{x} × {y} × {z} {unit}")));
-    rows.push(Row::point("from", min));
-    rows.push(Row::point("to", max));
+    // What is rounding beside the size is 0.
+    let least = 1e-14 * (max - min).max_element();
+    let told = |p: DVec3| p.map(|x| if x.abs() <= least { 0.0 } else { x });
+    rows.push(Row::point("from", told(min)));
+    rows.push(Row::point("to", told(max)));
 }
 
 /// The mesher's report.

@@ -3,6 +3,7 @@
 
 use csg::SurfaceShape;
 use csg::brep::CurveShape;
+use csg::elementary;
 use glam::DVec3;
 
 use crate::pick::{Picked, Row, circle};
@@ -122,7 +123,10 @@ fn measure(first: Element, second: Element, unit: &str, rows: &mut Vec<Row>) {
         (Line([p, d], a), Plane([q, n])) | (Plane([q, n]), Line([p, d], a)) => {
             let sine = d.dot(n).abs();
             let cosine = d.cross(n).length();
-            rows.push(angle(&format!("{a} to plane"), sine.atan2(cosine)));
+            rows.push(angle(
+                &format!("{a} to plane"),
+                elementary::atan2(sine, cosine),
+            ));
             if sine <= PARALLEL {
                 rows.push(distance(format!("{a} to plane"), off_plane(p, [q, n])));
             }
@@ -145,7 +149,7 @@ fn angle(what: &str, radians: f64) -> Row {
 
 /// From 0 to a right angle.
 fn between_lines(d: DVec3, e: DVec3) -> f64 {
-    d.cross(e).length().atan2(d.dot(e).abs())
+    elementary::atan2(d.cross(e).length(), d.dot(e).abs())
 }
 
 fn off_line(point: DVec3, [on, direction]: [DVec3; 2]) -> f64 {

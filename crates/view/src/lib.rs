@@ -7,6 +7,7 @@
 //!
 //! The page (`web/`) is three.js and code of our own, made into one script by esbuild; the
 //! script is part of the repository, so that Node is needed only by who changes it.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod account;
 mod distance;

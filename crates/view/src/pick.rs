@@ -1,6 +1,7 @@
 //! What was picked, and what there is to say of it: from the exact boundary.
 
 use csg::brep::{Bounded, CurveShape, Edge, Face, Vertex};
+use csg::elementary;
 use csg::{Brep, SurfaceShape};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -194,7 +195,7 @@ fn of_shape(shape: &SurfaceShape, face: &Face<'_>, unit: &str) -> Vec<Row> {
             slope,
             radius,
         } => vec![
-            Row::number("half angle", slope.atan().to_degrees(), "°"),
+            Row::number("half angle", elementary::atan(*slope).to_degrees(), "°"),
             match radius {
                 0.0 => Row::point("apex", *point),
                 _ => Row::point("axis through", *point),

@@ -4,6 +4,17 @@ use std::fs;
 
 use crate::{Folder, failed, succeeded};
 
+/// Shards of `in.csg`: `1.shard`, `2.shard` and so on.
+fn shards(folder: &Folder, options: &str, parts: usize) -> Vec<String> {
+    let shard = |part| {
+        let name = format!("{part}.shard");
+        let options = format!("{options} --shard {part}/{parts} -o {name}");
+        succeeded(&folder.run(&format!("mesh in.csg {options}")));
+        name
+    };
+    (1..=parts).map(shard).collect()
+}
+
 #[test]
 fn shards_put_together_are_the_whole_to_the_byte() {
     let folder = Folder::new();
@@ -12,13 +23,9 @@ fn shards_put_together_are_the_whole_to_the_byte() {
         &folder.run("mesh in.csg --cells 40 --unit cm -o whole.ply -o whole.stl -o whole.obj"),
     );
     for parts in [1, 2, 5] {
-        let mut names = String::new();
-        for part in 1..=parts {
-            let name = format!("part-{part}-of-{parts}.shard");
-            let options = format!("--cells 40 --unit cm --shard {part}/{parts} -o {name}");
-            succeeded(&folder.run(&format!("mesh in.csg {options}")));
-            names = format!("{name} {names}");
-        }
+        let names = shards(&folder, "--cells 40 --unit cm", parts);
+        // In any order.
+        let names = names.into_iter().rev().collect::<Vec<_>>().join(" ");
         let merge = format!("merge {names} -o merged.ply -o merged.stl -o merged.obj");
         let output = folder.run(&merge);
         succeeded(&output);
@@ -34,10 +41,7 @@ fn shards_put_together_are_the_whole_to_the_byte() {
 #[test]
 fn what_is_no_shard_and_no_whole_is_told() {
     let folder = Folder::new();
-    for part in 1..=2 {
-        let options = format!("--cells 12 --shard {part}/2 -o {part}.shard");
-        succeeded(&folder.run(&format!("mesh in.csg {options}")));
-    }
+    shards(&folder, "--cells 12", 2);
     succeeded(&folder.run("mesh in.csg --cells 13 --shard 2/2 -o other.shard"));
     let bytes = fs::read(folder.file("2.shard")).expect("a file");
     fs::write(folder.file("short.shard"), &bytes[..bytes.len() - 5]).expect("a file");

@@ -22,6 +22,7 @@ mod touch;
 mod tree;
 
 use crate::clock::Instant;
+use crate::elementary;
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -134,8 +135,7 @@ pub(crate) fn mesh(task: &Task<'_>, report: &mut Report) -> Result<Mesh, Error> 
         unit: side / f64::from(1u32 << ROOT_BITS),
         tolerance: ON_SURFACE * longest + COORDINATE * task.origin.length(),
     };
-    let levels = (side / task.cell)
-        .log2()
+    let levels = elementary::log2(side / task.cell)
         .ceil()
         .clamp(1.0, f64::from(MOST_LEVELS));
     let mut grower = Grower::new(&scene, levels as u32, task.control);

@@ -2,6 +2,7 @@
 //! which two surfaces meet, and the seams along which faces are cut into
 //! patches.
 
+use crate::elementary;
 use std::f64::consts::TAU;
 use std::mem::take;
 use std::ops::Range;
@@ -586,7 +587,7 @@ impl ArcTracer {
         for half_plane in self.through.iter().flat_map(|&p| [2 * p, 2 * p + 1]) {
             let towards = towards(half_plane);
             // From just before the first, so that nothing is cut there.
-            let angle = towards.dot(y).atan2(towards.dot(x));
+            let angle = elementary::atan2(towards.dot(y), towards.dot(x));
             let turns = if angle < -SAME_DIRECTION { TAU } else { 0.0 };
             half_planes.push((angle + turns, half_plane));
         }

@@ -1,5 +1,6 @@
 //! The conics in which planes cut quadrics.
 
+use crate::elementary;
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
@@ -111,7 +112,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
         ..
     } = Form::of(quadric, foot, u, v);
     // Principal axes.
-    let (sin, cos) = (0.5 * xy.atan2(xx - yy)).sin_cos();
+    let (sin, cos) = elementary::sin_cos(0.5 * elementary::atan2(xy, xx - yy));
     let (u, v) = (cos * u + sin * v, cos * v - sin * u);
     let [mut first, mut second] = [u, v].map(|d| 0.5 * quadric.curvature_along(d));
     let (x, y) = (cos * x + sin * y, cos * y - sin * x);
@@ -167,7 +168,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
                 };
             }
             if (rest > 0.0) != (first > 0.0) {
-                let (sin, cos) = BEGIN.sin_cos();
+                let (sin, cos) = elementary::sin_cos(BEGIN);
                 branches.push(Branch::new(Curve::Ellipse {
                     center,
                     a: cos * a + sin * b,

@@ -1,7 +1,8 @@
 //! Which half-edge of a contour follows which: around each vertex and in each face,
 //! by the directions in which the curves leave.
 
-use glam::{DVec2, DVec3};
+use crate::elementary;
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::boundary::{Boundary, NONE};
@@ -119,7 +120,7 @@ impl Boundary {
         };
         let side = &self.faces[self.at(one.half_edge).face as usize];
         let off = scene.flatten(side, at) - scene.flatten(side, near);
-        let left = DVec2::from_angle(one.angle).perp_dot(off);
+        let left = elementary::direction(one.angle).perp_dot(off);
         at.distance(near) > scene.weld && (left > 0.0) == is_shorter
     }
 
@@ -136,7 +137,10 @@ impl Boundary {
         let along_chord = || Departure {
             half_edge,
             ends,
-            angle: flat(chord).to_angle(),
+            angle: {
+                let chord = flat(chord);
+                elementary::atan2(chord.y, chord.x)
+            },
             bend: 0.0,
         };
         let Some([a, b]) = self.surfaces_of(scene, half_edge) else {
@@ -156,7 +160,7 @@ impl Boundary {
         Departure {
             half_edge,
             ends,
-            angle: first.to_angle(),
+            angle: elementary::atan2(first.y, first.x),
             bend: first.perp_dot(second) / first.length().powi(3),
         }
     }

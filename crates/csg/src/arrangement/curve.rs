@@ -1,5 +1,6 @@
 //! Curves in space, and where surfaces cross them.
 
+use crate::elementary;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -127,10 +128,12 @@ impl Curve {
         match self {
             &Self::Line { point, direction } => point + t * direction,
             &Self::Ellipse { center, a, b } => {
-                let (sin, cos) = t.sin_cos();
+                let (sin, cos) = elementary::sin_cos(t);
                 center + cos * a + sin * b
             }
-            &Self::Hyperbola { center, a, b } => center + t.cosh() * a + t.sinh() * b,
+            &Self::Hyperbola { center, a, b } => {
+                center + elementary::cosh(t) * a + elementary::sinh(t) * b
+            }
             &Self::Parabola { point, a, b, l, k } => {
                 point + t / (1.0 + (l + k * t) * t) * (a + t * b)
             }
@@ -143,10 +146,10 @@ impl Curve {
         match self {
             Self::Line { direction, .. } => *direction,
             Self::Ellipse { a, b, .. } => {
-                let (sin, cos) = t.sin_cos();
+                let (sin, cos) = elementary::sin_cos(t);
                 cos * b - sin * a
             }
-            Self::Hyperbola { a, b, .. } => t.sinh() * a + t.cosh() * b,
+            Self::Hyperbola { a, b, .. } => elementary::sinh(t) * a + elementary::cosh(t) * b,
             Self::Parabola { a, b, l, k, .. } => (1.0 - k * t * t) * a + (2.0 + l * t) * t * b,
             Self::Rulings(rulings) => rulings.at(t + 1e-6) - rulings.at(t - 1e-6),
         }
@@ -172,11 +175,11 @@ impl Curve {
             } => Some((point - start).dot(*direction)),
             Self::Ellipse { center, a, b } => {
                 let [x, y] = along(a, b, point - center);
-                Some(y.atan2(x).rem_euclid(TAU))
+                Some(elementary::atan2(y, x).rem_euclid(TAU))
             }
             Self::Hyperbola { center, a, b } => {
                 let [x, y] = along(a, b, point - center);
-                (x > 0.0).then(|| y.asinh())
+                (x > 0.0).then(|| elementary::asinh(y))
             }
             Self::Parabola {
                 point: start,
@@ -223,7 +226,7 @@ impl Curve {
             Self::Hyperbola { center, a, b } => {
                 // Both grow with e^|t| / 2, and across a by |b| sinh t.
                 let far = (reach + (around - center).length()) / a.length().min(b.length());
-                let end = far.asinh() + 1.0;
+                let end = elementary::asinh(far) + 1.0;
                 Some([-end, end])
             }
             Self::Parabola { point, a, b, l, k } => {
@@ -341,7 +344,8 @@ impl Curve {
                 // A root is so far from there that f is as steep as this at it, however
                 // flat it is between two of them that are close to each other.
                 let across = surface.gradient(point + (center + vertex) * direction);
-                let slope = across.length().hypot(2.0 * (square * lowest).abs().sqrt());
+                let slope =
+                    elementary::hypot(across.length(), 2.0 * (square * lowest).abs().sqrt());
                 if lowest.abs() <= near * slope {
                     if is_within {
                         roots.touching.push(center + vertex);
@@ -371,7 +375,7 @@ impl Curve {
                     return Meets::Curve;
                 }
                 let at = |t: f64| {
-                    let (sin, cos) = t.sin_cos();
+                    let (sin, cos) = elementary::sin_cos(t);
                     near * (middle + cos * of_a + sin * of_b).length()
                 };
                 trig.roots_within(&Tolerance { at, most }, roots);
@@ -382,19 +386,22 @@ impl Curve {
                 let [xx, yy, xy] = form.square;
                 let [x, y] = form.linear;
                 let value = |t: f64| {
-                    let (c, s) = (t.cosh(), t.sinh());
+                    let (c, s) = (elementary::cosh(t), elementary::sinh(t));
                     (xx * c + xy * s + x) * c + (yy * s + y) * s + form.constant
                 };
                 // The squares are those of cosh 2t and sinh 2t.
                 let (even, odd) = (2.0 * (xx + yy), 2.0 * xy);
                 let second = |t: f64| {
                     let twice = 2.0 * t;
-                    even * twice.cosh() + odd * twice.sinh() + x * t.cosh() + y * t.sinh()
+                    even * elementary::cosh(twice)
+                        + odd * elementary::sinh(twice)
+                        + x * elementary::cosh(t)
+                        + y * elementary::sinh(t)
                 };
                 let bend = |from: f64, to: f64| {
                     let far = from.abs().max(to.abs());
-                    let squares = (even.abs() + odd.abs()) * (2.0 * far).cosh();
-                    let rest = (x.abs() + y.abs()) * far.cosh();
+                    let squares = (even.abs() + odd.abs()) * elementary::cosh(2.0 * far);
+                    let rest = (x.abs() + y.abs()) * elementary::cosh(far);
                     bend_within([from, to], squares + rest, second, 2.0 * squares + rest)
                 };
                 self.find(surface, [start, end], [on, near], value, bend, roots)

@@ -6,6 +6,7 @@
 //! cylinder circular. The planes, *seams*, are turned by irrational angles so
 //! that no face of a model lies in them.
 
+use crate::elementary;
 use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
@@ -107,16 +108,13 @@ impl Frame {
         let from_frame = to_frame.inverse();
         let across = match shape {
             Shape::Closed => {
-                let turn = DMat3::from_euler(
-                    glam::EulerRot::XYZ,
-                    0.414_213_562,
-                    0.618_033_989,
-                    0.302_775_638,
-                );
+                let turn = elementary::rotation_x(0.414_213_562)
+                    * elementary::rotation_y(0.618_033_989)
+                    * elementary::rotation_z(0.302_775_638);
                 [turn.x_axis, turn.y_axis, turn.z_axis]
             }
             Shape::Around | Shape::Graph => {
-                let turn = DMat3::from_rotation_z(0.618_033_989);
+                let turn = elementary::rotation_z(0.618_033_989);
                 [turn.x_axis, turn.y_axis, DVec3::Z]
             }
         };

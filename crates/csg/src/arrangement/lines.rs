@@ -1,6 +1,7 @@
 //! The edges of a polyhedral solid: the lines in which planes meet, cut up by
 //! the other planes, and which faces meet along each piece.
 
+use crate::elementary;
 use smallvec::SmallVec;
 
 use super::cells::Block;
@@ -368,7 +369,7 @@ impl Tracer {
             let angle = if at == p {
                 0.0
             } else {
-                outer(at).dot(y).atan2(outer(at).dot(x))
+                elementary::atan2(outer(at).dot(y), outer(at).dot(x))
             };
             let opposite = if angle > 0.0 {
                 angle - std::f64::consts::PI

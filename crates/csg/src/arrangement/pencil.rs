@@ -14,6 +14,7 @@
 mod conics;
 mod planes;
 
+use crate::elementary;
 use std::f64::consts::TAU;
 
 use glam::{DMat4, DVec3, DVec4};
@@ -106,7 +107,7 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
         }
     }
     for &angle in &angles {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = elementary::sin_cos(angle);
         if let Some(known) = consider([cos, sin]) {
             return known;
         }
@@ -115,7 +116,7 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
     let first = angles.first().copied().unwrap_or(0.0);
     angles.push(first + 0.5 * TAU);
     for between in angles.windows(2) {
-        let (sin, cos) = (0.5 * (between[0] + between[1])).sin_cos();
+        let (sin, cos) = elementary::sin_cos(0.5 * (between[0] + between[1]));
         if let Some(known) = consider([cos, sin]) {
             return known;
         }
@@ -155,7 +156,7 @@ impl<'a> Pencil<'a> {
         // Of degree four in the cosine and the sine of an angle, and the same at
         // the opposite one: of degree two in those of its double.
         let determinant = |doubled: f64| {
-            let (sin, cos) = (0.5 * doubled).sin_cos();
+            let (sin, cos) = elementary::sin_cos(0.5 * doubled);
             self.combined([cos, sin]).determinant()
         };
         let trig = Trig::through(determinant);
@@ -248,7 +249,7 @@ impl<'a> Pencil<'a> {
         roots.simple.retain(|t| !roots.touching.contains(t));
         let mut branches = Branches::new();
         for angle in roots.simple.iter().chain(&roots.touching) {
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = elementary::sin_cos(*angle);
             let [one, c, s] = lines.p;
             let point = one + cos * c + sin * s;
             if vertex.w.abs() > AT_INFINITY {

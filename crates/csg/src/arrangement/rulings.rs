@@ -11,6 +11,7 @@
 //! *Near-Optimal Parameterization of the Intersection of Quadrics*, 2008). All
 //! of them are trigonometric polynomials in θ.
 
+use crate::elementary;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat4, DVec3, DVec4};
@@ -134,9 +135,9 @@ impl Rulings {
         // sign that tells the two points on a line apart.
         let on = &self.on_lines;
         let (turn, root) = match &self.part {
-            Part::Touching | Part::Once => (t.sin_cos(), 0.0),
+            Part::Touching | Part::Once => (elementary::sin_cos(t), 0.0),
             Part::Around { is_plus } => {
-                let turn = t.sin_cos();
+                let turn = elementary::sin_cos(t);
                 let [a, b, c] = [&on.a, &on.b, &on.c].map(|f| f.value_at(turn));
                 let root = (b * b - a * c).max(0.0).sqrt();
                 (turn, if *is_plus { root } else { -root })
@@ -144,9 +145,10 @@ impl Rulings {
             Part::Between { middle, half, rest } => {
                 // The angle is middle + φ, φ = -half cos t, and
                 // cos φ - cos half = 2 sin((half + φ) / 2) sin((half - φ) / 2).
-                let (sin, cos) = (0.5 * t).sin_cos();
-                let turn = (middle - half * (cos * cos - sin * sin)).sin_cos();
-                let factors = 2.0 * (half * sin * sin).sin() * (half * cos * cos).sin();
+                let (sin, cos) = elementary::sin_cos(0.5 * t);
+                let turn = elementary::sin_cos(middle - half * (cos * cos - sin * sin));
+                let factors =
+                    2.0 * elementary::sin(half * sin * sin) * elementary::sin(half * cos * cos);
                 let root = (factors * rest.value_at(turn)).max(0.0).sqrt();
                 (turn, root.copysign(sin * cos))
             }
@@ -199,7 +201,7 @@ impl Rulings {
                 if off.abs() > half {
                     return None;
                 }
-                let turn = (-off / half).acos();
+                let turn = elementary::acos(-off / half);
                 let turn = if is_plus { turn } else { TAU - turn };
                 Some((turn - BEGIN).rem_euclid(TAU))
             }
@@ -213,7 +215,7 @@ impl Rulings {
             Part::Touching | Part::Once | Part::Around { .. } => smallvec![around],
             Part::Between { middle, half, .. } => {
                 let off = (angle - middle + PI).rem_euclid(TAU) - PI;
-                let turn = (-off / half).clamp(-1.0, 1.0).acos();
+                let turn = elementary::acos((-off / half).clamp(-1.0, 1.0));
                 let turns = [turn, TAU - turn];
                 turns
                     .map(|turn| (turn - BEGIN).rem_euclid(TAU))

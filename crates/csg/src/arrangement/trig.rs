@@ -1,5 +1,6 @@
 //! Trigonometric polynomials of low degree and their roots.
 
+use crate::elementary;
 use std::f64::consts::TAU;
 
 use super::roots::{Roots, Tolerance, bend_within};
@@ -58,7 +59,7 @@ impl Trig {
             let value = value(t) / f64::from(PLACES);
             sum.terms[0][0] += value;
             for k in [1, 2] {
-                let (sin, cos) = (k as f64 * t).sin_cos();
+                let (sin, cos) = elementary::sin_cos(k as f64 * t);
                 sum.terms[k][0] += 2.0 * value * cos;
                 sum.terms[k][1] += 2.0 * value * sin;
             }
@@ -67,7 +68,7 @@ impl Trig {
     }
 
     pub fn value(&self, t: f64) -> f64 {
-        self.value_at(t.sin_cos())
+        self.value_at(elementary::sin_cos(t))
     }
 
     /// The value where the sine and the cosine are known.
@@ -140,10 +141,10 @@ impl Trig {
         // With z = exp i(t - middle) the divisor is (z - 2 cos half + 1/z) / 2:
         // from the highest power down.
         let shifted = |k: usize| {
-            let ([c, s], (sin, cos)) = (self.terms[k], (k as f64 * middle).sin_cos());
+            let ([c, s], (sin, cos)) = (self.terms[k], elementary::sin_cos(k as f64 * middle));
             [c * cos + s * sin, s * cos - c * sin]
         };
-        let twice = 2.0 * half.cos();
+        let twice = 2.0 * elementary::cos(half);
         let mut quotient = Self {
             degree: self.degree.saturating_sub(1),
             ..Self::default()
@@ -158,7 +159,7 @@ impl Trig {
         // The constant has no second half.
         quotient.terms[0] = [0.5 * quotient.terms[0][0], 0.0];
         let turned = |k: usize| {
-            let ([c, s], (sin, cos)) = (quotient.terms[k], (k as f64 * middle).sin_cos());
+            let ([c, s], (sin, cos)) = (quotient.terms[k], elementary::sin_cos(k as f64 * middle));
             [c * cos - s * sin, s * cos + c * sin]
         };
         Self {
@@ -175,7 +176,7 @@ impl Trig {
             let (mut first, mut second) = (0.0, 0.0);
             for (k, [c, s]) in self.terms[..=self.degree].iter().enumerate() {
                 let k = k as f64;
-                let (sin, cos) = (k * t).sin_cos();
+                let (sin, cos) = elementary::sin_cos(k * t);
                 first += k * (s * cos - c * sin);
                 second -= k * k * (c * cos + s * sin);
             }
@@ -253,7 +254,7 @@ impl Trig {
             }
             return;
         }
-        let middle = self.terms[1][1].atan2(self.terms[1][0]);
+        let middle = elementary::atan2(self.terms[1][1], self.terms[1][0]);
         let touching = if constant > 0.0 {
             middle + TAU / 2.0
         } else {
@@ -266,7 +267,7 @@ impl Trig {
         if constant.abs() > once {
             return;
         }
-        let half = (-constant / once).acos();
+        let half = elementary::acos(-constant / once);
         for root in [middle - half, middle + half] {
             roots.simple.push(root.rem_euclid(TAU));
         }

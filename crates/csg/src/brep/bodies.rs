@@ -1,5 +1,6 @@
 //! Which shells bound one body together: its outside, and the walls of the voids in it.
 
+use crate::elementary;
 use glam::{DVec2, DVec3};
 
 use super::bounded::Bounded;
@@ -104,7 +105,11 @@ fn is_within(outer: &[Outline<'_>], inner: Shell<'_>) -> bool {
     for (k, point) in (1u32..).zip(points) {
         // No two along one line.
         let k = f64::from(k);
-        let direction = DVec3::new((0.7 * k).cos(), (0.9 * k).sin(), (1.1 * k).cos() + 0.1);
+        let direction = DVec3::new(
+            elementary::cos(0.7 * k),
+            elementary::sin(0.9 * k),
+            elementary::cos(1.1 * k) + 0.1,
+        );
         match crossings(outer, point - brep.origin, direction.normalize_or_zero()) {
             Some(count) if count % 2 == 1 => within += 1,
             Some(_) => outside += 1,

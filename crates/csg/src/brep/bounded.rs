@@ -1,5 +1,6 @@
 //! Numbers with bounds on their errors.
 
+use crate::elementary;
 use std::fmt;
 
 /// A number that is known to within a bound.
@@ -40,9 +41,9 @@ impl fmt::Display for Bounded {
         if !(error > 0.0 && error.is_finite()) {
             return write!(f, "{value}");
         }
-        let power = error.log10().floor();
+        let power = elementary::log10(error).floor();
         let decimals = (-power).clamp(0.0, 17.0) as usize;
-        let unit = 10f64.powf(power);
+        let unit = elementary::pow(10f64, power);
         let rounded = (error / unit).ceil();
         let bound = if power < -4.0 {
             format!("{rounded}e{power}")

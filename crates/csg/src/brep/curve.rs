@@ -1,5 +1,6 @@
 //! What curve an edge is a piece of.
 
+use crate::elementary;
 use glam::DVec3;
 
 use crate::arrangement::Curve;
@@ -78,8 +79,8 @@ impl CurveShape {
         let Self::Ellipse { a, b, .. } = *self else {
             return None;
         };
-        let turn = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
-        let (sin, cos) = turn.sin_cos();
+        let turn = 0.5 * elementary::atan2(2.0 * a.dot(b), a.length_squared() - b.length_squared());
+        let (sin, cos) = elementary::sin_cos(turn);
         let [long, short] = [cos * a + sin * b, cos * b - sin * a];
         Some(HalfAxes {
             long,

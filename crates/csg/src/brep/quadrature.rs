@@ -6,6 +6,7 @@
 //! that of a curve nothing but its points need be known. Intervals are halved until
 //! halving changes nothing any more.
 
+use crate::elementary;
 use std::sync::LazyLock;
 
 use glam::{DVec2, DVec3};
@@ -72,7 +73,7 @@ impl Rule {
         let mut weights = Vec::with_capacity(count);
         for k in 0..count {
             // Newton's method from Tricomi's guess.
-            let mut x = (std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+            let mut x = elementary::cos(std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5));
             let mut slope = 1.0;
             for _ in 0..100 {
                 let (mut before, mut here) = (1.0, x);
@@ -289,7 +290,9 @@ fn row(chart: &Chart<'_>, end: DVec2, across: &Rule) -> Integrals {
         // Graphs are known as far around a point as it is from the axis, or more.
         (
             across,
-            (end.x.abs() / end.y.hypot(1.0)).ceil().clamp(1.0, 1e3),
+            (end.x.abs() / elementary::hypot(end.y, 1.0))
+                .ceil()
+                .clamp(1.0, 1e3),
         )
     };
     let width = end.x / panels;

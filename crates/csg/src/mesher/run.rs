@@ -6,6 +6,7 @@ mod slab;
 mod tolerance;
 
 use crate::clock::Instant;
+use crate::elementary;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -274,7 +275,11 @@ impl<'a> Run<'a> {
         };
         let factor = COARSEST * bounds.size().max_element() / finest.min(cell);
         let mut best: Option<(Mesh, Report, f64)> = None;
-        for pass in (0..=factor.log(FINER).ceil().clamp(0.0, 30.0) as i32).rev() {
+        for pass in (0..=(elementary::ln(factor) / elementary::ln(FINER))
+            .ceil()
+            .clamp(0.0, 30.0) as i32)
+            .rev()
+        {
             let factor = FINER.powi(pass);
             let mut attempt = report.clone();
             match (self.by_cells(bounds, factor, &mut attempt), &mut best) {

@@ -1,5 +1,6 @@
 //! Eigenvalues of symmetric matrices.
 
+use crate::elementary;
 use glam::DMat3;
 
 /// Eigenvalues and eigenvectors (columns) of the symmetric matrix of a
@@ -27,8 +28,9 @@ pub(crate) fn jacobi<const N: usize>(mut a: [[f64; N]; N]) -> ([f64; N], [[f64; 
                     continue;
                 }
                 let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                let t = if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + tau.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t =
+                    if tau >= 0.0 { 1.0 } else { -1.0 } / (tau.abs() + elementary::hypot(tau, 1.0));
+                let c = 1.0 / elementary::hypot(t, 1.0);
                 let s = t * c;
                 let turn = |x: f64, y: f64| (c * x - s * y, s * x + c * y);
                 for row in &mut a {

@@ -1,5 +1,6 @@
 //! Does the solid really change across these surfaces at this point?
 
+use crate::elementary;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
@@ -127,7 +128,7 @@ impl Changes {
                 .flatten()
                 .map(|other| normal.cross(*other))
                 .filter(|line| line.length() > TOUCHING)
-                .map(|line| line.dot(v).atan2(line.dot(u)).rem_euclid(PI))
+                .map(|line| elementary::atan2(line.dot(v), line.dot(u)).rem_euclid(PI))
                 .flat_map(|angle| [angle, angle + PI])
                 .collect();
             angles.sort_by(f64::total_cmp);
@@ -138,7 +139,7 @@ impl Changes {
                 .iter()
                 .zip(next)
                 .map(|(from, to)| 0.5 * (from + to))
-                .map(|angle| angle.cos() * u + angle.sin() * v)
+                .map(|angle| elementary::cos(angle) * u + elementary::sin(angle) * v)
                 .collect();
             if sectors.is_empty() {
                 sectors.push(u);

@@ -1,5 +1,6 @@
 //! Primitives as conjunctions of half-spaces, in their own coordinates.
 
+use crate::elementary;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -347,8 +348,8 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
         let outward = -along.perp() * turn;
         let outward = outward / outward.length();
         if let Some(before) = previous {
-            total_turn += before.angle_to(along) * turn;
-            if before.angle_to(along) * turn < -IN_PROFILE {
+            total_turn += elementary::turn(before, along) * turn;
+            if elementary::turn(before, along) * turn < -IN_PROFILE {
                 return fault("it has a reflex corner");
             }
         }
@@ -358,7 +359,7 @@ fn prism(polygon: &[DVec2], z: &Range<f64>) -> Result<Vec<Surface>, NodeFault> {
         surfaces.push(Surface::plane(anchor, outward.extend(0.0)));
     }
     if let (Some(last), Some(first)) = (previous, first) {
-        let closing = last.angle_to(first) * turn;
+        let closing = elementary::turn(last, first) * turn;
         total_turn += closing;
         if closing < -IN_PROFILE {
             return fault("it has a reflex corner");

@@ -12,6 +12,7 @@ mod chains;
 mod distance;
 mod rounding;
 
+use crate::elementary;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -115,7 +116,7 @@ impl Program {
             let number = |k: u64| {
                 let bits =
                     avalanche((4 * leader as u64 + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-                2.0 * (bits >> 11) as f64 * (-53.0_f64).exp2() - 1.0
+                2.0 * (bits >> 11) as f64 * elementary::exp2(-53.0_f64) - 1.0
             };
             let direction = DVec3::new(number(0), number(1), number(2));
             let distance = (0.6 + 0.4 * number(3)) * most;

@@ -1,6 +1,7 @@
 //! Holes for screws and nuts, threads and knurls. Holes are tools to be
 //! subtracted: they go down from z = 0.
 
+use crate::elementary;
 use std::f64::consts::{FRAC_PI_6, TAU};
 
 use glam::{DVec2, dvec2};
@@ -75,7 +76,7 @@ impl Screw {
         shares.sort_by(f64::total_cmp);
         shares.dedup_by(|a, b| (*a - *b).abs() < NEAR);
         let corners = shares.into_iter().map(|share| {
-            let direction = DVec2::from_angle(-TAU * share);
+            let direction = elementary::direction(-TAU * share);
             radius(share) * direction
         });
         Profile::polygon(corners)
@@ -147,7 +148,7 @@ impl Solid {
         let made = || {
             let flats = positive("the width across flats", across_flats)?;
             positive("the depth", depth)?;
-            let circumradius = 0.5 * flats / FRAC_PI_6.cos();
+            let circumradius = 0.5 * flats / elementary::cos(FRAC_PI_6);
             Ok(Self::regular_prism(6, circumradius, -depth..0.0))
         };
         Self::shaped("nut_trap", made())
@@ -171,7 +172,7 @@ impl Profile {
     pub fn knurled(radius: f64, notches: usize) -> Self {
         let half = std::f64::consts::PI / notches.max(1) as f64;
         // Down 45° from a tip half a notch aside.
-        let root = radius * (half.cos() - half.sin());
+        let root = radius * (elementary::cos(half) - elementary::sin(half));
         let corners = (0..2 * notches).map(|k| {
             let length = if k % 2 == 0 { radius } else { root };
             let turn = crate::solid::profile::turn(k, 2 * notches);

@@ -1,6 +1,7 @@
 //! Spur gears with involute flanks (ISO 53: tips one module above the pitch circle,
 //! roots one and a quarter below).
 
+use crate::elementary;
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
@@ -44,7 +45,7 @@ impl Gear {
     #[must_use]
     pub fn radii(&self) -> [f64; 3] {
         let pitch = self.pitch_radius();
-        let base = pitch * self.pressure_degrees.to_radians().cos();
+        let base = pitch * elementary::cos(self.pressure_degrees.to_radians());
         [pitch - 1.25 * self.module, base, pitch + self.module]
     }
 
@@ -90,19 +91,19 @@ impl Gear {
     fn flank(&self) -> Vec<DVec2> {
         let [root, base, tip] = self.radii();
         // On the involute the radius is base √(1 + t²), at the angle t - atan t.
-        let involute = |t: f64| t - t.atan();
+        let involute = |t: f64| t - elementary::atan(t);
         let pressure = self.pressure_degrees.to_radians();
-        let half = FRAC_PI_2 / self.teeth as f64 + involute(pressure.tan());
+        let half = FRAC_PI_2 / self.teeth as f64 + involute(elementary::tan(pressure));
         let parameter = |radius: f64| ((radius / base).powi(2) - 1.0).max(0.0).sqrt();
         let (first, last) = (parameter(root), parameter(tip));
         let mut points = Vec::with_capacity(self.chords + 2);
         if root < base {
-            points.push(DVec2::from_angle(half) * root);
+            points.push(elementary::direction(half) * root);
         }
         let chords = self.chords.max(1);
         points.extend((0..=chords).map(|k| {
             let t = first + (last - first) * k as f64 / chords as f64;
-            DVec2::from_angle(half - involute(t)) * (base * (1.0 + t * t).sqrt())
+            elementary::direction(half - involute(t)) * (base * (1.0 + t * t).sqrt())
         }));
         points
     }

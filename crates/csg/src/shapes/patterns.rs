@@ -1,5 +1,6 @@
 //! Patterns: one solid in many places, its subtree shared.
 
+use crate::elementary;
 use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -108,7 +109,7 @@ impl Solid {
         let place = |k: usize| {
             let turns = k as f64 / per_turn;
             let lift = DAffine3::from_translation(pitch * turns * DVec3::Z);
-            lift * DAffine3::from_rotation_z(TAU * turns)
+            lift * DAffine3::from_mat3(elementary::rotation_z(TAU * turns))
         };
         self.pattern("helical_pattern", (0..count).map(place))
     }

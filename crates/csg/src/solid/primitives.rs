@@ -1,5 +1,6 @@
 //! The primitives: every one a Boolean combination of half-spaces f(p) <= 0.
 
+use crate::elementary;
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
@@ -140,7 +141,7 @@ impl Solid {
     #[must_use]
     pub fn infinite_cone(half_angle: f64) -> Self {
         let slope = if half_angle < std::f64::consts::FRAC_PI_2 {
-            half_angle.tan()
+            elementary::tan(half_angle)
         } else {
             f64::NAN
         };

@@ -4,6 +4,7 @@
 //! cone (a cylinder, a plane), and a disc around a point of the axis a
 //! spheroid: again one surface each, in the profile's own formula.
 
+use crate::elementary;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine2, DVec2, DVec3};
@@ -76,7 +77,7 @@ fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
         },
         Leaf::Disc(map) => {
             let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-            let radii = DVec2::new(x.x.hypot(y.x), x.y.hypot(y.y));
+            let radii = DVec2::new(elementary::hypot(x.x, y.x), elementary::hypot(x.y, y.y));
             Solid::ellipsoid([radii.x, radii.x, radii.y]).translate(map.translation.y * DVec3::Z)
         }
     });
@@ -176,7 +177,7 @@ fn within((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
         return Ok((solid, corners));
     }
     let behind = |angle: f64, sign: f64| {
-        let normal = sign * DVec2::from_angle(angle).perp();
+        let normal = sign * elementary::direction(angle).perp();
         Solid::half_space_through(DVec3::ZERO, normal.extend(0.0))
     };
     let sign = radians.signum();
@@ -202,11 +203,11 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
             if full {
                 turn(2 * k + 1, 2 * steps)
             } else {
-                DVec2::from_angle(radians * (k as f64 + 0.5) / steps as f64)
+                elementary::direction(radians * (k as f64 + 0.5) / steps as f64)
             }
         })
         .collect();
-    let short = (0.5 * radians / steps as f64).cos();
+    let short = elementary::cos(0.5 * radians / steps as f64);
     let solid = set.solid(|leaf| match *leaf {
         Leaf::HalfPlane { from, to } => match Side::of(from, to) {
             Side::Flat { height, up } => flat(height, up),

@@ -1,5 +1,6 @@
 //! The transforms: every one an affine map held in the tree.
 
+use crate::elementary;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::tree::{Node, Solid};
@@ -108,59 +109,59 @@ impl Solid {
     /// Rotates about the x axis by an angle in radians.
     #[must_use]
     pub fn rotate_x(&self, angle: f64) -> Self {
-        self.linear(radians(angle).map(DMat3::from_rotation_x))
+        self.linear(radians(angle).map(elementary::rotation_x))
     }
 
     /// Rotates about the x axis by an angle in degrees.
     #[must_use]
     pub fn rotate_x_degrees(&self, degrees: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_x(degrees.to_radians())))
+        self.linear(Ok(elementary::rotation_x(degrees.to_radians())))
     }
 
     /// Rotates about the y axis by an angle in radians.
     #[must_use]
     pub fn rotate_y(&self, angle: f64) -> Self {
-        self.linear(radians(angle).map(DMat3::from_rotation_y))
+        self.linear(radians(angle).map(elementary::rotation_y))
     }
 
     /// Rotates about the y axis by an angle in degrees.
     #[must_use]
     pub fn rotate_y_degrees(&self, degrees: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_y(degrees.to_radians())))
+        self.linear(Ok(elementary::rotation_y(degrees.to_radians())))
     }
 
     /// Rotates about the z axis by an angle in radians.
     #[must_use]
     pub fn rotate_z(&self, angle: f64) -> Self {
-        self.linear(radians(angle).map(DMat3::from_rotation_z))
+        self.linear(radians(angle).map(elementary::rotation_z))
     }
 
     /// Rotates about the z axis by an angle in degrees.
     #[must_use]
     pub fn rotate_z_degrees(&self, degrees: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_z(degrees.to_radians())))
+        self.linear(Ok(elementary::rotation_z(degrees.to_radians())))
     }
 
     /// Rotates by Euler angles: about z by `roll`, then about x by `pitch`, then
     /// about y by `heading`: Ry(heading) Rx(pitch) Rz(roll).
     #[must_use]
     pub fn rotate_euler(&self, heading: f64, pitch: f64, roll: f64) -> Self {
-        let turn = DMat3::from_rotation_y(heading) * DMat3::from_rotation_x(pitch);
-        self.linear(Ok(turn * DMat3::from_rotation_z(roll)))
+        let turn = elementary::rotation_y(heading) * elementary::rotation_x(pitch);
+        self.linear(Ok(turn * elementary::rotation_z(roll)))
     }
 
     /// Rotates about an axis through the origin by an angle in radians.
     #[must_use]
     pub fn rotate_about_axis(&self, axis: impl Into<DVec3>, angle: f64) -> Self {
         let axis = unit(axis.into(), "the rotation axis");
-        self.linear(axis.and_then(|axis| Ok(DMat3::from_axis_angle(axis, radians(angle)?))))
+        self.linear(axis.and_then(|axis| Ok(elementary::rotation(axis, radians(angle)?))))
     }
 
     /// Rotates about an axis through the origin by an angle in degrees.
     #[must_use]
     pub fn rotate_about_axis_degrees(&self, axis: impl Into<DVec3>, degrees: f64) -> Self {
         let axis = unit(axis.into(), "the rotation axis");
-        self.linear(axis.map(|axis| DMat3::from_axis_angle(axis, degrees.to_radians())))
+        self.linear(axis.map(|axis| elementary::rotation(axis, degrees.to_radians())))
     }
 
     /// Rotates about an axis through `point`.
@@ -174,7 +175,7 @@ impl Solid {
         let point = point.into();
         self.transform(
             unit(axis.into(), "the rotation axis")
-                .map(|axis| about(point, DMat3::from_axis_angle(axis, angle))),
+                .map(|axis| about(point, elementary::rotation(axis, angle))),
         )
     }
 
@@ -204,26 +205,26 @@ impl Solid {
     /// Rotates about the fixed x axis, then y, then z.
     #[must_use]
     pub fn rotate_xyz(&self, x: f64, y: f64, z: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_z(z)
-            * DMat3::from_rotation_y(y)
-            * DMat3::from_rotation_x(x)))
+        self.linear(Ok(elementary::rotation_z(z)
+            * elementary::rotation_y(y)
+            * elementary::rotation_x(x)))
     }
 
     /// Rotates about the fixed z axis, then y, then x.
     #[must_use]
     pub fn rotate_zyx(&self, z: f64, y: f64, x: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_x(x)
-            * DMat3::from_rotation_y(y)
-            * DMat3::from_rotation_z(z)))
+        self.linear(Ok(elementary::rotation_x(x)
+            * elementary::rotation_y(y)
+            * elementary::rotation_z(z)))
     }
 
     /// Rotates about the fixed z axis by `first`, then x, then z again: the
     /// classical Euler angles, in fixed axes.
     #[must_use]
     pub fn rotate_zxz(&self, first: f64, x: f64, last: f64) -> Self {
-        self.linear(Ok(DMat3::from_rotation_z(last)
-            * DMat3::from_rotation_x(x)
-            * DMat3::from_rotation_z(first)))
+        self.linear(Ok(elementary::rotation_z(last)
+            * elementary::rotation_x(x)
+            * elementary::rotation_z(first)))
     }
 
     /// Scales all lengths from the origin. A negative factor mirrors in the

@@ -1,5 +1,6 @@
 //! Extrusion in flat steps: with a twist, or scaled unevenly.
 
+use crate::elementary;
 use std::ops::Range;
 
 use glam::{DVec2, DVec3};
@@ -67,7 +68,7 @@ fn twisted(
     }
     let contours = profile.contours(profile.tolerance_of(PROFILE_CHORD)?)?;
     let at = |step: usize| Level {
-        turn: DVec2::from_angle(radians * step as f64 / steps as f64),
+        turn: elementary::direction(radians * step as f64 / steps as f64),
         scale: DVec2::ONE - (DVec2::ONE - scale) * step as f64 / steps as f64,
         z: z.start + height * step as f64 / steps as f64,
     };

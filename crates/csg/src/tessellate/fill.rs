@@ -8,6 +8,7 @@
 //! surface, and the strips between them and the rim are filled like a zip, so
 //! that any numbers fit together, as in the tessellation of graphics hardware.
 
+use crate::elementary;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -287,10 +288,9 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let for_distance = (estimate / goal.aim_on(mesh.surface_index(half))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
-        let turn = a
-            .angle_between(b)
-            .max(b.angle_between(c))
-            .max(c.angle_between(a));
+        let turn = elementary::angle_between(a, b)
+            .max(elementary::angle_between(b, c))
+            .max(elementary::angle_between(c, a));
         turn / angle
     });
     (CURVED * for_distance).max(for_angle).max(1.0)

@@ -5,6 +5,7 @@
 //! How to Use It*, 1976: class I.) Equilateral triangles of one size would be 4.84 r / d for
 //! a sphere of radius r from which they stray by d; those of an icosahedron are 5.33 r / d.
 
+use crate::elementary;
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -74,7 +75,7 @@ impl Regular {
             vertices,
             edges,
             faces,
-            arc: nearest.acos(),
+            arc: elementary::acos(nearest),
             strays,
         }
     }
@@ -108,7 +109,7 @@ struct Geodesic<'a> {
 
 impl<'a> Geodesic<'a> {
     fn new(regular: &'a Regular, n: usize) -> Self {
-        let sine = |k: usize| (k as f64 / n as f64 * regular.arc).sin();
+        let sine = |k: usize| elementary::sin(k as f64 / n as f64 * regular.arc);
         Self {
             regular,
             n,
@@ -143,7 +144,7 @@ impl<'a> Geodesic<'a> {
         let is_enough = |places: [[usize; 2]; 3]| {
             let [p, q, r] = places.map(|place| self.at(face, place));
             let mut sides = [(p, q), (q, r), (r, p)].into_iter();
-            let is_short = |angle| sides.all(|(a, b)| a.angle_between(b) <= angle);
+            let is_short = |angle| sides.all(|(a, b)| elementary::angle_between(a, b) <= angle);
             angle.is_none_or(is_short) && strays(DVec3::ZERO, 1.0, [p, q, r]) <= tolerance
         };
         // The largest are in the middle.

@@ -15,6 +15,7 @@ mod contacts;
 mod insert;
 mod measure;
 
+use crate::elementary;
 use glam::DVec3;
 
 use super::chains::{chains, divide, move_vertices};
@@ -236,10 +237,10 @@ impl<'m, 's> Grower<'m, 's> {
                 .fold(most, f64::max);
         }
         // More than 2^levels parts are asked of none.
-        let levels = most.log2().ceil().clamp(1.0, 40.0) as u32;
+        let levels = elementary::log2(most).ceil().clamp(1.0, 40.0) as u32;
         for level in (0..levels).rev() {
             self.check_size(control)?;
-            let most = f64::from(level).exp2();
+            let most = elementary::exp2(f64::from(level));
             self.halve_pieces(most, &of_piece);
             if has_curved {
                 self.halve_edges(self.mesh.edges().collect(), most, &of_edge);
@@ -309,7 +310,7 @@ impl<'m, 's> Grower<'m, 's> {
         match self.goal.angle {
             None => for_distance,
             Some(angle) => {
-                let turn = surface.gradient(p).angle_between(surface.gradient(q));
+                let turn = elementary::angle_between(surface.gradient(p), surface.gradient(q));
                 for_distance.max(turn / angle)
             }
         }

@@ -11,7 +11,11 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 28] = [
+const ROOMS: [(&str, &str); 29] = [
+    (
+        "elementary",
+        "sines and powers that are the same everywhere",
+    ),
     ("clock", "what time it is, where there is a clock"),
     ("limits", "how much may be spent"),
     ("machine", "how much memory there is"),

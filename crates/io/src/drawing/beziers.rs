@@ -1,5 +1,6 @@
 //! Bézier curves in place of conics.
 
+use csg::elementary;
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
@@ -76,12 +77,13 @@ pub(super) fn cubics(piece: &Piece, tolerance: f64) -> Vec<Cubic> {
             ..
         } => {
             let turn = (to - from).abs();
-            let finest = FRAC_PI_2 * (tolerance / (QUARTER * long.length())).powf(1.0 / 6.0);
+            let finest =
+                FRAC_PI_2 * elementary::pow(tolerance / (QUARTER * long.length()), 1.0 / 6.0);
             let count = (turn / finest.min(FRAC_PI_2)).ceil().clamp(1.0, 1e4);
             let step = (to - from) / count;
-            let arm = 4.0 / 3.0 * (0.25 * step).tan();
-            let at = |t: f64| center + t.cos() * long + t.sin() * short;
-            let along = |t: f64| t.cos() * short - t.sin() * long;
+            let arm = 4.0 / 3.0 * elementary::tan(0.25 * step);
+            let at = |t: f64| center + elementary::cos(t) * long + elementary::sin(t) * short;
+            let along = |t: f64| elementary::cos(t) * short - elementary::sin(t) * long;
             let part = |k: u32| {
                 let (start, end) = (from + f64::from(k) * step, from + f64::from(k + 1) * step);
                 let last = if f64::from(k + 1) == count {

@@ -1,6 +1,6 @@
 //! Sizes, as lines with arrows and a number.
 
-use csg::LengthUnit;
+use csg::{LengthUnit, elementary};
 use glam::DVec2;
 
 /// Of the drawing's longer side: how far from it lines for sizes are, how high numbers are, and
@@ -45,7 +45,7 @@ impl Dimension {
     pub(super) fn of_circle(center: DVec2, radius: f64, number: usize, size: f64) -> Self {
         /// In degrees: nearly upwards, then on and on downwards on the right.
         const ANGLES: [f64; 6] = [62.0, 38.0, 14.0, -12.0, -36.0, -60.0];
-        let out = DVec2::from_angle(ANGLES[number % ANGLES.len()].to_radians());
+        let out = elementary::direction(ANGLES[number % ANGLES.len()].to_radians());
         let ends = [center - radius * out, center + radius * out];
         Self {
             value: 2.0 * radius,
@@ -63,7 +63,7 @@ impl Dimension {
     /// The number as it is drawn: six digits at most, and the unit.
     #[must_use]
     pub fn text(&self, unit: LengthUnit) -> String {
-        let decimals = (5.0 - self.value.log10().floor()).clamp(0.0, 12.0) as usize;
+        let decimals = (5.0 - elementary::log10(self.value).floor()).clamp(0.0, 12.0) as usize;
         let number = super::decimal(self.value, decimals);
         let sign = if self.is_diameter { "⌀" } else { "" };
         format!("{sign}{number} {}", unit.symbol())

@@ -1,6 +1,7 @@
 //! Drawing exchange format, as text, of the year 2000 (AC1015): the first that has ellipses and
 //! splines, and which nearly every program reads.
 
+use csg::elementary;
 use std::f64::consts::{PI, TAU};
 use std::fmt::{Display, Write as _};
 use std::io::Write;
@@ -285,10 +286,10 @@ impl Entities<'_> {
             let turn = piece.shape.turn();
             // Beyond a half of a circle the tangent grows without end.
             if turn.abs() > PI {
-                corners.push((piece.from, (turn / 8.0).tan()));
-                corners.push((piece.at(0.5), (turn / 8.0).tan()));
+                corners.push((piece.from, elementary::tan(turn / 8.0)));
+                corners.push((piece.at(0.5), elementary::tan(turn / 8.0)));
             } else {
-                corners.push((piece.from, (turn / 4.0).tan()));
+                corners.push((piece.from, elementary::tan(turn / 4.0)));
             }
         }
         let file = self.entity("LWPOLYLINE", "AcDbPolyline");
@@ -314,7 +315,7 @@ impl Entities<'_> {
         file.point(10, at)
             .number(40, HEIGHT * sheet.side)
             .tag(1, text);
-        file.number(50, along.to_angle().to_degrees());
+        file.number(50, elementary::atan2(along.y, along.x).to_degrees());
         // In the middle, on the base line.
         file.tag(72, 1).point(11, at).tag(100, "AcDbText");
     }
@@ -356,7 +357,7 @@ impl Entities<'_> {
                 file.point(10, center)
                     .number(40, 0.5 * (long.length() + short.length()));
                 if !is_whole {
-                    let lean = long.to_angle();
+                    let lean = elementary::atan2(long.y, long.x);
                     let [from, to] = range.map(|t| (lean + t).to_degrees().rem_euclid(360.0));
                     file.tag(100, "AcDbArc").number(50, from).number(51, to);
                 }

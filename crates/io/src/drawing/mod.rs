@@ -19,6 +19,7 @@ mod seen;
 mod svg;
 mod view;
 
+use csg::elementary;
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::Path;
@@ -171,7 +172,7 @@ impl<'a> Sheet<'a> {
     /// So many decimals tell coordinates to a thousandth of a millionth of the longer side.
     fn decimals(&self) -> usize {
         let side = (self.high - self.low).max_element();
-        (9.0 - side.log10().floor()).clamp(0.0, 15.0) as usize
+        (9.0 - elementary::log10(side).floor()).clamp(0.0, 15.0) as usize
     }
 }
 

@@ -1,5 +1,6 @@
 //! What drawings are made of: closed outlines of lines and conics in a plane.
 
+use csg::elementary;
 use std::f64::consts::TAU;
 
 use glam::DVec2;
@@ -82,7 +83,7 @@ impl Piece {
                 range: [from, to],
                 ..
             } => {
-                let (sin, cos) = (from + share * (to - from)).sin_cos();
+                let (sin, cos) = elementary::sin_cos(from + share * (to - from));
                 center + cos * long + sin * short
             }
             Shape::Cubic { controls: [a, b] } => {
@@ -117,10 +118,10 @@ impl Piece {
                 long, short, range, ..
             } => {
                 let extremes = [
-                    short.x.atan2(long.x),
-                    short.y.atan2(long.y),
-                    short.x.atan2(long.x) + 0.5 * TAU,
-                    short.y.atan2(long.y) + 0.5 * TAU,
+                    elementary::atan2(short.x, long.x),
+                    elementary::atan2(short.y, long.y),
+                    elementary::atan2(short.x, long.x) + 0.5 * TAU,
+                    elementary::atan2(short.y, long.y) + 0.5 * TAU,
                 ];
                 let (least, most) = (range[0].min(range[1]), range[0].max(range[1]));
                 let mut bounds = ends;

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use csg::brep::{CurveShape, Edge};
+use csg::elementary;
 use glam::{DVec2, DVec3, DVec4};
 
 use super::outline::{Piece, Shape};
@@ -150,7 +151,10 @@ impl Seen {
     pub fn point(&self, t: f64) -> DVec3 {
         match &self.space {
             Space::Line([from, to]) => from.lerp(*to, t),
-            Space::Ellipse { center, a, b } => *center + t.cos() * *a + t.sin() * *b,
+            Space::Ellipse { center, a, b } => {
+                let (sin, cos) = elementary::sin_cos(t);
+                *center + cos * *a + sin * *b
+            }
             Space::Conic(control) => {
                 let point = blossom(control, t, t);
                 point.truncate() / point.w
@@ -168,7 +172,10 @@ impl Seen {
     pub fn slope(&self, t: f64) -> DVec2 {
         let slope = match &self.space {
             Space::Line([from, to]) => *to - *from,
-            Space::Ellipse { a, b, .. } => t.cos() * *b - t.sin() * *a,
+            Space::Ellipse { a, b, .. } => {
+                let (sin, cos) = elementary::sin_cos(t);
+                cos * *b - sin * *a
+            }
             Space::Conic(control) => {
                 let point = blossom(control, t, t);
                 let slope = 2.0 * (blossom(control, t, 1.0) - blossom(control, t, 0.0));
@@ -274,8 +281,9 @@ impl Seen {
             Space::Line(_) => vec![piece(Shape::Line)],
             Space::Ellipse { center, a, b } => {
                 let [a, b] = [a, b].map(|half| self.frame.turned(*half));
-                let turn = 0.5 * (2.0 * a.dot(b)).atan2(a.length_squared() - b.length_squared());
-                let (sin, cos) = turn.sin_cos();
+                let turn = 0.5
+                    * elementary::atan2(2.0 * a.dot(b), a.length_squared() - b.length_squared());
+                let (sin, cos) = elementary::sin_cos(turn);
                 let [long, short] = [cos * a + sin * b, cos * b - sin * a];
                 let is_circle = long.length() - short.length() <= 1e-12 * long.length();
                 vec![piece(Shape::Ellipse {

@@ -1,5 +1,6 @@
 //! Scalable Vector Graphics.
 
+use csg::elementary;
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -148,7 +149,7 @@ impl Pen<'_> {
         let strokes = strokes.map(|[from, to]| format!("M{}L{}", self.point(from), self.point(to)));
         let (at, along) = size.place(self.sheet.side);
         let [x, y] = [at.x, -at.y].map(|x| decimal(x, self.decimals));
-        let turn = match decimal(-along.to_angle().to_degrees(), 6).as_str() {
+        let turn = match decimal(-elementary::atan2(along.y, along.x).to_degrees(), 6).as_str() {
             "0" => String::new(),
             turn => format!(" transform=\"rotate({turn} {x} {y})\""),
         };
@@ -174,7 +175,7 @@ impl Pen<'_> {
                 // (Seen from the other side angles change their signs.)
                 let lean = match is_circle {
                     true => "0".to_owned(),
-                    false => decimal((-long.y).atan2(long.x).to_degrees(), 12),
+                    false => decimal(elementary::atan2(-long.y, long.x).to_degrees(), 12),
                 };
                 let turn = piece.shape.turn();
                 let sweep = u8::from(turn < 0.0);

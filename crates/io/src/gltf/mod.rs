@@ -16,11 +16,14 @@ mod accessors;
 #[cfg(feature = "compress")]
 mod compress;
 mod document;
+mod merged;
 mod read;
 mod write;
 
 #[cfg(feature = "compress")]
 pub use compress::write_glb_compressed;
+pub(crate) use merged::MergedGlb;
+pub use merged::{CHUNK, CHUNKS_PER_FILE};
 pub use read::{read_glb, read_gltf};
 pub(crate) use read::{read_glb_with, read_gltf_with};
 pub use write::{write_glb, write_gltf};

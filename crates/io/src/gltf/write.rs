@@ -1,5 +1,6 @@
 //! The glTF writer.
 
+use csg::elementary;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::ops::Range;
@@ -111,7 +112,7 @@ impl<'a> Geometry<'a> {
         /// No vertex, or the end of a chain.
         const NONE: u32 = u32::MAX;
         let parts = Parts::of(mesh, format)?;
-        let translation = translation_of(mesh);
+        let translation = mesh.bounds().map_or(DVec3::ZERO, rounded_centre);
         let has_normals = !mesh.corner_normals.is_empty();
         let mut geometry = Self {
             parts,
@@ -459,12 +460,9 @@ fn material(name: String, color: Option<Color>) -> Material {
 
 /// The centre of the bounds, rounded to a multiple of a power of two about as
 /// large as the model.
-fn translation_of(mesh: &Mesh) -> DVec3 {
-    let Some((low, high)) = mesh.bounds() else {
-        return DVec3::ZERO;
-    };
+pub(super) fn rounded_centre((low, high): (DVec3, DVec3)) -> DVec3 {
     let half = (high / 2.0 - low / 2.0).max_element();
-    let step = half.log2().floor().exp2();
+    let step = elementary::exp2(elementary::log2(half).floor());
     let translation = (low.midpoint(high) / step).round() * step;
     // (A single point has no size, a giant no step.)
     if translation.is_finite() {

@@ -6,6 +6,7 @@
 //! planes of their faces, each from a formula of its own rather than from
 //! rounded corners: parallel faces come out parallel, and trapezoids flat.
 
+use csg::elementary;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::Range;
 
@@ -68,7 +69,7 @@ pub(super) fn sphere(radius: f64, fragments: usize) -> Vec<Plane> {
     let rings = rings(fragments);
     let half_step = FRAC_PI_2 / rings as f64;
     let across = turn(1, 2 * fragments).x;
-    let cap = radius * half_step.cos();
+    let cap = radius * elementary::cos(half_step);
     let mut planes = vec![
         Plane {
             normal: DVec3::Z,

@@ -1,5 +1,6 @@
 //! Profiles, and the solids made of them.
 
+use csg::elementary;
 use std::f64::consts::PI;
 
 use csg::glam::{DAffine2, DVec2};
@@ -292,7 +293,7 @@ impl Builder<'_> {
             } else if number > 0.0 {
                 number.trunc().max(1.0)
             } else {
-                (delta.hypot(height) / size).ceil().max(1.0)
+                (elementary::hypot(delta, height) / size).ceil().max(1.0)
             }
         } else {
             let radius = furthest(&|p| p.length());
@@ -303,16 +304,17 @@ impl Builder<'_> {
                 (twist / 360.0 * number).ceil().max(least)
             } else {
                 let length = if scale == DVec2::ONE || scale.x != scale.y {
-                    radians * radius.hypot(height / radians)
+                    radians * elementary::hypot(radius, height / radians)
                 } else {
                     let end = if scale.x > 1.0 {
                         radians * scale.x / (scale.x - 1.0)
                     } else {
                         radians / (1.0 - scale.x)
                     };
-                    let spiral =
-                        |t: f64| 0.5 * radius / end * (t * (1.0 + t * t).sqrt() + t.asinh());
-                    (spiral(end) - spiral(end - radians)).hypot(height)
+                    let spiral = |t: f64| {
+                        0.5 * radius / end * (t * (1.0 + t * t).sqrt() + elementary::asinh(t))
+                    };
+                    elementary::hypot(spiral(end) - spiral(end - radians), height)
                 };
                 (twist / angle)
                     .ceil()

@@ -1,6 +1,7 @@
 //! The curves of edges.
 
 use csg::brep::{CurveShape, Edge};
+use csg::elementary;
 use glam::{DVec3, DVec4};
 
 use super::text::{Entities, Id, List, Real, Reals};
@@ -33,8 +34,8 @@ pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Optio
         CurveShape::Hyperbola { center, a, b } => {
             // cosh t a + sinh t b = cosh(t - turn) p + sinh(t - turn) q.
             let squares = a.length_squared() + b.length_squared();
-            let turn = 0.5 * (-2.0 * a.dot(b) / squares).atanh();
-            let (sinh, cosh) = (turn.sinh(), turn.cosh());
+            let turn = 0.5 * elementary::atanh(-2.0 * a.dot(b) / squares);
+            let (sinh, cosh) = (elementary::sinh(turn), elementary::cosh(turn));
             let [p, q] = [cosh * a + sinh * b, sinh * a + cosh * b];
             let placement = placed(to, center, p, q);
             let [p, q] = [p, q].map(|half| Real(half.length()));

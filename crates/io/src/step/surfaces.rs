@@ -6,6 +6,7 @@
 use std::f64::consts::TAU;
 
 use csg::brep::{Edge, Face};
+use csg::elementary;
 use csg::{Placement, SurfaceShape};
 use glam::{DVec2, DVec3, DVec4};
 
@@ -71,7 +72,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 radius = -radius;
             }
             let placement = to.placement(origin, [axis, seam(face, point, axis)]);
-            let (radius, angle) = (Real(radius), Real(slope.atan()));
+            let (radius, angle) = (Real(radius), Real(elementary::atan(slope)));
             Written {
                 surface: to.share(format_args!(
                     "CONICAL_SURFACE('',{placement},{radius},{angle})"
@@ -97,7 +98,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 let focus = Real(0.25 / bends[0]);
                 let placement = to.placement(placement.origin, turned.across_and(turned.axis));
                 let parabola = to.add(format_args!("PARABOLA('',{placement},{focus})"));
-                let [_, farthest] = scaled.range(face, |p| p.x.hypot(p.y));
+                let [_, farthest] = scaled.range(face, |p| elementary::hypot(p.x, p.y));
                 let ends = [0.0, bends[0] * farthest * farthest];
                 turned.half(to, face, parabola, (farthest, ends))
             } else {
@@ -140,12 +141,16 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 placement,
                 scales: radii,
             };
-            let [low, high] = scaled.range(face, |p| p.z.asinh());
+            let [low, high] = scaled.range(face, |p| elementary::asinh(p.z));
             let [half, middle] = [0.5 * (high - low), 0.5 * (low + high)];
             let profile = [
-                [low.cosh(), low.sinh(), 1.0],
-                [middle.cosh(), middle.sinh(), half.cosh()],
-                [high.cosh(), high.sinh(), 1.0],
+                [elementary::cosh(low), elementary::sinh(low), 1.0],
+                [
+                    elementary::cosh(middle),
+                    elementary::sinh(middle),
+                    elementary::cosh(half),
+                ],
+                [elementary::cosh(high), elementary::sinh(high), 1.0],
             ];
             revolved(to, face, &scaled, &profile)
         }
@@ -155,25 +160,28 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 scales: radii,
             };
             let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
-            let [_, high] = scaled.range(face, |p| p.z.abs().max(1.0).acosh());
+            let [_, high] = scaled.range(face, |p| elementary::acosh(p.z.abs().max(1.0)));
             let [a, b, c] = radii;
             if is_round([a, b]) {
                 let turned = Turned::new(face, &placement, sign);
                 let placement = to.placement(placement.origin, turned.across_and(turned.axis));
                 let [c, a] = [c, 0.5 * (a + b)].map(Real);
                 let branch = to.add(format_args!("HYPERBOLA('',{placement},{c},{a})"));
-                let (far, ends) = (radii[0] * high.sinh(), [1.0, high.cosh()]);
+                let (far, ends) = (
+                    radii[0] * elementary::sinh(high),
+                    [1.0, elementary::cosh(high)],
+                );
                 let ends = ends.map(|height| radii[2] * height);
                 return Some(turned.half(to, face, branch, (far, ends)));
             }
             let profile = [
                 [0.0, sign, 1.0],
                 [
-                    (0.5 * high).sinh(),
-                    sign * (0.5 * high).cosh(),
-                    (0.5 * high).cosh(),
+                    elementary::sinh(0.5 * high),
+                    sign * elementary::cosh(0.5 * high),
+                    elementary::cosh(0.5 * high),
                 ],
-                [high.sinh(), sign * high.cosh(), 1.0],
+                [elementary::sinh(high), sign * elementary::cosh(high), 1.0],
             ];
             revolved(to, face, &scaled, &profile)
         }
@@ -306,7 +314,7 @@ fn seam(face: &Face<'_>, point: DVec3, axis: DVec3) -> DVec3 {
             return farthest.unwrap_or(x).normalize_or(x);
         }
         let samples = (0..=SAMPLES).map(|k| at(f64::from(k) / f64::from(SAMPLES)));
-        angles.extend(samples.map(|off| off.dot(y).atan2(off.dot(x))));
+        angles.extend(samples.map(|off| elementary::atan2(off.dot(y), off.dot(x))));
     }
     angles.sort_by(f64::total_cmp);
     let first = angles.first().map(|first| first + TAU);
@@ -316,7 +324,7 @@ fn seam(face: &Face<'_>, point: DVec3, axis: DVec3) -> DVec3 {
         .zip(next)
         .map(|(from, to)| (to - from, 0.5 * (from + to)));
     let widest = gaps.max_by(|a, b| a.0.total_cmp(&b.0));
-    let (sin, cos) = widest.map_or(0.0, |(_, middle)| middle).sin_cos();
+    let (sin, cos) = elementary::sin_cos(widest.map_or(0.0, |(_, middle)| middle));
     cos * x + sin * y
 }
 
@@ -374,11 +382,16 @@ impl Scaled {
         let samples = self.samples(face);
         let sum: DVec3 = samples.iter().sum();
         let ahead = DVec2::new(sum.x, sum.y);
-        let farthest = samples.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
+        let farthest = samples
+            .iter()
+            .map(|p| elementary::hypot(p.x, p.y))
+            .fold(0.0, f64::max);
         // On the axis there is no angle.
-        let off_axis = samples.iter().filter(|p| p.x.hypot(p.y) > 1e-6 * farthest);
-        let turns = off_axis.map(|p| ahead.angle_to(DVec2::new(p.x, p.y)));
-        wider(turns).map(|turn| ahead.to_angle() + turn)
+        let off_axis = samples
+            .iter()
+            .filter(|p| elementary::hypot(p.x, p.y) > 1e-6 * farthest);
+        let turns = off_axis.map(|p| elementary::turn(ahead, DVec2::new(p.x, p.y)));
+        wider(turns).map(|turn| elementary::atan2(ahead.y, ahead.x) + turn)
     }
 }
 
@@ -396,9 +409,13 @@ fn wider(values: impl Iterator<Item = f64>) -> [f64; 2] {
 fn arc([from, to]: [f64; 2]) -> [[f64; 3]; 3] {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     [
-        [from.cos(), from.sin(), 1.0],
-        [middle.cos(), middle.sin(), half.cos()],
-        [to.cos(), to.sin(), 1.0],
+        [elementary::cos(from), elementary::sin(from), 1.0],
+        [
+            elementary::cos(middle),
+            elementary::sin(middle),
+            elementary::cos(half),
+        ],
+        [elementary::cos(to), elementary::sin(to), 1.0],
     ]
 }
 

@@ -22,7 +22,7 @@ from ._stereotomy import Mesh, Profile, Solid
 from ._view import View
 
 __all__ = [
-    "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
+    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
     "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
     "capsule", "chamfered_cuboid", "chamfered_cylinder", "circle", "cone",
     "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid", "cuboid_between",

@@ -125,7 +125,22 @@ class Ray(Engine):
         self.ray.cancel(future)
 
 
-class Dask(Engine):
+class Futures(Engine):
+    """What gives futures as `concurrent.futures` has them, which `wait` waits for."""
+
+    wait: Callable[..., Any]
+
+    def _wait(self, futures: list[Any]) -> list[Any]:
+        return list(self.wait(futures, return_when="FIRST_COMPLETED").done)
+
+    def _result(self, future: Any) -> Any:
+        return future.result()
+
+    def _cancel(self, future: Any) -> None:
+        future.cancel()
+
+
+class Dask(Futures):
     """A Dask cluster, by a `distributed.Client`. Workers that die are the scheduler's affair:
     it gives what they did to others."""
 
@@ -141,17 +156,8 @@ class Dask(Engine):
     def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
         return self.client.submit(_call, function, self.shared, item, pure=False)
 
-    def _wait(self, futures: list[Any]) -> list[Any]:
-        return list(self.wait(futures, return_when="FIRST_COMPLETED").done)
 
-    def _result(self, future: Any) -> Any:
-        return future.result()
-
-    def _cancel(self, future: Any) -> None:
-        future.cancel()
-
-
-class Pool(Engine):
+class Pool(Futures):
     """Any executor of `concurrent.futures`. What is lost with its worker is lost."""
 
     def __init__(self, executor: Any) -> None:
@@ -166,15 +172,6 @@ class Pool(Engine):
 
     def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
         return self.executor.submit(_call, function, self.shared, item)
-
-    def _wait(self, futures: list[Any]) -> list[Any]:
-        return list(self.wait(futures, return_when="FIRST_COMPLETED").done)
-
-    def _result(self, future: Any) -> Any:
-        return future.result()
-
-    def _cancel(self, future: Any) -> None:
-        future.cancel()
 
 
 _of_process: bytes = b""

@@ -16,6 +16,8 @@ _Rows: TypeAlias = Sequence[_Numbers] | NDArray[Any]
 # A height from 0, or (low, high).
 _Extent: TypeAlias = float | _Numbers
 _Color: TypeAlias = str | Sequence[float]
+# Where, or where and of which colour.
+_Light: TypeAlias = _Point3 | tuple[_Point3, _Color]
 _Axis: TypeAlias = Literal["x", "y", "z"]
 _Unit: TypeAlias = Literal["um", "mm", "cm", "m", "in", "ft"]
 _Place: TypeAlias = tuple[float, float, float]
@@ -26,7 +28,7 @@ _Named: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "
 
 __version__: str
 __all__ = [
-    "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
+    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
     "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "__version__",
     "_merge", "_profile", "_shard", "_solid", "_surface", "capsule", "chamfered_cuboid", "chamfered_cylinder",
     "circle", "cone", "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid",
@@ -159,7 +161,36 @@ class Solid:
         faces_only: bool = False,
         hidden_edges: bool = False,
         axes: bool = False,
+        sections: Sequence[tuple[_Point3, _Point3]] = (),
+        cap_color: _Color | None = None,
+        lights: Sequence[_Light] | None = None,
+        point_lights: Sequence[_Light] | None = None,
+        ambient: _Color | None = None,
+        material: tuple[float, float, float, float] | None = None,
     ) -> Picture: ...
+    def turntable(
+        self,
+        frames: int = 36,
+        *,
+        frames_per_second: int = 15,
+        size: tuple[int, int] = (640, 480),
+        view: _Named | _Point3 | None = None,
+        eye: _Point3 | None = None,
+        target: _Point3 = (0.0, 0.0, 0.0),
+        fov: float = 30.0,
+        parallel: bool = False,
+        background: _Color | None = None,
+        color: _Color | None = None,
+        faces_only: bool = False,
+        hidden_edges: bool = False,
+        axes: bool = False,
+        sections: Sequence[tuple[_Point3, _Point3]] = (),
+        cap_color: _Color | None = None,
+        lights: Sequence[_Light] | None = None,
+        point_lights: Sequence[_Light] | None = None,
+        ambient: _Color | None = None,
+        material: tuple[float, float, float, float] | None = None,
+    ) -> Animation: ...
     def view(self, size: tuple[int, int] = (640, 480)) -> View: ...
     def to_trimesh(self, **options: Unpack[_MeshOptions]) -> Any: ...
     def to_manifold(self, **options: Unpack[_MeshOptions]) -> Any: ...
@@ -283,7 +314,36 @@ class Mesh:
         faces_only: bool = False,
         hidden_edges: bool = False,
         axes: bool = False,
+        sections: Sequence[tuple[_Point3, _Point3]] = (),
+        cap_color: _Color | None = None,
+        lights: Sequence[_Light] | None = None,
+        point_lights: Sequence[_Light] | None = None,
+        ambient: _Color | None = None,
+        material: tuple[float, float, float, float] | None = None,
     ) -> Picture: ...
+    def turntable(
+        self,
+        frames: int = 36,
+        *,
+        frames_per_second: int = 15,
+        size: tuple[int, int] = (640, 480),
+        view: _Named | _Point3 | None = None,
+        eye: _Point3 | None = None,
+        target: _Point3 = (0.0, 0.0, 0.0),
+        fov: float = 30.0,
+        parallel: bool = False,
+        background: _Color | None = None,
+        color: _Color | None = None,
+        faces_only: bool = False,
+        hidden_edges: bool = False,
+        axes: bool = False,
+        sections: Sequence[tuple[_Point3, _Point3]] = (),
+        cap_color: _Color | None = None,
+        lights: Sequence[_Light] | None = None,
+        point_lights: Sequence[_Light] | None = None,
+        ambient: _Color | None = None,
+        material: tuple[float, float, float, float] | None = None,
+    ) -> Animation: ...
     def view(self, size: tuple[int, int] = (640, 480)) -> View: ...
     def to_trimesh(self) -> Any: ...
     def to_manifold(self) -> Any: ...
@@ -420,6 +480,16 @@ class Picture:
     def save(self, path: _Path) -> None: ...
     def _repr_png_(self) -> bytes: ...
 
+@final
+class Animation:
+    @property
+    def size(self) -> tuple[int, int]: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Picture: ...
+    def png(self) -> bytes: ...
+    def save(self, path: _Path) -> None: ...
+    def _repr_png_(self) -> bytes: ...
+
 def empty() -> Solid: ...
 def space() -> Solid: ...
 def half_space(normal: _Point3, offset: float = 0.0) -> Solid: ...
@@ -511,7 +581,11 @@ def _shard(
     options: dict[str, Any],
 ) -> bytes | None: ...
 def _merge(
-    shards: Sequence[_Path], path: _Path | None, normals: bool, check: bool
+    shards: Sequence[_Path],
+    path: _Path | None,
+    normals: bool,
+    check: bool,
+    progress: Callable[[float], object] | None,
 ) -> Mesh | None: ...
 def _solid(bytes: bytes) -> Solid: ...
 def _profile(bytes: bytes) -> Profile: ...

@@ -41,6 +41,8 @@ __all__ = ["mesh", "sweep"]
 
 # Parts of the work for each worker: some are done sooner than others.
 _PARTS = 4
+# The share of the work that is done when all shards are there.
+_MADE = 0.9
 
 
 def mesh(
@@ -64,7 +66,10 @@ def mesh(
 
     Of the options of `mesh` there must be `cells` or `cell_size`; `tolerance`, `draft`,
     `feature_edges` and `partial` are not for shards. With `check` a mesh that is given back is
-    checked. `progress` is called with the share of the shards that is done.
+    checked. `progress` is called with the share that is done: nine tenths for the shards, and
+    the rest for putting them together, which Ctrl-C stops, too. A GLB file of more than
+    1,048,576 triangles is one of chunks, and of more than 64 of these several files
+    (`a.glb`, `a-2.glb`, …).
 
     >>> import stereotomy as st
     >>> from concurrent.futures import ThreadPoolExecutor
@@ -102,8 +107,13 @@ def mesh(
                     file.write(data)
             done += 1
             if progress is not None:
-                progress(done / count)
-        return _merge(paths, out, normals, check)
+                progress(_MADE * done / count)
+
+        def merged(share: float) -> None:
+            if progress is not None:
+                progress(_MADE + (1 - _MADE) * share)
+
+        return _merge(paths, out, normals, check, merged)
 
 
 _MEASURES = (
@@ -200,8 +210,9 @@ def _pickled(shared: object, client: object) -> bytes:
 
 
 def _rows(table: _Table) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]]
     if isinstance(table, Mapping):
-        columns = {name: list(values) for name, values in table.items()}
+        columns: dict[str, list[Any]] = {str(name): list(column) for name, column in table.items()}
         lengths = {name: len(values) for name, values in columns.items()}
         if len(set(lengths.values())) > 1:
             raise ValueError(f"sweep: the table's columns differ in length: {lengths}")
@@ -281,7 +292,8 @@ def _measured(
         files = [name.format(**safe, row=number) for name in names]
         for file in files:
             is_step = file.lower().endswith((".step", ".stp"))
-            solid.save(file, **({} if is_step else options))
+            given: dict[str, Any] = {} if is_step else options
+            solid.save(file, **given)
         made |= dict(zip(_MEASURES, numbers))
         made["files"] = " ".join(files)
     except Exception as error:

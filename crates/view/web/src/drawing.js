@@ -2,7 +2,7 @@
 import {
   AlwaysStencilFunc, BackSide, BufferAttribute, BufferGeometry, Color, DataTexture, DecrementWrapStencilOp,
   DirectionalLight, DoubleSide, FloatType, FrontSide, GLSL3, Group, HemisphereLight, IncrementWrapStencilOp,
-  LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, NotEqualStencilFunc,
+  LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter, NotEqualStencilFunc,
   Plane, PlaneGeometry, Points, PointsMaterial, RGBAFormat, ReplaceStencilOp, Scene, ShaderMaterial, UnsignedByteType,
   Vector3, WebGLRenderTarget,
 } from "three";
@@ -45,8 +45,8 @@ export class Drawing {
     this.accent = { value: new Color() };
     this.faceMaterial = this.#faceMaterial();
     this.stencils = [this.#stencil(BackSide, IncrementWrapStencilOp), this.#stencil(FrontSide, DecrementWrapStencilOp)];
-    this.capMaterial = new MeshStandardMaterial({
-      metalness: 0, roughness: 0.9, side: DoubleSide, stencilWrite: true, stencilRef: 0,
+    this.capMaterial = new MeshLambertMaterial({
+      side: DoubleSide, stencilWrite: true, stencilRef: 0,
       stencilFunc: NotEqualStencilFunc, stencilFail: ReplaceStencilOp, stencilZFail: ReplaceStencilOp,
       stencilZPass: ReplaceStencilOp,
     });
@@ -59,8 +59,9 @@ export class Drawing {
   }
 
   #faceMaterial() {
-    const material = new MeshStandardMaterial({
-      metalness: 0, roughness: 0.75, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+    // (Physically based shaders take longer to make and to draw.)
+    const material = new MeshLambertMaterial({
+      side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
     });
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, { states: this.states, accent: this.accent });

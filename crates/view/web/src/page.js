@@ -140,6 +140,9 @@ export function fit() {
 export function start(answering) {
   server = answering;
   server.listen(heard);
+  // What is there already need not wait for being told of.
+  newest ||= 1;
+  load();
 }
 
 // Picking and measuring.

@@ -1,5 +1,6 @@
 //! Quadrics of a pencil that are pairs of planes: in them the curves are conics.
 
+use crate::elementary;
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::SmallVec;
 
@@ -18,7 +19,7 @@ impl Pencil<'_> {
     pub(super) fn on_planes(&self, angle: f64, near: f64) -> Option<Result<Branches, Unknown>> {
         /// The same of a pair of planes before its angle is refined.
         const NEARLY: f64 = 1e-4;
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = elementary::sin_cos(angle);
         let (values, vectors) = eigenvectors(&self.combined([cos, sin]));
         if values[2].abs() > NEARLY * values[0].abs() {
             return None;
@@ -29,7 +30,7 @@ impl Pencil<'_> {
             let on = |v: DVec4| v.dot(matrix * v);
             on(vectors[2]) + on(vectors[3])
         });
-        let length = x.hypot(y);
+        let length = elementary::hypot(x, y);
         let (values, vectors) = if length > NEARLY {
             eigenvectors(&self.combined([y / length, -x / length]))
         } else {
@@ -51,16 +52,16 @@ impl Pencil<'_> {
         let [xx, xy, yy] = [x.dot(matrix * x), x.dot(matrix * y), y.dot(matrix * y)];
         // xx c² + 2 xy c s + yy s² = 0: (xx + yy) / 2 + r cos(2 t - phase).
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let (radius, phase) = (half.hypot(xy), xy.atan2(half));
+        let (radius, phase) = (elementary::hypot(half, xy), elementary::atan2(xy, half));
         if mean.abs().max(radius) <= CANCELLED {
             return Some(Err(Unknown::NoForm));
         }
         if mean.abs() > radius {
             return Some(Ok(Branches::new()));
         }
-        let swing = (-mean / radius).acos();
+        let swing = elementary::acos(-mean / radius);
         let at = |doubled: f64| {
-            let (sin, cos) = (0.5 * doubled).sin_cos();
+            let (sin, cos) = elementary::sin_cos(0.5 * doubled);
             self.place(cos * x + sin * y)
         };
         let contacts = [phase + swing, phase - swing].map(at);

@@ -1,5 +1,6 @@
 //! Surfaces in round numbers.
 
+use crate::elementary;
 use glam::DVec3;
 
 use crate::numeric::eigen_symmetric;
@@ -16,9 +17,9 @@ pub(super) struct Decimal {
 impl Decimal {
     /// So few that rounding changes a number by no more than a distance.
     pub fn below(distance: f64) -> Self {
-        let digits = (-(2.0 * distance).log10()).ceil();
+        let digits = (-elementary::log10(2.0 * distance)).ceil();
         Self {
-            per_unit: 10f64.powf(digits),
+            per_unit: elementary::pow(10f64, digits),
         }
     }
 

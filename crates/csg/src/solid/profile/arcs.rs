@@ -1,5 +1,6 @@
 //! Arcs: what a bulge says, chords instead, and segments of discs.
 
+use crate::elementary;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use glam::{DAffine2, DMat2, DVec2};
@@ -33,7 +34,7 @@ impl Arc {
             to,
             center,
             radius,
-            sweep: 4.0 * bulge.atan(),
+            sweep: 4.0 * elementary::atan(bulge),
         }
     }
 
@@ -43,20 +44,20 @@ impl Arc {
 
     /// The point after a share of the arc.
     pub(super) fn at(&self, share: f64) -> DVec2 {
-        let turned = DVec2::from_angle(self.sweep * share).rotate(self.from - self.center);
+        let turned = elementary::direction(self.sweep * share).rotate(self.from - self.center);
         self.center + turned
     }
 
     /// The direction of travel after a share of the arc.
     pub(super) fn tangent(&self, share: f64) -> DVec2 {
-        let outward = DVec2::from_angle(self.sweep * share).rotate(self.from - self.center);
+        let outward = elementary::direction(self.sweep * share).rotate(self.from - self.center);
         (outward.perp() * self.sweep.signum()).normalize_or_zero()
     }
 
     /// A convex polygon around the arc and its chord, both ends its corners.
     fn around(&self) -> Vec<DVec2> {
         let pieces = (self.sweep.abs() / FRAC_PI_4).ceil().max(1.0);
-        let stretch = 1.0 / (0.5 * self.sweep / pieces).cos();
+        let stretch = 1.0 / elementary::cos(0.5 * self.sweep / pieces);
         let mut points = vec![self.from];
         for piece in 0..pieces as usize {
             let middle = self.at((piece as f64 + 0.5) / pieces);
@@ -101,7 +102,7 @@ impl Sagitta {
 pub(super) fn chords(radius: f64, sweep: f64, sagitta: Sagitta) -> usize {
     const MOST: f64 = 1e6;
     let share = sagitta.of_radius.min(sagitta.length / radius);
-    let half = (1.0 - share).clamp(0.0, 1.0).acos();
+    let half = elementary::acos((1.0 - share).clamp(0.0, 1.0));
     let count = (0.5 * sweep.abs() / half).ceil();
     count.clamp(1.0, MOST) as usize
 }
@@ -166,7 +167,7 @@ pub(super) fn parted(mut contour: Contour) -> Result<Contour, ProfileFault> {
         for (k, &corner) in contour.iter().enumerate() {
             match side(&contour, k).1 {
                 Some(arc) if cut[k] => {
-                    let bulge = (arc.sweep / 8.0).tan();
+                    let bulge = elementary::tan(arc.sweep / 8.0);
                     for point in [corner.point, arc.at(0.5)] {
                         finer.push(Corner { point, bulge });
                     }
@@ -247,7 +248,7 @@ pub(super) fn doubled_area(contour: &[Corner]) -> f64 {
             let (next, arc) = side(contour, k);
             let chord = (contour[k].point - base).perp_dot(next - base);
             let segment = arc.map_or(0.0, |arc| {
-                arc.radius * arc.radius * (arc.sweep - arc.sweep.sin())
+                arc.radius * arc.radius * (arc.sweep - elementary::sin(arc.sweep))
             });
             chord + segment
         })

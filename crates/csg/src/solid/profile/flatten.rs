@@ -1,6 +1,7 @@
 //! Polygons: chords for arcs, and Booleans of contours by `i_overlay` on a grid
 //! of whole numbers that holds every corner given to it exactly.
 
+use crate::elementary;
 use glam::{DAffine2, DVec2};
 use i_overlay::core::fill_rule::FillRule as OverlayFill;
 use i_overlay::core::overlay::{Overlay, ShapeType};
@@ -106,7 +107,7 @@ pub(super) fn disc_corners(map: &DAffine2, sagitta: Sagitta) -> Contour {
     let count = chords(stretch(&map.matrix2), std::f64::consts::TAU, sagitta).max(3);
     let angle = std::f64::consts::TAU / count as f64;
     let radius = if sagitta.of_radius < 1.0 {
-        (angle / angle.sin()).sqrt()
+        (angle / elementary::sin(angle)).sqrt()
     } else {
         1.0
     };
@@ -193,7 +194,7 @@ fn overlay(
     if !(1e-250..1e250).contains(&largest) {
         return Vec::new();
     }
-    let scale = 2.0_f64.powi(59 - (largest.log2().floor() as i32 + 1));
+    let scale = 2.0_f64.powi(59 - (elementary::log2(largest).floor() as i32 + 1));
     let mut engine = Overlay::<i64>::new(64);
     for (contours, kind) in [(subject, ShapeType::Subject), (clip, ShapeType::Clip)] {
         for contour in contours {

@@ -27,6 +27,7 @@ mod tests;
 use std::ops::{Add, BitAnd, BitOr, Sub};
 use std::sync::Arc;
 
+use crate::elementary;
 use glam::{DAffine2, DMat2, DVec2};
 use serde::{Deserialize, Serialize};
 
@@ -238,7 +239,9 @@ impl Profile {
     /// Turns about the origin, counter-clockwise, by an angle in radians.
     #[must_use]
     pub fn rotate(&self, radians: f64) -> Self {
-        self.affine(DAffine2::from_angle(radians))
+        let direction = elementary::direction(radians);
+        let turn = DMat2::from_cols(direction, direction.perp());
+        self.affine(DAffine2::from_mat2(turn))
     }
 
     /// Scales about the origin; a negative factor turns by half a turn.

@@ -7,6 +7,7 @@
 //! computing winding numbers", 2005). Arcs stay arcs where no two sides of the
 //! moved contours meet, which is checked; otherwise chords replace them.
 
+use crate::elementary;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
@@ -159,7 +160,7 @@ fn turning(contour: &[Corner], k: usize) -> (f64, DVec2, DVec2) {
         (next, None) => (next - contour[k].point).normalize_or_zero(),
     };
     let (arriving, leaving) = (tangent(before, 1.0), tangent(k, 0.0));
-    let angle = arriving.perp_dot(leaving).atan2(arriving.dot(leaving));
+    let angle = elementary::atan2(arriving.perp_dot(leaving), arriving.dot(leaving));
     (angle, arriving, leaving)
 }
 
@@ -168,7 +169,7 @@ fn turning(contour: &[Corner], k: usize) -> (f64, DVec2, DVec2) {
 fn every_side_stays(contour: &[Corner], distance: f64) -> bool {
     let lost = |k: usize| {
         let angle = turning(contour, k % contour.len()).0;
-        (-distance * (0.5 * angle).tan()).max(0.0)
+        (-distance * elementary::tan(0.5 * angle)).max(0.0)
     };
     (0..contour.len()).all(|k| match side(contour, k) {
         (_, Some(arc)) => arc.radius + distance * arc.sweep.signum() > 0.0,
@@ -193,7 +194,7 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join, exact: bool) -> 
             join_sides(&mut moved, here, [from, to], angle, join);
         } else if exact && straight {
             // The same prolonging, inwards.
-            let corner = here + (from - here + to - here) / (1.0 + angle.cos());
+            let corner = here + (from - here + to - here) / (1.0 + elementary::cos(angle));
             moved.push(Corner::straight(corner));
             continue;
         } else {
@@ -213,24 +214,24 @@ fn join_sides(moved: &mut Contour, here: DVec2, [from, to]: [DVec2; 2], angle: f
     match join {
         Join::Round => moved.push(Corner {
             point: from,
-            bulge: (angle / 4.0).tan(),
+            bulge: elementary::tan(angle / 4.0),
         }),
         Join::Chords(fragments) => {
             let steps = (fragments.max(3) as f64 * angle.abs() / TAU)
                 .round()
                 .max(1.0);
             for step in 0..steps as usize {
-                let turned = DVec2::from_angle(angle * step as f64 / steps);
+                let turned = elementary::direction(angle * step as f64 / steps);
                 moved.push(Corner::straight(here + turned.rotate(from - here)));
             }
         }
-        Join::Mitre(limit) if angle.abs() < PI && 1.0 <= limit * (0.5 * angle).cos() => {
-            let corner = here + (from - here + to - here) / (1.0 + angle.cos());
+        Join::Mitre(limit) if angle.abs() < PI && 1.0 <= limit * elementary::cos(0.5 * angle) => {
+            let corner = here + (from - here + to - here) / (1.0 + elementary::cos(angle));
             moved.extend([from, corner].map(Corner::straight));
         }
         Join::Square if angle.abs() < PI => {
             // Along the sides, up to where that side is.
-            let reach = (0.25 * angle).tan();
+            let reach = elementary::tan(0.25 * angle);
             let first = from + reach * (from - here).perp();
             let last = to - reach * (to - here).perp();
             moved.extend([from, first, last].map(Corner::straight));

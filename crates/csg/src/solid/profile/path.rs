@@ -1,5 +1,6 @@
 //! A contour drawn side by side.
 
+use crate::elementary;
 use glam::DVec2;
 
 use super::monotone::orient;
@@ -57,7 +58,7 @@ impl Path {
                 limit,
             });
         } else if let Some(last) = self.corners.last_mut() {
-            last.bulge = (radians / 4.0).tan();
+            last.bulge = elementary::tan(radians / 4.0);
             self.corners.push(Corner::straight(end.into()));
         }
         self
@@ -75,7 +76,7 @@ impl Path {
         if orient(start, middle, end) == 0.0 {
             return self.line_to(end);
         }
-        let half = to.perp_dot(from).atan2(to.dot(from));
+        let half = elementary::atan2(to.perp_dot(from), to.dot(from));
         self.arc_to(end, 2.0 * half)
     }
 

@@ -1,5 +1,6 @@
 //! Directions that divide a turn.
 
+use crate::elementary;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use glam::DVec2;
@@ -16,7 +17,7 @@ pub fn turn(k: usize, n: usize) -> DVec2 {
     let (sin, cos) = if rest.unsigned_abs() == n {
         (FRAC_1_SQRT_2.copysign(rest as f64), FRAC_1_SQRT_2)
     } else {
-        (rest as f64 * TAU / (8.0 * n as f64)).sin_cos()
+        elementary::sin_cos(rest as f64 * TAU / (8.0 * n as f64))
     };
     match quarter % 4 {
         0 => DVec2::new(cos, sin),

@@ -37,28 +37,12 @@ pub(crate) fn cut(
     let bricks = u128::from(walk::count(&scene.lattice));
     let start = |part: u32| (bricks * u128::from(part) / u128::from(of)) as u64;
     let own = start(part)..start(part + 1);
-    let walk = |wanted: &Wanted| {
-        let (blocks, pruned) = walk::blocks(&scene, &task.program.root_cell(), wanted);
-        let progress = task.control.stage(blocks.len() as u64, 0.0, 1.0);
-        let parts = blocks.par_iter().with_max_len(1).map(|block| {
-            let part = walked_part(arch, (&scene, wanted), block, Vec::new(), task);
-            progress.add(1);
-            part
-        });
-        let parts: Vec<Part> = parts.collect();
-        task.control.check()?;
-        Ok((parts, pruned))
-    };
-    let (mut parts, mut cells_pruned) = walk(&Wanted::range(own.clone()))?;
-    let own_parts = parts.len();
-    let before = bricks_before(&scene.lattice, &parts, &own);
-    if !before.is_empty() {
-        parts.append(&mut walk(&before)?.0);
-    }
+    let mut walked = Walked::of(task, &scene, &own)?;
     let mut surfaces = TableOfSurfaces::default();
-    surfaces.enter(task, &mut parts[..own_parts]);
+    surfaces.enter(task, &mut walked.parts[..walked.own]);
+    let entries = entries_of(surfaces, task.program);
     let mut directory = Directory::default();
-    directory.extend(&parts);
+    directory.extend(&walked.parts);
     if directory.vertices >= 1 << 31 {
         return Err(Error::TooLarge {
             what: "vertices in one slab",
@@ -67,12 +51,12 @@ pub(crate) fn cut(
     }
     let least_area = least_area(task);
     let stitcher = Stitcher {
-        parts: &parts,
+        parts: &walked.parts,
         directory: &directory,
         surfaces: &task.surfaces,
         least_area,
     };
-    let own_parts = &parts[..own_parts];
+    let own_parts = &walked.parts[..walked.own];
     let mut assembly = Assembly::default();
     assembly.add(own_parts, 0, 1.0, |part, out| {
         stitched_part(arch, &stitcher, part, out)
@@ -81,91 +65,23 @@ pub(crate) fn cut(
 
     let vertices = assembled.positions.len();
     let foreign = Foreign::of(&assembled.triangles, vertices, &stitcher);
-    let group = |entry: u32, reversed: bool, triangles: u32| SlabGroup {
-        entry,
-        reversed,
-        triangles,
-    };
-    let groups = own_parts.iter().flat_map(|part| &part.groups);
-    let groups = groups.map(|own| group(own.entry, own.reversed, 2 * own.count));
-    let groups = joined(groups);
     let regular = assembled.triangles.len() - assembled.further.len();
     let mut triangles = assembled.triangles;
-    let mut further = Vec::new();
-    for (&corners, &(part, group)) in triangles[regular..].iter().zip(&assembled.further) {
-        let group = &parts[part].groups[group as usize];
-        further.push(FurtherTriangle {
-            corners,
-            entry: group.entry,
-            reversed: group.reversed,
-        });
-    }
-    let entries: Vec<SlabEntry> = surfaces
-        .surfaces
-        .into_iter()
-        .map(|entry| SlabEntry {
-            surface: entry.surface,
-            primitive: entry.primitive,
-            name: entry.name,
-            parts: entry.parts,
-            color: entry.color,
-            shape: task.program.surfaces()[entry.surface as usize],
-        })
-        .collect();
-
-    let place = |vertex: u32| match assembled.positions.get(vertex as usize) {
-        Some(&place) => place,
-        None => foreign.places[vertex as usize - vertices].1,
-    };
-    let ends: Vec<u32> = groups
-        .iter()
-        .scan(0, |end, group| {
-            *end += group.triangles;
-            Some(*end)
-        })
-        .collect();
-    let is_bad = |&triangle: &u32| {
-        let at = triangle as usize;
-        let (entry, reversed) = match further.get(at.wrapping_sub(regular)) {
-            Some(further) => (further.entry, further.reversed),
-            None => {
-                let group = &groups[ends.partition_point(|&end| end <= triangle)];
-                (group.entry, group.reversed)
-            }
-        };
-        let surface = &task.surfaces[entries[entry as usize].surface as usize];
-        let corners = triangles[at].map(|corner| place(foreign.local(corner)));
-        cleanup::is_bad(corners, (surface, reversed), least_area)
-    };
-    let bad: Vec<u32> = assembled.bad.into_iter().filter(is_bad).collect();
-    let mut blocks: Vec<(u64, bool)> = Vec::new();
-    let mut last: Vec<u32> = Vec::new();
-    let mut end = 0;
-    for part in own_parts {
-        end += 2 * part.polygons.len() as u32;
-        blocks.push((part.first, !part.fallbacks.is_empty()));
-        last.push(end);
-    }
-    let bad = bad.into_iter().map(|triangle| {
-        let block = last.partition_point(|&end| end <= triangle);
-        (triangle, (block < last.len()).then_some(block as u32))
-    });
-    let bad = bad.collect();
-
-    let is_colored = |entry: u32| entries[entry as usize].color.is_some();
-    let colored = groups.iter().filter(|group| is_colored(group.entry));
-    let colored: u64 = colored.map(|group| u64::from(group.triangles)).sum();
-    let colored = colored + further.iter().filter(|t| is_colored(t.entry)).count() as u64;
-    let exports = exports(&scene.lattice, own_parts, &own);
-    triangles.truncate(regular);
     triangles
         .par_iter_mut()
         .for_each(|corners| *corners = corners.map(|corner| foreign.local(corner)));
-    for triangle in &mut further {
-        triangle.corners = triangle.corners.map(|corner| foreign.local(corner));
-    }
-    let sampled: u64 = own_parts.iter().map(|part| part.bricks_sampled).sum();
-    cells_pruned += own_parts.iter().map(|part| part.cells_pruned).sum::<u64>();
+    let body = SlabBody {
+        groups: groups_of(own_parts),
+        further: further_of(&triangles[regular..], &assembled.further, own_parts),
+        entries,
+        imports: foreign.places,
+    };
+    let made = Made {
+        body: &body,
+        positions: &assembled.positions,
+        triangles: &triangles[..regular],
+    };
+    let bad = made.still_bad(assembled.bad, task, least_area);
     let head = SlabHead {
         part,
         of,
@@ -176,31 +92,186 @@ pub(crate) fn cut(
         tolerance: merging_tolerance(&scene),
         vertices: vertices as u32,
         triangles: regular as u32,
-        further: further.len() as u32,
-        colored,
-        exports,
-        blocks,
-        bad,
+        further: body.further.len() as u32,
+        colored: made.colored(),
+        exports: exports(&scene.lattice, own_parts, &own),
+        blocks: blocks_of(own_parts),
+        bad: with_blocks(bad, own_parts),
         fallbacks: told(
             own_parts.iter().flat_map(|part| &part.fallbacks),
             task.origin,
         ),
-        cells_visited: sampled * (CELLS * CELLS * CELLS) as u64,
-        cells_pruned,
-        surface_cells: own_parts.iter().map(|part| part.surface_cells).sum(),
+        cells_visited: walked.count(|part| part.bricks_sampled) * (CELLS * CELLS * CELLS) as u64,
+        cells_pruned: walked.cells_pruned + walked.count(|part| part.cells_pruned),
+        surface_cells: walked.count(|part| part.surface_cells),
         ..nothing(fingerprint(task.program, Some(&scene)), unit)
     };
+    triangles.truncate(regular);
     Ok(Slab {
         head,
-        body: SlabBody {
-            entries,
-            groups,
-            imports: foreign.places,
-            further,
-        },
+        body,
         positions: assembled.positions,
         triangles,
     })
+}
+
+/// What was found in a slab's bricks, and in those before them whose vertices its polygons name.
+struct Walked {
+    /// The slab's own first.
+    parts: Vec<Part>,
+    own: usize,
+    /// Cells that no brick was made for.
+    cells_pruned: u64,
+}
+
+impl Walked {
+    fn of(task: &Task<'_>, scene: &Scene<'_>, own: &Range<u64>) -> Result<Self, Error> {
+        let arch = pulp::Arch::new();
+        let walk = |wanted: &Wanted| {
+            let (blocks, pruned) = walk::blocks(scene, &task.program.root_cell(), wanted);
+            let progress = task.control.stage(blocks.len() as u64, 0.0, 1.0);
+            let parts = blocks.par_iter().with_max_len(1).map(|block| {
+                let part = walked_part(arch, (scene, wanted), block, Vec::new(), task);
+                progress.add(1);
+                part
+            });
+            let parts: Vec<Part> = parts.collect();
+            task.control.check()?;
+            Ok::<_, Error>((parts, pruned))
+        };
+        let (mut parts, cells_pruned) = walk(&Wanted::range(own.clone()))?;
+        let own_parts = parts.len();
+        let before = bricks_before(&scene.lattice, &parts, own);
+        if !before.is_empty() {
+            parts.append(&mut walk(&before)?.0);
+        }
+        Ok(Self {
+            parts,
+            own: own_parts,
+            cells_pruned,
+        })
+    }
+
+    /// A count over the slab's own parts.
+    fn count(&self, of: impl Fn(&Part) -> u64) -> u64 {
+        self.parts[..self.own].iter().map(of).sum()
+    }
+}
+
+fn entries_of(surfaces: TableOfSurfaces, program: &Program) -> Vec<SlabEntry> {
+    let entries = surfaces.surfaces.into_iter().map(|entry| SlabEntry {
+        surface: entry.surface,
+        primitive: entry.primitive,
+        name: entry.name,
+        parts: entry.parts,
+        color: entry.color,
+        shape: program.surfaces()[entry.surface as usize],
+    });
+    entries.collect()
+}
+
+/// Which surfaces the triangles lie on, but for those that come last.
+fn groups_of(parts: &[Part]) -> Vec<SlabGroup> {
+    let groups = parts.iter().flat_map(|part| &part.groups);
+    joined(groups.map(|own| SlabGroup {
+        entry: own.entry,
+        reversed: own.reversed,
+        triangles: 2 * own.count,
+    }))
+}
+
+/// The triangles that come last; each is of a group of a part.
+fn further_of(
+    triangles: &[[u32; 3]],
+    groups: &[(usize, u32)],
+    parts: &[Part],
+) -> Vec<FurtherTriangle> {
+    let further = triangles.iter().zip(groups);
+    let further = further.map(|(&corners, &(part, group))| {
+        let group = &parts[part].groups[group as usize];
+        FurtherTriangle {
+            corners,
+            entry: group.entry,
+            reversed: group.reversed,
+        }
+    });
+    further.collect()
+}
+
+/// Each part's first brick, and whether something had to be settled for in it.
+fn blocks_of(parts: &[Part]) -> Vec<(u64, bool)> {
+    let blocks = parts.iter();
+    let blocks = blocks.map(|part| (part.first, !part.fallbacks.is_empty()));
+    blocks.collect()
+}
+
+/// Triangles, each with the block that it is of; those that come last are of none.
+fn with_blocks(triangles: Vec<u32>, parts: &[Part]) -> Vec<(u32, Option<u32>)> {
+    let ends = parts.iter().scan(0, |end, part| {
+        *end += 2 * part.polygons.len() as u32;
+        Some(*end)
+    });
+    let ends: Vec<u32> = ends.collect();
+    let triangles = triangles.into_iter().map(|triangle| {
+        let block = ends.partition_point(|&end| end <= triangle);
+        (triangle, (block < ends.len()).then_some(block as u32))
+    });
+    triangles.collect()
+}
+
+/// A slab's triangles with what they lie on.
+struct Made<'a> {
+    body: &'a SlabBody,
+    positions: &'a [DVec3],
+    /// But for those that come last.
+    triangles: &'a [[u32; 3]],
+}
+
+impl Made<'_> {
+    /// Those of some triangles that are bad where their corners are now.
+    fn still_bad(&self, bad: Vec<u32>, task: &Task<'_>, least_area: f64) -> Vec<u32> {
+        let SlabBody {
+            entries,
+            groups,
+            imports,
+            further,
+        } = self.body;
+        let ends = groups.iter().scan(0, |end, group| {
+            *end += group.triangles;
+            Some(*end)
+        });
+        let ends: Vec<u32> = ends.collect();
+        let place = |vertex: u32| match self.positions.get(vertex as usize) {
+            Some(&place) => place,
+            None => imports[vertex as usize - self.positions.len()].1,
+        };
+        let is_bad = |&triangle: &u32| {
+            let at = triangle as usize;
+            let (corners, entry, reversed) = match self.triangles.get(at) {
+                Some(&corners) => {
+                    let group = &groups[ends.partition_point(|&end| end <= triangle)];
+                    (corners, group.entry, group.reversed)
+                }
+                None => {
+                    let further = &further[at - self.triangles.len()];
+                    (further.corners, further.entry, further.reversed)
+                }
+            };
+            let surface = &task.surfaces[entries[entry as usize].surface as usize];
+            cleanup::is_bad(corners.map(place), (surface, reversed), least_area)
+        };
+        bad.into_iter().filter(is_bad).collect()
+    }
+
+    /// How many triangles have a colour.
+    fn colored(&self) -> u64 {
+        let is_colored = |entry: u32| self.body.entries[entry as usize].color.is_some();
+        let groups = self.body.groups.iter();
+        let colored = groups.filter(|group| is_colored(group.entry));
+        let colored: u64 = colored.map(|group| u64::from(group.triangles)).sum();
+        let further = self.body.further.iter();
+        colored + further.filter(|t| is_colored(t.entry)).count() as u64
+    }
 }
 
 /// A slab of a solid that is empty.

@@ -1,5 +1,6 @@
 //! How far a chord strays from the curve in which two surfaces meet.
 
+use crate::elementary;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -127,7 +128,7 @@ impl Bends {
     /// The least and the greatest along any direction.
     fn extremes(&self) -> [f64; 2] {
         let mean = 0.5 * (self.uu + self.vv);
-        let swing = (0.5 * (self.uu - self.vv)).hypot(self.uv);
+        let swing = elementary::hypot(0.5 * (self.uu - self.vv), self.uv);
         [mean - swing, mean + swing]
     }
 }
@@ -206,8 +207,8 @@ impl<'a> Chord<'a> {
         let [t1, t2] = [0, 1].map(|i| self.turns[i] / lengths[i]);
         // |J⁺| times the change of J per length, and from the middle to an end.
         let inverse = 1.0 / (1.0 - cosine.abs()).sqrt();
-        let rate = inverse * l1.hypot(l2);
-        let at_end = 0.5 * (to - from) * inverse * t1.hypot(t2);
+        let rate = inverse * elementary::hypot(l1, l2);
+        let at_end = 0.5 * (to - from) * inverse * elementary::hypot(t1, t2);
         let is_whole = from == 0.0 && to == 1.0;
         let longer = |distance: f64| {
             let room = 1.0 - rate * distance;

@@ -1,0 +1,53 @@
+// How long from the command to the first picture on the page, and how long a frame takes.
+// CSG=target/release/csg CHROMIUM=chromium node tests/cold.js MODEL [RUNS] [OPTION…]
+//
+// The browser runs already. Each time csg is started anew, and the page opened in a context of
+// its own, without a cache. Told are the medians and the least and greatest, in milliseconds
+// since the command.
+import { spawn, spawnSync } from "node:child_process";
+import { chromium } from "playwright-core";
+
+const [model, runs = "9", ...options] = process.argv.slice(2);
+const executablePath = spawnSync("sh", ["-c", `command -v ${process.env.CHROMIUM}`], { encoding: "utf8" }).stdout.trim();
+const browser = await chromium.launch({
+  executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+const times = { address: [], script: [], picture: [], fine: [], frame: [] };
+let triangles = "";
+try {
+  // (The first context of a browser takes longer.)
+  await (await browser.newContext()).close();
+  for (let run = 0; run < Number(runs); run++) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+    const page = await context.newPage();
+    await page.addInitScript(() => {
+      globalThis.seen = { script: Date.now() };
+      new MutationObserver(() => {
+        const { revision } = document.documentElement.dataset;
+        if (revision === "1") seen.picture ??= Date.now();
+        if (revision === "2") seen.fine ??= Date.now();
+      }).observe(document, { attributes: true, subtree: true, attributeFilter: ["data-revision"] });
+    });
+    const start = Date.now();
+    const program = spawn(process.env.CSG, ["view", model, "--no-open", ...options], { stdio: ["ignore", "pipe", "inherit"] });
+    const address = await new Promise((done) => program.stdout.once("data", (data) => done(String(data).trim().split("\n")[0])));
+    times.address.push(Date.now() - start);
+    await page.goto(address, { waitUntil: "commit" });
+    await page.waitForFunction(() => globalThis.seen?.fine, null, { timeout: 120_000 });
+    const seen = await page.evaluate(() => globalThis.seen);
+    for (const name of ["script", "picture", "fine"]) times[name].push((seen[name] ?? seen.fine) - start);
+    times.frame.push(await page.evaluate(() => stereotomy.frames(20)));
+    await page.waitForFunction(() => stereotomy.state.account !== null, null, { timeout: 120_000 });
+    triangles = await page.locator("#report td").first().innerText();
+    program.kill();
+    await context.close();
+  }
+} finally {
+  await browser.close();
+}
+console.log(`${model}: ${triangles} triangles, ${runs} runs`);
+for (const [name, list] of Object.entries(times)) {
+  const sorted = list.toSorted((a, b) => a - b);
+  const [least, median, greatest] = [sorted[0], sorted[sorted.length >> 1], sorted.at(-1)].map((x) => x.toFixed(0).padStart(6));
+  console.log(`${name.padEnd(10)}${median}  (${least} to ${greatest})`);
+}
