@@ -248,11 +248,12 @@ fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
 
 /// Whether a curve may be taken straight past a vertex, from the end of one of
 /// its two edges to the end of the other: a chord that still runs along the
-/// curve at both its ends, also where elongated surfaces on both sides are round: else it may
-/// cut off more than half of the curve around one.
+/// curve at both its ends, also where elongated ellipsoids beside it are round: else it may
+/// cut off more than half of a curve around one, whose edges there run around its tips.
 fn chord_may_be(mesh: &HalfEdges<'_>, vertex: u32, back: u32, on: u32) -> bool {
     let surfaces = mesh.curve_surfaces(on);
-    let rounds = [on, mesh.twin(on)].map(|side| mesh.region(side).round.as_ref());
+    let sides = [on, mesh.twin(on)].map(|side| mesh.region(side));
+    let rounds = sides.map(|side| side.round.as_ref().filter(|_| side.bend == Bend::Double));
     let (p, q, r) = (
         mesh.at(mesh.target(back)),
         mesh.at(vertex),

@@ -10,7 +10,9 @@ use glam::DVec3;
 
 use super::half_edges::{HalfEdges, next, previous};
 use super::region::{Bend, Region, Way, metric};
-use super::shape::{LEAST_COSINE, faces_out_everywhere, outward_cosine, outward_range};
+use super::shape::{
+    LEAST_COSINE, faces_out_everywhere, faces_out_in_the_middle, outward_cosine, outward_range,
+};
 use crate::numeric::tolerance::NEAR;
 use crate::program::Surface;
 
@@ -114,17 +116,25 @@ fn exceeds_half_turn([a, d, b, c]: [DVec3; 4], square: impl Fn(DVec3) -> f64) ->
     c2 + d2 < -NEAR * c2.max(d2)
 }
 
-/// Whether the triangles that a flip would make face the way their surface does, next to
-/// all their points, as a flip makes edges longer than a cut does; or, where triangles are
-/// folded, face it better than those that there are: a narrow strip whose sides are joined
-/// askew is unfolded flip by flip.
+/// Whether the triangles that a flip would make face the way their surface does, next to all
+/// their points if those that there are do: a flip makes edges longer than a cut does. On
+/// surfaces that bend the same way everywhere, where flips lead to the convex hull, triangles
+/// that are folded may also be flipped into some that are less so: a narrow strip whose sides
+/// are joined askew is unfolded flip by flip.
 #[inline]
 fn leaves_it_unfolded(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4]) -> bool {
-    let made = [[d, b, c], [c, a, d]];
-    if made.map(|corners| faces_out_everywhere(surface, region, corners)) == [true; 2] {
-        return true;
+    let [there, made] = [[[a, b, c], [b, a, d]], [[d, b, c], [c, a, d]]];
+    let all = |triangles: [[DVec3; 3]; 2], is: fn(&Surface, &Region, [DVec3; 3]) -> bool| {
+        triangles
+            .iter()
+            .all(|&corners| is(surface, region, corners))
+    };
+    if all(made, faces_out_in_the_middle) {
+        return all(made, faces_out_everywhere) || !all(there, faces_out_everywhere);
     }
-    let there = [[a, b, c], [b, a, d]];
+    if region.bend != Bend::Double {
+        return false;
+    }
     let worst = |triangles: [[DVec3; 3]; 2]| {
         let [one, other] = triangles.map(|corners| outward_cosine(surface, region, corners));
         one.min(other)
