@@ -155,7 +155,7 @@ fn shells_take_what_their_sides_take() {
 /// right, and nothing is to be reported.
 #[test]
 fn strips_narrower_than_chords_stray_are_joined_straight_across() {
-    for name in ["needle-through-a-sheet", "sheet-across-a-slab"] {
+    for name in ["needle-through-a-sheet", "../plates/sheet-across-a-slab"] {
         let program = Program::lower(&model(name)).expect("a valid solid");
         let boundary = program.boundary(&BoundaryOptions::default());
         let exact = boundary.expect("a boundary").measure().area.value;

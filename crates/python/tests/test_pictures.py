@@ -4,6 +4,7 @@ import base64
 import pathlib
 import re
 import struct
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,14 +30,14 @@ def test_what_cannot_be_seen_is_text() -> None:
 
 
 def test_pictures_show_what_is_there(tmp_path: pathlib.Path) -> None:
-    look = {"size": (200, 200), "view": "top", "parallel": True, "faces_only": True}
-    picture = st.cube(1).render(**look)  # type: ignore[arg-type]
+    look: dict[str, Any] = {"size": (200, 200), "view": "top", "parallel": True, "faces_only": True}
+    picture = st.cube(1).render(**look)
     covered = picture.pixels[..., 3] == 255
     # A square that fills nine tenths of each side.
     rows, columns = covered.any(axis=1).sum(), covered.any(axis=0).sum()
     assert rows == pytest.approx(180, abs=1) and columns == pytest.approx(180, abs=1)
     assert covered.sum() == rows * columns
-    round_one = st.sphere(1).render(**look).pixels[..., 3] == 255  # type: ignore[arg-type]
+    round_one = st.sphere(1).render(**look).pixels[..., 3] == 255
     assert round_one.sum() == pytest.approx(np.pi * 90**2, rel=0.01)
     white = st.cube(1).render(size=(64, 48), background="#ffffff")
     assert white.pixels[0, 0].tolist() == [255, 255, 255, 255]
@@ -50,35 +51,32 @@ def test_pictures_show_what_is_there(tmp_path: pathlib.Path) -> None:
 def test_sections_show_what_is_inside() -> None:
     # A ball with a hollow of half its radius, cut through the middle and seen from above.
     hollow = st.sphere(1) - st.sphere(0.5)
-    look = {"size": (200, 200), "view": "top", "parallel": True, "faces_only": True}
+    look: dict[str, Any] = {"size": (200, 200), "view": "top", "parallel": True, "faces_only": True}
     cut = hollow.render(
         sections=[([0, 0, 1], [0, 0, 0])],
         cap_color="#ff0000",
         ambient="#ffffff",
         lights=[([0, 0, 1], "#000000")],
         material=(1, 0, 0, 1),
-        **look,  # type: ignore[arg-type]
+        **look,
     )
     red = (cut.pixels[..., 0] > 200) & (cut.pixels[..., 1] < 60)
     # The cap is a ring, three quarters of the disc, but for its hatching.
     disc = np.pi * 90**2
     assert 0.4 * disc < red.sum() <= 0.76 * disc
     assert not red[80:120, 80:120].any()
-    whole = hollow.render(**look)  # type: ignore[arg-type]
+    whole = hollow.render(**look)
     assert (whole.pixels[..., 3] == 255).sum() == pytest.approx(disc, rel=0.01)
 
 
 def test_lights_are_where_they_are_said_to_be() -> None:
-    look = {"size": (120, 120), "view": "top", "parallel": True, "faces_only": True}
+    look: dict[str, Any] = {"size": (120, 120), "view": "top", "parallel": True, "faces_only": True}
     for name in ("lights", "point_lights"):
-        lit = st.sphere(1).render(
-            ambient="#000000",
-            **{name: [((5, 0, 0), "#ffffff")]},  # type: ignore[arg-type]
-            **look,
-        )
+        placed = {**look, name: [((5, 0, 0), "#ffffff")]}
+        lit = st.sphere(1).render(ambient="#000000", **placed)
         left, right = lit.pixels[:, :60, :3].mean(), lit.pixels[:, 60:, :3].mean()
         assert right > 3 * left, name
-    red = st.sphere(1).render(lights=[([0, 0, 1], "#ff0000")], ambient="#000000", **look)  # type: ignore[arg-type]
+    red = st.sphere(1).render(lights=[([0, 0, 1], "#ff0000")], ambient="#000000", **look)
     assert red.pixels[60, 60, 0] > 100 and red.pixels[60, 60, 1] < 10
 
 
@@ -88,7 +86,7 @@ def test_turntables_go_round(tmp_path: pathlib.Path) -> None:
     turning = solid.turntable(8, frames_per_second=5, size=(80, 60), faces_only=True)
     assert len(turning) == 8 and turning.size == (80, 60)
     widths = []
-    for frame in turning:
+    for frame in (turning[k] for k in range(len(turning))):
         columns = np.nonzero((frame.pixels[..., 3] > 0).any(axis=0))[0]
         widths.append(int(columns[-1] - columns[0]))
     # Along and across, each twice in a turn.
@@ -119,9 +117,9 @@ def test_turntables_go_round(tmp_path: pathlib.Path) -> None:
         ({"lights": [[0, 0, 1]] * 17}, "16 at most"),
     ],
 )
-def test_what_a_picture_cannot_have_is_named(options: dict[str, object], said: str) -> None:
+def test_what_a_picture_cannot_have_is_named(options: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        st.cube(1).render(size=(8, 8), **options)  # type: ignore[arg-type]
+        st.cube(1).render(size=(8, 8), **options)
     with pytest.raises(ValueError, match="give 1 to 1000"):
         st.cube(1).turntable(0)
 
