@@ -385,13 +385,15 @@ fn clip_and_set_up(
         return;
     }
     // Divided like vertices that were not clipped, so that a vertex shared
-    // with an unclipped triangle lands on the same spot.
+    // with an unclipped triangle lands on the same spot. (Clipping leaves it in
+    // the guard band but for rounding, which is large where corners are huge.)
+    let guard = f64::from(GUARD);
     let divided = |v: &ClipVertex| {
         let p = v.position;
         let inverse = 1.0 / p.w;
         DVec3::new(
-            p.x * inverse,
-            p.y * inverse,
+            (p.x * inverse).clamp(-guard, guard),
+            (p.y * inverse).clamp(-guard, guard),
             (p.z * inverse).clamp(0.0, 1.0),
         )
     };
