@@ -9,7 +9,7 @@ use super::curves::{Stretches, is_straight};
 use super::deviation;
 use super::goal::Goal;
 use super::half_edges::{HalfEdges, Kind, next};
-use super::shape::faces_out_in_the_middle;
+use super::shape::faces_out_everywhere;
 use crate::program::Surface;
 
 /// A chain of edges along one curve, cut into chords that stray alike.
@@ -189,7 +189,7 @@ pub(super) fn move_vertices(mesh: &mut HalfEdges<'_>, chain: &[u32], division: &
                 mesh.at(mesh.origin(rim)),
                 mesh.at(mesh.target(rim)),
             ];
-            faces_out_in_the_middle(mesh.surface(spoke), mesh.region(spoke), corners)
+            faces_out_everywhere(mesh.surface(spoke), mesh.region(spoke), corners)
         })
     });
     if !fits {

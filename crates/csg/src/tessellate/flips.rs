@@ -71,8 +71,8 @@ fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     let surface = &mesh.surfaces[region.surface as usize];
     let at = quad.map(|vertex| mesh.at(vertex));
     let flips = region.way != Way::Done
-        && is_better_flipped(surface, region, at)
-        && leaves_it_unfolded(surface, region, at)
+        && ((is_better_flipped(surface, region, at) && leaves_it_unfolded(surface, region, at))
+            || (region.bend == Bend::Single && unwraps(surface, region, at)))
         && !mesh.are_joined(quad[1], quad[3]);
     if flips {
         mesh.flip(half);
@@ -159,12 +159,25 @@ fn leads_around(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> bool {
         || (before.into_iter().all(faces_in) && after.into_iter().all(faces_out))
 }
 
+/// Whether an edge around more than half of a tube, which a chord of less is not told from by
+/// its length, becomes one that is not.
+#[inline]
+fn unwraps(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4]) -> bool {
+    let all = |triangles: [[DVec3; 3]; 2]| {
+        triangles
+            .iter()
+            .all(|&corners| faces_out_everywhere(surface, region, corners))
+    };
+    !all([[a, b, c], [b, a, d]]) && all([[d, b, c], [c, a, d]])
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
     use crate::tessellate::Surfaced;
+    use crate::tessellate::deviation::Shrinkage;
 
     /// A convex polygon as a fan of triangles, closed by another fan with an apex
     /// below, whose triangles are faces of their own.
@@ -212,5 +225,37 @@ mod tests {
                 prop_assert!(robust::incircle(a, b, c, d) < 1e-9);
             }
         }
+    }
+
+    /// The corners of a rod's stub at angles in degrees, on its one end or the other.
+    fn on_rod([a, d, b, c]: [(f64, f64); 4]) -> [DVec3; 4] {
+        [a, d, b, c].map(|(angle, z)| {
+            let angle = angle.to_radians();
+            DVec3::new(angle.cos(), angle.sin(), z)
+        })
+    }
+
+    /// An edge from -13 to 180 degrees is as long as one the other way around.
+    #[test]
+    fn an_edge_around_more_than_half_of_a_rod_is_flipped() {
+        let solid = crate::Solid::cylinder(1.0, 0.0..9.0);
+        let program = crate::Program::lower(&solid).expect("a program");
+        let mut all = program.surfaces().iter();
+        let surface = all.find(|s| !s.is_plane()).expect("the cylinder");
+        let region = Region {
+            surface: 0,
+            group: 0,
+            bend: Bend::of(surface),
+            outward: 1.0,
+            shrinkage: Shrinkage::of(surface),
+            round: None,
+            way: Way::OneByOne,
+        };
+        let corners = on_rod([(-13.0, 9.0), (90.0, 0.0), (180.0, 0.0), (60.0, 9.0)]);
+        assert!(!is_better_flipped(surface, &region, corners));
+        assert!(unwraps(surface, &region, corners));
+        // Nothing is to be gained where all face out.
+        let corners = on_rod([(180.0, 0.0), (240.0, 0.0), (260.0, 9.0), (200.0, 9.0)]);
+        assert!(!unwraps(surface, &region, corners));
     }
 }

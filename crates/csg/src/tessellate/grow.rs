@@ -44,6 +44,8 @@ pub(super) struct Grower<'m, 's> {
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
     pub(super) stuck: Vec<(u32, DVec3)>,
+    /// Vertices at which chords of curves were cut, to be measured once all are in place.
+    cut: Vec<u32>,
     /// What could not be done.
     pub outcome: Outcome,
     /// The triangles of the faces that are done.
@@ -65,6 +67,7 @@ impl<'m, 's> Grower<'m, 's> {
             waiting: Waiting::default(),
             changed: Vec::new(),
             stuck: Vec::new(),
+            cut: Vec::new(),
             outcome: Outcome::default(),
         }
     }
@@ -106,13 +109,13 @@ impl<'m, 's> Grower<'m, 's> {
         is_cut
     }
 
-    /// Cuts sides, and measures the chords that come of it.
+    /// Cuts sides.
     fn cut_all(&mut self, sides: &[Side]) {
         for side in sides {
             if let Some(vertex) = self.cut_side(side)
                 && side.kind != Kind::Face
             {
-                self.measure_chords_at(vertex);
+                self.cut.push(vertex);
             }
         }
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::curves::on_curve;
 use super::half_edges::{HalfEdges, Kind};
-use super::shape::faces_out_in_the_middle;
+use super::shape::faces_out_everywhere;
 
 /// A side of a triangle, and where it is to be cut.
 #[derive(Clone, Copy)]
@@ -70,8 +70,8 @@ pub(super) fn splits_well(mesh: &HalfEdges<'_>, half: u32, target: DVec3) -> boo
         let u = mesh.at(mesh.origin(half));
         let w = mesh.at(mesh.target(half));
         let c = mesh.at(mesh.apex(half));
-        faces_out_in_the_middle(surface, region, [u, target, c])
-            && faces_out_in_the_middle(surface, region, [target, w, c])
+        faces_out_everywhere(surface, region, [u, target, c])
+            && faces_out_everywhere(surface, region, [target, w, c])
     };
     side_is_good(half) && side_is_good(mesh.twin(half))
 }

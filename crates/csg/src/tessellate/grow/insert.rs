@@ -7,14 +7,14 @@ use super::Grower;
 use crate::tessellate::half_edges::{HalfEdges, Kind, next};
 use crate::tessellate::piece::Piece;
 use crate::tessellate::region::Way;
-use crate::tessellate::shape::{faces_out_in_the_middle, outward_area};
+use crate::tessellate::shape::{faces_out_everywhere, outward_area};
 use crate::tessellate::side::{Side, cut_of, splits_well, together};
 
 /// Whether a triangle of a point and two vertices faces the way the surface along an
 /// edge does.
 fn faces_at(mesh: &HalfEdges<'_>, half: u32, at: DVec3, [b, c]: [u32; 2]) -> bool {
     let corners = [at, mesh.at(b), mesh.at(c)];
-    faces_out_in_the_middle(mesh.surface(half), mesh.region(half), corners)
+    faces_out_everywhere(mesh.surface(half), mesh.region(half), corners)
 }
 
 impl Grower<'_, '_> {

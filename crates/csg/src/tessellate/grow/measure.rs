@@ -26,7 +26,7 @@ impl Grower<'_, '_> {
     }
 
     /// Measures the chords of a curve that end in a vertex.
-    pub(super) fn measure_chords_at(&mut self, vertex: u32) {
+    fn measure_chords_at(&mut self, vertex: u32) {
         let mesh = &*self.mesh;
         for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
             let [p, q] = [half, mesh.twin(half)].map(|side| mesh.at(mesh.origin(side)));
@@ -90,8 +90,8 @@ impl Grower<'_, '_> {
             .note(bound, middle, tighter.as_slice(), promised);
     }
 
-    /// Puts vertices that are stuck on their surfaces, and measures triangles. What they
-    /// fold may be unfolded by flips.
+    /// Puts vertices that are stuck on their surfaces, and measures triangles, and chords that
+    /// were cut. What they fold may be unfolded by flips.
     pub(super) fn settle(&mut self, mut far: Vec<u32>) {
         if !self.stuck.is_empty() {
             self.cut_beside_stuck();
@@ -114,6 +114,9 @@ impl Grower<'_, '_> {
         }
         for triangle in far {
             self.measure(triangle);
+        }
+        for vertex in std::mem::take(&mut self.cut) {
+            self.measure_chords_at(vertex);
         }
     }
 }
