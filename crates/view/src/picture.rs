@@ -55,8 +55,9 @@ pub(crate) fn first(
 ) -> Result<Image, RasterError> {
     let (center, radius) = packing::ball(shown);
     let radius = if radius > 0.0 { radius } else { 1.0 };
-    let narrowest = (f64::from(width) / f64::from(height)).min(1.0);
-    let distance = 1.02 * radius / (TANGENT * narrowest).atan().sin();
+    // Half of the narrower angle of view, by its sine.
+    let tangent = TANGENT * (f64::from(width) / f64::from(height)).min(1.0);
+    let distance = 1.02 * radius / (tangent / (1.0 + tangent * tangent).sqrt());
     let to_eye = TO_EYE.normalize();
     let mut camera = Camera::looking_at(center + distance * to_eye, center);
     camera.near = (distance - 1.1 * radius).max(1e-4 * distance);
