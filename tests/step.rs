@@ -16,9 +16,11 @@ use std::time::{Duration, Instant};
 
 use python::python;
 use step::script::{Read, Script};
-use stereotomy::csg::brep::CurveShape;
+use stereotomy::csg::brep::{CurveShape, Face};
 use stereotomy::csg::glam::{DVec3, dvec3};
-use stereotomy::csg::{BoundaryOptions, Brep, Color, LengthUnit, Limits, Program, Solid};
+use stereotomy::csg::{
+    BoundaryOptions, Brep, Color, LengthUnit, Limits, Program, Solid, SurfaceShape,
+};
 use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
 
@@ -298,6 +300,40 @@ fn every_kind_of_surface_is_read_back() {
         tally.check(&mut script, name, &(within() - turned));
     }
     assert_eq!(tally.finish(), 2 * count);
+}
+
+/// Whole spheres are one face, cut at one meridian; those that others cut are more.
+#[test]
+fn spheres_are_read_back() {
+    let ball = || Solid::sphere(1.0);
+    let void = Solid::sphere(0.5).translate([0.1, 0.2, 0.3]);
+    let below = |height| Solid::half_space([0.3, 0.4, 0.5], height);
+    let far = ball().scale(0.7).translate([3.0, 1.0, 0.5]);
+    // How many spherical faces there are.
+    let solids = [
+        ("ball", ball(), Some(1)),
+        ("hollow ball", ball() - void, Some(2)),
+        ("two balls", ball() | far, Some(2)),
+        ("half a ball", ball() & below(0.1), None),
+        ("slice", (ball() & below(0.5)) - below(-0.2), None),
+        ("drilled ball", ball() - Solid::infinite_cylinder(0.4), None),
+    ];
+    let mut script = start();
+    let mut tally = Tally::default();
+    let count = solids.len();
+    for (name, solid, whole) in solids {
+        let brep = boundary(&solid);
+        let shape = |face: Face<'_>| face.surface().shape();
+        let shapes = brep.faces().map(shape);
+        let spheres = shapes.filter(|shape| matches!(shape, SurfaceShape::Sphere { .. }));
+        let spheres = spheres.count();
+        assert!(
+            whole.is_none_or(|whole| spheres == whole),
+            "{name}: {spheres}"
+        );
+        tally.check_boundary(&mut script, name, &brep);
+    }
+    assert_eq!(tally.finish(), count);
 }
 
 #[test]

@@ -367,6 +367,7 @@ fn join(task: &Task, patches: &[Patch]) -> Result<Mesh, Error> {
                 MeshSurface {
                     surface,
                     primitive,
+                    body: origin.body,
                     name: origin.name.clone(),
                     parts: origin.parts.clone(),
                     color: origin.color,

@@ -69,6 +69,7 @@ impl<'a> Task<'a> {
         MeshSurface {
             surface,
             primitive,
+            body: origin.body,
             name: origin.name.as_ref().map(Arc::clone),
             parts: Arc::clone(&origin.parts),
             color: origin.color,

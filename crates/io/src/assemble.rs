@@ -79,6 +79,7 @@ impl Assembler {
                 surfaces.push(MeshSurface {
                     surface: index,
                     primitive: index,
+                    body: 0,
                     name: names.last().cloned(),
                     parts: names[..names.len().saturating_sub(1)].into(),
                     color,

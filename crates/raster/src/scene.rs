@@ -105,6 +105,7 @@ impl Scene {
     fn baked(&self) -> (Mesh, Vec<SurfaceLook>, Vec<u32>) {
         let mut all = Mesh::default();
         let (mut looks, mut ends) = (Vec::new(), Vec::new());
+        let mut bodies = 0;
         let with_edges = self
             .parts
             .iter()
@@ -117,6 +118,14 @@ impl Scene {
             }
             for &model in &part.models {
                 append(&mut all, &own, model);
+                // Bodies are numbered in each mesh.
+                let mut most = 0;
+                let first = all.surfaces.len() - own.surfaces.len();
+                for surface in all.surfaces[first..].iter_mut().filter(|s| s.body > 0) {
+                    most = surface.body.max(most);
+                    surface.body += bodies;
+                }
+                bodies += most;
                 looks.extend(
                     own.surfaces
                         .iter()

@@ -2,7 +2,7 @@
 
 mod common;
 
-use csg::{Mesh, Mesher, Program, Solid};
+use csg::{Mesh, Mesher, Profile, Program, Solid};
 use glam::{DVec3, Vec3};
 use raster::{
     AntiAliasing, Camera, EdgeOptions, HiddenEdges, Image, Lens, Light, Prepared, RasterError,
@@ -57,8 +57,44 @@ fn a_cube_has_twelve_feature_edges_and_a_ball_none() {
     assert_eq!(Prepared::new(&own).feature_edges(), [vec![0, 1, 3]]);
 }
 
-/// The nine visible edges of a cube are dark all along, the three hidden ones
-/// not at all, or in dashes.
+/// Rings of a bent tube are facets of one body; its ends are edges, and so is where another body
+/// meets it at an angle as small as theirs.
+#[test]
+fn facets_of_one_body_have_no_edges_between_them() {
+    let mesh = |solid: &Solid| {
+        let program = Program::lower(solid).unwrap();
+        let mesher = Mesher::new().tolerance(1e-3).normals();
+        mesher.mesh(&program).unwrap().mesh
+    };
+    let circle = Profile::circle(0.3).translate([1.0, 0.0]);
+    let bend = Solid::revolve_by(&circle, std::f64::consts::FRAC_PI_2);
+    let bend = mesh(&bend);
+    assert!(bend.surfaces.len() > 20, "{}", bend.surfaces.len());
+    let edges = Prepared::new(&bend).feature_edges().to_vec();
+    let is_at_an_end = |v: u32| {
+        let p = bend.positions[v as usize];
+        p.x.abs() < 1e-9 || p.y.abs() < 1e-9
+    };
+    assert!(edges.len() > 40, "{}", edges.len());
+    assert!(edges.iter().flatten().all(|&v| is_at_an_end(v)));
+    let ring = mesh(&Solid::revolve(&circle));
+    assert_eq!(Prepared::new(&ring).feature_edges(), [[0; 0]; 0]);
+
+    let square = Profile::rectangle([1.0, 1.0]);
+    let bar = Solid::extrude(&square, 0.0..2.0);
+    let kinked = bar.clone() | bar.rotate_y_degrees(175.0);
+    let scene = mesh(&kinked);
+    let positions = &scene.positions;
+    let scene = Prepared::new(&scene);
+    let near = |v: &u32| positions[*v as usize].z.abs() < 0.05;
+    let kinks = scene
+        .feature_edges()
+        .iter()
+        .filter(|line| line.iter().all(near));
+    // Across two sides where they turn, and around the corners of each bar's end.
+    assert!(kinks.count() >= 4);
+}
+
 /// Where surfaces are tangent there is no edge, however coarse the triangles;
 /// where they meet at a small angle there is a whole one.
 #[test]
@@ -88,6 +124,8 @@ fn tangent_surfaces_have_no_edge_between_them() {
     }
 }
 
+/// The nine visible edges of a cube are dark all along, the three hidden ones
+/// not at all, or in dashes.
 #[test]
 fn visible_edges_are_drawn_and_hidden_ones_are_not() {
     let mesh = common::cuboid(DVec3::ZERO, UNIT);

@@ -18,6 +18,8 @@ mod guard;
 mod packing;
 mod pick;
 #[cfg(feature = "server")]
+mod picture;
+#[cfg(feature = "server")]
 mod server;
 mod shown;
 mod source;

@@ -92,15 +92,22 @@ fn srgb(color: Option<Color>) -> Option<[f32; 4]> {
     Some([r, g, b, color.alpha])
 }
 
+/// The middle of what is shown, and from there to the farthest corner of its bounds.
+pub(crate) fn ball(shown: &Shown) -> (DVec3, f64) {
+    let (low, high) = bounds(shown);
+    (0.5 * (low + high), 0.5 * low.distance(high))
+}
+
+fn bounds(shown: &Shown) -> (DVec3, DVec3) {
+    let exact = shown.brep.as_ref().and_then(csg::Brep::bounds);
+    let exact = exact.map(|bounds| (bounds.min, bounds.max));
+    exact.or(shown.mesh.bounds()).unwrap_or_default()
+}
+
 /// All that a page draws.
 pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let mesh = &shown.mesh;
-    let exact = shown.brep.as_ref().and_then(csg::Brep::bounds);
-    let bounds = exact
-        .map(|bounds| (bounds.min, bounds.max))
-        .or(mesh.bounds());
-    let (low, high) = bounds.unwrap_or_default();
-    let center = 0.5 * (low + high);
+    let (center, radius) = ball(shown);
     let mut parts = Parts::default();
     let (mut heads, of_triangles) = faces_of(shown, &mut parts);
     // What belongs to no face is drawn, but cannot be asked for.
@@ -115,7 +122,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
         });
     }
     let drawn = Triangles::of(mesh, center, &of_triangles, rest as u32);
-    let lines = Lines::of(shown, center, (high - low).max_element());
+    let lines = Lines::of(shown);
     let vertices: Vec<[f32; 3]> = match &shown.brep {
         Some(brep) => brep
             .vertices()
@@ -131,7 +138,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
         is_exact: shown.brep.is_some(),
         warnings: &shown.warnings,
         center: center.to_array(),
-        radius: 0.5 * low.distance(high),
+        radius,
         parts: parts.found,
         faces: heads,
         edges: lines.edges,
@@ -249,16 +256,18 @@ impl Triangles {
     }
 }
 
-/// Edges as chords.
+/// Edges as chords, about the middle of what is shown.
 #[derive(Default)]
-struct Lines {
+pub(crate) struct Lines {
     edges: Vec<Option<[usize; 2]>>,
-    segments: Vec<[[f32; 3]; 2]>,
+    pub(crate) segments: Vec<[[f32; 3]; 2]>,
     of: Vec<f32>,
 }
 
 impl Lines {
-    fn of(shown: &Shown, center: DVec3, size: f64) -> Self {
+    pub(crate) fn of(shown: &Shown) -> Self {
+        let (low, high) = bounds(shown);
+        let (center, size) = (0.5 * (low + high), (high - low).max_element());
         let mut lines = Self::default();
         match &shown.brep {
             Some(brep) => {

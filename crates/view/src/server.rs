@@ -2,7 +2,8 @@
 //!
 //! | address, after the token | answer |
 //! | --- | --- |
-//! | `GET /`, `view.js`, `view.css` | the page |
+//! | `GET /`, `first.js`, `view.js`, `view.css` | the page |
+//! | `GET picture/WIDTH/HEIGHT/THEME` | what is shown as the page shows it first, as PNG (`picture`) |
 //! | `GET events` | what happens, as server-sent events of JSON |
 //! | `GET scene` | all that is drawn (`packing`) |
 //! | `GET account` | measures and report |
@@ -16,6 +17,7 @@ use std::convert::Infallible;
 use std::net::SocketAddr;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -34,11 +36,16 @@ use tokio_stream::wrappers::WatchStream;
 
 use crate::guard::{self, Token};
 use crate::pick::{Pick, Row};
+use crate::picture::{self, Theme};
 use crate::shown::Shown;
 use crate::source::{Parameter, Problem};
 
 /// The most bytes of a question: names and values of parameters are short.
 const LARGEST_QUESTION: usize = 64 << 10;
+/// The most pixels of a picture: a screen of 4096 by 4096.
+const LARGEST_PICTURE: u64 = 1 << 24;
+/// How long the page waits for the model that its first picture is of.
+const PATIENCE: Duration = Duration::from_millis(200);
 
 /// What the page is told whenever something changes.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -123,6 +130,10 @@ pub(crate) async fn serve(listener: TcpListener, desk: Arc<Desk>) -> std::io::Re
             get(|| async { page(include_str!("../web/page.html"), "text/html") }),
         )
         .route(
+            "/first.js",
+            get(|| async { page(include_str!("../web/first.js"), "text/javascript") }),
+        )
+        .route(
             "/view.js",
             get(|| async { page(include_str!("../web/dist/view.js"), "text/javascript") }),
         )
@@ -132,6 +143,7 @@ pub(crate) async fn serve(listener: TcpListener, desk: Arc<Desk>) -> std::io::Re
         )
         .route("/events", get(events))
         .route("/scene", get(scene))
+        .route("/picture/{width}/{height}/{theme}", get(first_picture))
         .route("/account", get(account))
         .route("/describe", post(describe))
         .route("/between", post(between))
@@ -196,6 +208,29 @@ async fn events(State(desk): State<Arc<Desk>>) -> impl IntoResponse {
         Ok::<_, Infallible>(Event::default().data(text))
     });
     Sse::new(stream).keep_alive(KeepAlive::default())
+}
+
+/// The first picture; 204 if there is nothing to draw soon.
+async fn first_picture(
+    State(desk): State<Arc<Desk>>,
+    Path((_, width, height, theme)): Path<(String, u32, u32, Theme)>,
+) -> Response {
+    if u64::from(width) * u64::from(height) > LARGEST_PICTURE {
+        return StatusCode::PAYLOAD_TOO_LARGE.into_response();
+    }
+    let mut status = desk.status.subscribe();
+    let is_there = status.wait_for(|status| status.revision > 0 || status.problem.is_some());
+    // (If there is still nothing, `beside` says so.)
+    let _ = tokio::time::timeout(PATIENCE, is_there).await;
+    let drawn = beside(&desk, move |shown| {
+        let picture = picture::first(shown, width, height, theme);
+        picture.and_then(|picture| picture.to_png())
+    });
+    match drawn.await {
+        Ok(Ok(png)) => ([(header::CONTENT_TYPE, "image/png")], png).into_response(),
+        Ok(Err(error)) => (StatusCode::UNPROCESSABLE_ENTITY, error.to_string()).into_response(),
+        Err(response) => response,
+    }
 }
 
 async fn scene(State(desk): State<Arc<Desk>>) -> Response {

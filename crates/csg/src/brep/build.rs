@@ -88,6 +88,9 @@ pub(super) fn build(
     }
     brep.add_patches(&all, &faces, &curves);
     brep.curves = curves.all;
+    brep.meridians = seams
+        .as_ref()
+        .map_or_else(Vec::new, |seams| seams.meridians(&all));
     brep.frames = all.frames;
     Ok(brep)
 }

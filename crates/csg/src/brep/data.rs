@@ -84,6 +84,8 @@ pub struct Brep {
     pub(super) rounding: f64,
     pub(super) size: f64,
     pub(super) is_cut_at_seams: bool,
+    /// Of spheres that were cut at a meridian the directions to a pole and to its middle.
+    pub(super) meridians: Vec<Option<[DVec3; 2]>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +166,7 @@ impl Brep {
             rounding: 0.0,
             size: 0.0,
             is_cut_at_seams: false,
+            meridians: Vec::new(),
         }
     }
 }

@@ -156,6 +156,13 @@ impl<'a> Face<'a> {
         self.brep.surfaces[self.surface_index()].relative_to(-self.brep.origin)
     }
 
+    /// Of a whole sphere that was cut at seams the half of a great circle at which it was: the unit
+    /// directions from the centre to a pole, where it ends, and to its middle.
+    #[must_use]
+    pub fn meridian(&self) -> Option<[DVec3; 2]> {
+        *self.brep.meridians.get(self.surface_index())?
+    }
+
     /// The number of its surface in the program that was evaluated.
     #[must_use]
     pub fn surface_index(&self) -> usize {
@@ -188,7 +195,8 @@ impl<'a> Face<'a> {
     }
 
     /// A direction along which lines meet the first part of the face once at most: where
-    /// faces were cut at seams it is seen whole from there, but for those of cylinders and cones.
+    /// faces were cut at seams it is seen whole from there, but for those of cylinders, cones and
+    /// whole spheres.
     /// Of a plane its normal.
     #[must_use]
     pub fn view(&self) -> DVec3 {

@@ -61,6 +61,10 @@ pub struct MeshSurface {
     pub surface: u32,
     /// Index of the primitive in the program that was meshed.
     pub primitive: u32,
+    /// The number, from 1, of the extrusion, revolution, hull or other body that was made of
+    /// primitives and that this one is part of, the outermost; 0 of others. Surfaces of one body
+    /// that hardly turn where they meet are facets of one.
+    pub body: u32,
     /// The innermost name around the primitive, if any.
     pub name: Option<Arc<str>>,
     /// The names around that one, the outermost first.

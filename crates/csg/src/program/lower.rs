@@ -135,6 +135,10 @@ struct Lowering<'a> {
     name_index: FxHashMap<(u32, Arc<str>), u32>,
     colors: Vec<Option<Color>>,
     color_index: FxHashMap<[u32; 4], u32>,
+    /// Where on the stack the outermost node is that a function made of primitives, and how many
+    /// such there were.
+    body: Option<usize>,
+    bodies: u32,
     /// Nodes that occur more than once in the tree.
     repeated: FxHashSet<usize>,
     known: FxHashMap<(usize, Context), Value>,
@@ -156,6 +160,8 @@ impl<'a> Lowering<'a> {
             name_index: FxHashMap::default(),
             colors: vec![None],
             color_index: FxHashMap::default(),
+            body: None,
+            bodies: 0,
             repeated: find_repeated(root),
             known: FxHashMap::default(),
             builder: Builder::default(),
@@ -295,6 +301,10 @@ impl<'a> Lowering<'a> {
                 operation
             }
         });
+        if self.body.is_none() && matches!(node, Node::Made(_)) {
+            self.body = Some(self.frames.len());
+            self.bodies += 1;
+        }
         self.frames.push(Frame {
             solid,
             context,
@@ -324,6 +334,9 @@ impl<'a> Lowering<'a> {
         let Some(frame) = self.frames.pop() else {
             return Ok(());
         };
+        if self.body == Some(self.frames.len()) {
+            self.body = None;
+        }
         let combines = matches!(
             frame.solid.node(),
             Node::Union(_) | Node::Intersection(_) | Node::Difference(_)
@@ -421,6 +434,7 @@ impl<'a> Lowering<'a> {
     fn add_origin(&mut self, primitive: &Primitive, context: Context) -> u32 {
         let origin = Origin {
             kind: primitive.kind(),
+            body: self.body.map_or(0, |_| self.bodies),
             name: self.names[context.name as usize].name.clone(),
             parts: self.names[context.name as usize].parts.clone(),
             color: self.colors[context.color as usize],

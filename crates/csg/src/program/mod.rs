@@ -35,6 +35,9 @@ pub use formula::{Formula, Gate, Literal, Operand, Operation};
 pub struct Origin {
     /// The primitive's kind, in the words of the authoring functions.
     pub kind: &'static str,
+    /// The number, from 1, of the outermost body around the primitive that a function made of
+    /// primitives, such as an extrusion or a hull; 0 if there is none.
+    pub body: u32,
     /// The innermost name around the primitive.
     pub name: Option<Arc<str>>,
     /// The names around that one, the outermost first: the parts that it is within. Of more

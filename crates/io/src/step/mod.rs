@@ -6,8 +6,8 @@
 //! from both by no more than [`StepOptions::tolerance`].
 //!
 //! Faces are those of a boundary that was cut at seams
-//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, others so
-//! that none closes on itself, and none has a pole inside.
+//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, whole
+//! spheres at one meridian, others so that none closes on itself, and none has a pole inside.
 
 mod curves;
 mod product;

@@ -1,7 +1,7 @@
 //! The surfaces of faces that were cut at seams.
 //!
-//! Poles and seams of the file's surfaces are put where the face is not: opposite of the
-//! direction from which it is seen.
+//! Poles and seams of the file's surfaces are put where the face is cut, or where it is not:
+//! opposite of the direction from which it is seen.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +31,9 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             }
         }
         SurfaceShape::Sphere { center, radius } => {
-            let placement = to.placement(center, [view.any_orthonormal_vector(), -view]);
+            let meridian = face.meridian();
+            let axes = meridian.unwrap_or_else(|| [view.any_orthonormal_vector(), -view]);
+            let placement = to.placement(center, axes);
             let radius = Real(radius);
             Written {
                 surface: to.share(format_args!("SPHERICAL_SURFACE('',{placement},{radius})")),

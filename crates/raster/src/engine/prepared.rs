@@ -41,6 +41,8 @@ pub struct Prepared {
     pub(crate) normals: Vec<[Vec3; 3]>,
     /// Index into `looks` for each triangle, or empty: all 0.
     pub(crate) triangle_surfaces: Vec<u32>,
+    /// The body that each surface is part of ([`csg::MeshSurface::body`]).
+    pub(crate) bodies: Vec<u32>,
     /// What each surface looks like; the last one is for triangles without.
     pub(crate) looks: Vec<SurfaceLook>,
     /// One more than the last triangle of each part, where there are several.
@@ -183,6 +185,7 @@ impl Prepared {
             remainders,
             triangles,
             triangle_surfaces: surfaces,
+            bodies: mesh.surfaces.iter().map(|surface| surface.body).collect(),
             looks,
             clusters,
             cluster_vertices: vertices,

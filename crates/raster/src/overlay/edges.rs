@@ -210,11 +210,16 @@ fn weld(scene: &Prepared) -> Vec<u32> {
         .collect()
 }
 
+/// Facets of one body are taken for one surface where they meet at less than this angle, 20
+/// degrees: by no more do meshes turn along an edge that are made without other wishes.
+const FACET_ANGLE: f64 = std::f64::consts::PI / 9.0;
+
 /// The feature edges of a mesh that brings none, each as a polyline of two
 /// vertices: edges that do not join exactly two triangles; and those that join
 /// two surfaces, or two triangles more than [`CREASE_ANGLE`] apart, unless
-/// these have the same normals there. Vertices at the same position count as
-/// one. O(n log n).
+/// these have the same normals there, or ones within [`FACET_ANGLE`] on surfaces of one body
+/// ([`csg::MeshSurface::body`]): facets of something twisted, say. Vertices at the same position
+/// count as one. O(n log n).
 pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
     let welded = weld(scene);
     let mut edges: Vec<[u32; 3]> = Vec::with_capacity(scene.triangles.len() * 3);
@@ -245,6 +250,10 @@ pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
         let [a, b] = [normals[at(ends[0])?], normals[at(ends[1])?]].map(Vec3::as_dvec3);
         (a.is_normalized() && b.is_normalized()).then_some([a, b])
     };
+    let body = |triangle: u32| {
+        let body = scene.bodies.get(*surface(triangle)? as usize);
+        body.filter(|&&body| body != 0)
+    };
     let crease = CREASE_ANGLE.cos();
     edges
         .chunk_by(|a, b| a[..2] == b[..2])
@@ -258,7 +267,13 @@ pub(crate) fn find_feature_edges(scene: &Prepared) -> Vec<Vec<u32>> {
                     Some(([a, b], [c, d])) => a.dot(c).min(b.dot(d)),
                     None => faces,
                 };
-                cosine < 1.0 - 1e-6
+                let are_facets = body(s).is_some() && body(s) == body(t);
+                let same = if are_facets {
+                    FACET_ANGLE.cos()
+                } else {
+                    1.0 - 1e-6
+                };
+                cosine < same
             }
             _ => true,
         })

@@ -38,6 +38,7 @@ export class Drawing {
     this.group = new Group();
     this.scene.add(this.group);
     this.lights = [new HemisphereLight(0xffffff, 0x8a8f9a, 1.6), new DirectionalLight(0xffffff, 2.0)];
+    this.lights[0].position.set(0, 0, 1);
     this.scene.add(...this.lights);
     this.target = new WebGLRenderTarget(2 * REACH + 1, 2 * REACH + 1, { type: FloatType, format: RGBAFormat });
     this.pickScene = new Scene();
@@ -73,7 +74,7 @@ export class Drawing {
         .replace("#include <color_fragment>", `
           vec4 state = stateOf(vFace);
           if (state.a < 0.25) discard;
-          diffuseColor.rgb = pow(state.rgb, vec3(2.2));
+          diffuseColor.rgb = sRGBTransferEOTF(vec4(state.rgb, 1.0)).rgb;
           if (state.a < 0.75) diffuseColor.rgb = mix(diffuseColor.rgb, accent, 0.65);`);
     };
     return material;

@@ -20,7 +20,9 @@ function changed() {
   requestAnimationFrame(() => {
     isWaiting = false;
     drawing.draw(cameras.current);
-    if (state.model) document.documentElement.dataset.revision = String(state.model.revision);
+    if (!state.model) return;
+    byId("first")?.remove();
+    document.documentElement.dataset.revision = String(state.model.revision);
   });
 }
 const cameras = new Cameras(canvas, changed);

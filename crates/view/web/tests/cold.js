@@ -3,7 +3,15 @@
 //
 // The browser runs already. Each time csg is started anew, and the page opened in a context of
 // its own, without a cache. Told are the medians and the least and greatest, in milliseconds
-// since the command.
+// since the command:
+//
+// address      the program has printed the page's address
+// page         the browser begins with the page
+// picture      the program's picture of the model is on the screen, as the browser tells it
+//              (element timing)
+// interactive  the page itself has drawn the model, and its pixels were read back
+// fine         the same of the fine mesh with its exact boundary
+// frame        how long one frame takes
 import { spawn, spawnSync } from "node:child_process";
 import { chromium } from "playwright-core";
 
@@ -12,7 +20,7 @@ const executablePath = spawnSync("sh", ["-c", `command -v ${process.env.CHROMIUM
 const browser = await chromium.launch({
   executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
-const times = { address: [], script: [], picture: [], fine: [], frame: [] };
+const times = { address: [], page: [], picture: [], interactive: [], fine: [], frame: [] };
 let triangles = "";
 try {
   // (The first context of a browser takes longer.)
@@ -21,10 +29,15 @@ try {
     const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
     const page = await context.newPage();
     await page.addInitScript(() => {
-      globalThis.seen = { script: Date.now() };
+      globalThis.seen = { page: Date.now() };
+      new PerformanceObserver((list) => {
+        for (const { renderTime } of list.getEntries()) seen.picture = performance.timeOrigin + renderTime;
+      }).observe({ type: "element", buffered: true });
       new MutationObserver(() => {
         const { revision } = document.documentElement.dataset;
-        if (revision === "1") seen.picture ??= Date.now();
+        const gl = document.getElementById("canvas").getContext("webgl2");
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        seen.interactive ??= Date.now();
         if (revision === "2") seen.fine ??= Date.now();
       }).observe(document, { attributes: true, subtree: true, attributeFilter: ["data-revision"] });
     });
@@ -35,7 +48,7 @@ try {
     await page.goto(address, { waitUntil: "commit" });
     await page.waitForFunction(() => globalThis.seen?.fine, null, { timeout: 120_000 });
     const seen = await page.evaluate(() => globalThis.seen);
-    for (const name of ["script", "picture", "fine"]) times[name].push((seen[name] ?? seen.fine) - start);
+    for (const name of ["page", "picture", "interactive", "fine"]) times[name].push(seen[name] - start);
     times.frame.push(await page.evaluate(() => stereotomy.frames(20)));
     await page.waitForFunction(() => stereotomy.state.account !== null, null, { timeout: 120_000 });
     triangles = await page.locator("#report td").first().innerText();
@@ -49,5 +62,5 @@ console.log(`${model}: ${triangles} triangles, ${runs} runs`);
 for (const [name, list] of Object.entries(times)) {
   const sorted = list.toSorted((a, b) => a - b);
   const [least, median, greatest] = [sorted[0], sorted[sorted.length >> 1], sorted.at(-1)].map((x) => x.toFixed(0).padStart(6));
-  console.log(`${name.padEnd(10)}${median}  (${least} to ${greatest})`);
+  console.log(`${name.padEnd(12)}${median}  (${least} to ${greatest})`);
 }

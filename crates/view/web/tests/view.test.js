@@ -54,14 +54,14 @@ async function opened(name, text, options = {}) {
   return { file, ...(await visited(await served(process.env.CSG, ["view", file, "--no-open"]), options)) };
 }
 
-async function visited(address, options = {}) {
+async function visited(address, options = {}, isThere = true) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
   page.setDefaultTimeout(20_000);
   const mistakes = [];
   page.on("pageerror", (error) => mistakes.push(String(error)));
   page.on("console", (message) => message.type() === "error" && mistakes.push(message.text()));
   await page.goto(address);
-  await page.waitForFunction(() => stereotomy.state.account !== null);
+  if (isThere) await page.waitForFunction(() => globalThis.stereotomy && stereotomy.state.account !== null);
   return { page, mistakes };
 }
 
@@ -310,6 +310,54 @@ test("it is dark where the user wants that, and has names for who hears it", asy
     assert.match(tree, /"[^"]+"|: \S|- text|- application/, tree);
   }
   assert.match(await page.locator("#canvas").getAttribute("aria-label"), /Arrow keys turn/);
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("the first picture is what the page draws", async () => {
+  // A round part with faces of its own colours, and one wholly without edges.
+  const models = [
+    ["plate", `color([0.8, 0.2, 0.1]) { ${PLATE} }`, "light", { width: 1280, height: 800 }],
+    ["ball", "sphere(r = 7);", "dark", { width: 800, height: 900 }],
+  ];
+  for (const [name, text, colorScheme, viewport] of models) {
+    const options = { colorScheme, viewport, deviceScaleFactor: 1.5 };
+    const { page, mistakes } = await opened(`first-${name}.csg`, text, options);
+    assert.equal(await page.locator("#first").count(), 0, "the page's own drawing is in its place");
+    await picture(page);
+    const { off, far } = await page.evaluate(async (theme) => {
+      const canvas = document.getElementById("canvas");
+      const { width, height } = canvas;
+      const pixels = (image) => {
+        const context = new OffscreenCanvas(width, height).getContext("2d");
+        context.drawImage(image, 0, 0);
+        return context.getImageData(0, 0, width, height).data;
+      };
+      const answer = await fetch(`picture/${width}/${height}/${theme}`);
+      const [drawn, told] = [pixels(canvas), pixels(await createImageBitmap(await answer.blob()))];
+      let [sum, far] = [0, 0];
+      for (let k = 0; k < drawn.length; k++) {
+        sum += Math.abs(drawn[k] - told[k]);
+        far += Math.abs(drawn[k] - told[k]) > 32;
+      }
+      return { off: sum / drawn.length, far: far / drawn.length };
+    }, colorScheme);
+    // Lines are filtered otherwise; faces are the same within how numbers are rounded.
+    if (process.env.SHOT) console.log(name, colorScheme, off, far);
+    assert.ok(off < 0.5 && far < 0.005, `${name}, ${colorScheme}: ${off} levels off, ${far} far off`);
+    assert.deepEqual(mistakes, []);
+    await page.close();
+  }
+});
+
+test("where there is no first picture, the page begins all the same", async () => {
+  const file = join(folder, "no-picture.csg");
+  await writeFile(file, "cube(size = [1, 1, 1]");
+  const { page, mistakes } = await visited(await served(process.env.CSG, ["view", file, "--no-open"]), {}, false);
+  await page.locator("#problem").waitFor();
+  await writeFile(file, "cube(size = [1, 1, 1], center = true);");
+  await page.waitForFunction(() => stereotomy.state.account !== null);
+  assert.equal(await page.locator("#first").count(), 0);
   assert.deepEqual(mistakes, []);
   await page.close();
 });

@@ -162,6 +162,7 @@ fn entries_of(surfaces: TableOfSurfaces, program: &Program) -> Vec<SlabEntry> {
     let entries = surfaces.surfaces.into_iter().map(|entry| SlabEntry {
         surface: entry.surface,
         primitive: entry.primitive,
+        body: entry.body,
         name: entry.name,
         parts: entry.parts,
         color: entry.color,

@@ -117,6 +117,7 @@ pub(crate) struct SlabEntry {
     /// Their indices in the program.
     pub surface: u32,
     pub primitive: u32,
+    pub body: u32,
     pub name: Option<Arc<str>>,
     pub parts: Arc<[Arc<str>]>,
     pub color: Option<Color>,
@@ -129,6 +130,7 @@ impl SlabEntry {
         MeshSurface {
             surface: self.surface,
             primitive: self.primitive,
+            body: self.body,
             name: self.name.clone(),
             parts: self.parts.clone(),
             color: self.color,
