@@ -143,7 +143,9 @@ impl Probe {
             return 0;
         };
         let looks = |origin: u32| &scene.origins[origin as usize];
-        if own().all(|(_, l)| l.origin == first.origin || looks(l.origin) == looks(first.origin)) {
+        if own().all(|(_, l)| {
+            l.origin == first.origin || looks(l.origin).looks_like(looks(first.origin))
+        }) {
             return first.origin;
         }
         let signs = &self.signs;

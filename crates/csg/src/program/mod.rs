@@ -47,6 +47,17 @@ pub struct Origin {
     pub color: Option<Color>,
 }
 
+impl Origin {
+    /// Whether what comes from two primitives need not be told apart where it lies on one
+    /// surface, whichever bodies they are part of.
+    pub(crate) fn looks_like(&self, other: &Self) -> bool {
+        self.kind == other.kind
+            && self.name == other.name
+            && self.parts == other.parts
+            && self.color == other.color
+    }
+}
+
 /// A lowered solid; made only by [`Program::lower`], so that every later stage
 /// may rely on finite, normalised, canonical surfaces.
 ///

@@ -24,6 +24,6 @@ impl Scene<'_> {
 
     /// Whether two primitives have the same kind, name and colour.
     pub fn look_alike(&self, a: u32, b: u32) -> bool {
-        a == b || self.origins[a as usize] == self.origins[b as usize]
+        a == b || self.origins[a as usize].looks_like(&self.origins[b as usize])
     }
 }

@@ -270,7 +270,7 @@ fn merge_alike(mesh: &mut Mesh, program: &Program) {
         let known = of_surface.entry(entry.surface).or_default();
         let alike = known
             .iter()
-            .find(|&&k| origin(&kept[k as usize]) == origin(entry));
+            .find(|&&k| origin(&kept[k as usize]).looks_like(origin(entry)));
         merged.push(alike.copied().unwrap_or_else(|| {
             kept.push(entry.clone());
             known.push(kept.len() as u32 - 1);
