@@ -1,6 +1,7 @@
 //! What faces, loops, edges and vertices there are.
 
 use csg::brep::{CurveShape, Face};
+use csg::glam::DVec3;
 use csg::{BoundaryOptions, CancelToken, Error, Limits, Program, Solid, SurfaceShape};
 use stereotomy::csg;
 
@@ -73,27 +74,41 @@ fn where_a_solid_touches_itself_parts_keep_their_own_edges() {
 
 #[test]
 fn faces_cut_at_seams_have_charts() {
-    let solid = Solid::cylinder(1.0, -1.0..1.0) | Solid::sphere(1.0).translate([3.0, 0.0, 0.0]);
+    let ball = |x| Solid::sphere(1.0).translate([x, 0.0, 0.0]);
+    let cut_ball = ball(6.0) & Solid::half_space([0.1, 0.2, 1.0], 0.8);
+    let solid = Solid::cylinder(1.0, -1.0..1.0) | ball(3.0) | cut_ball;
     let program = Program::lower(&solid).expect("valid");
     let options = BoundaryOptions::new().cut_at_seams();
     let brep = program.boundary(&options).expect("a boundary");
     assert_sound(&brep, &program, "cut");
-    // A wall and two ends; eight octants.
-    assert_eq!((brep.shells().len(), brep.faces().len()), (2, 11));
-    assert_eq!((brep.edges().len(), brep.vertices().len()), (3 + 12, 2 + 6));
     let is_ball = |face: &Face<'_>| matches!(face.surface().shape(), SurfaceShape::Sphere { .. });
-    for face in brep.faces().filter(is_ball) {
+    let (balls, others): (Vec<_>, Vec<_>) = brep.faces().partition(is_ball);
+    let (whole, octants): (Vec<_>, Vec<_>) = balls
+        .into_iter()
+        .partition(|face| face.meridian().is_some());
+    // A wall and two ends, and the plane; a whole ball; eight octants.
+    assert_eq!(brep.shells().len(), 3);
+    assert_eq!([others.len(), whole.len(), octants.len()], [4, 1, 8]);
+    let [pole, middle] = whole[0].meridian().expect("a meridian");
+    for edge in whole[0].edges() {
+        let [from, to] = edge.range();
+        let off = edge.at(0.5 * (from + to)) - DVec3::new(3.0, 0.0, 0.0);
+        assert!(off.dot(middle) > 0.0 && off.dot(pole.cross(middle)).abs() < 1e-12);
+    }
+    for face in octants {
         let view = face.view();
         for at in face.points() {
             assert!(face.normal(at).dot(view).abs() > 0.5, "{at}");
         }
     }
-    // The wall is on both sides of one line.
+    // The wall is on both sides of one line, the whole ball of half a circle.
     let seams = brep.edges().filter(|edge| {
         let [one, other] = edge.faces();
         one == other
     });
-    assert_eq!(seams.count(), 1);
+    let seams: Vec<_> = seams.map(|edge| is_ball(&edge.faces()[0])).collect();
+    assert_eq!(seams.iter().filter(|&&is_ball| !is_ball).count(), 1);
+    assert!(seams.contains(&true));
     // A quarter of it is not cut.
     let quarter = Solid::cylinder(1.0, -1.0..1.0) & Solid::cuboid_between([0.0; 3], [2.0; 3]);
     for turn in 0..8 {
