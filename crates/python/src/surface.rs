@@ -79,30 +79,32 @@ impl PySurface {
              }| [r, g, b, alpha],
         );
         let name = self.name().map(str::to_owned);
-        Ok((
-            function.unbind(),
-            (self.0.surface, self.0.primitive, name, color),
-        ))
+        let parts = self.0.parts.iter().map(ToString::to_string).collect();
+        let numbers = [self.0.surface, self.0.primitive, self.0.body];
+        Ok((function.unbind(), (numbers, name, parts, color)))
     }
 }
 
-/// A surface with its colour's linear components, to the bit.
-pub(crate) type LinearSurface = (u32, u32, Option<String>, Option<[f32; 4]>);
+/// A surface's numbers, names and its colour's linear components, to the bit.
+pub(crate) type LinearSurface = ([u32; 3], Option<String>, Vec<String>, Option<[f32; 4]>);
 
 /// A surface from what pickles hold.
 #[pyfunction]
 #[pyo3(name = "_surface")]
 pub(crate) fn stored_surface(
-    surface: u32,
-    primitive: u32,
+    numbers: [u32; 3],
     name: Option<String>,
+    parts: Vec<String>,
     color: Option<[f32; 4]>,
 ) -> PySurface {
+    let [surface, primitive, body] = numbers;
+    let parts = parts.into_iter().map(Into::into);
     PySurface(MeshSurface {
         surface,
         primitive,
+        body,
         name: name.map(Into::into),
+        parts: parts.collect(),
         color: color.map(|[r, g, b, alpha]| Color::from_linear([r, g, b]).with_alpha(alpha)),
-        ..MeshSurface::default()
     })
 }

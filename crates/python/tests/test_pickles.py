@@ -28,6 +28,7 @@ PARTS: dict[str, st.Solid] = {
     "drill": st.rectangle([2, 1]).extrude(3, twist=90, steps=6),
     "cone": st.circle(1).extrude(2, apex=[0.5, 0]),
     "gear": st.gear(1, 9).extrude(1),
+    "parts": (st.cube(1).named("screw") | st.sphere(0.6)).named("leaf"),
     "hull": st.hull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]),
     "tetrahedron": st.tetrahedron(1).mesh().to_solid(),
     "bolts": st.cylinder(0.1, z=1).translate([1, 0, 0]).polar_pattern(5),

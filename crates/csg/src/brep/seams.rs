@@ -58,9 +58,7 @@ impl Seams {
     pub fn new(all: &Arrangement, surfaces: &[Surface]) -> Self {
         let mut is_whole = vec![true; surfaces.len()];
         for half_edge in all.half_edges.iter().filter(|half| !half.curve.is_seam()) {
-            for surface in half_edge.curve.surfaces {
-                is_whole[surface as usize] = false;
-            }
+            is_whole[all.faces[half_edge.face as usize].plane as usize] = false;
         }
         let mut lines: Vec<Vec<(Line, u32)>> = surfaces
             .iter()
