@@ -18,7 +18,7 @@ use crate::shown::{Settings, Shown};
 
 /// To the eye: `corner` among the views of `camera.js`.
 const TO_EYE: DVec3 = DVec3::new(0.6, -1.0, 0.6);
-/// The tangent of half the angle of view, upwards.
+/// The tangent of half the angle of view, upwards: of 15 degrees.
 const TANGENT: f64 = 0.267_949_192_431_122_7;
 
 /// Parts of the radius by which lines come nearer: more than chords are off.
@@ -60,7 +60,8 @@ pub(crate) fn first(
     let distance = 1.02 * radius / (tangent / (1.0 + tangent * tangent).sqrt());
     let to_eye = TO_EYE.normalize();
     let mut camera = Camera::looking_at(center + distance * to_eye, center);
-    camera.near = (distance - 1.1 * radius).max(1e-4 * distance);
+    // (The eye is at least 3.9 radii away.)
+    camera.near = distance - 1.1 * radius;
 
     let [background, lines, faces] = theme.colors();
     // What Lambert's law sends to one side of what arrives from all.
