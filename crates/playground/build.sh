@@ -69,9 +69,8 @@ module=${CARGO_TARGET_DIR:-$target_folder}/$target/$folder/playground.wasm
 
 mkdir -p "$out/models"
 cp "$module" "$out/"
-# (The page itself makes what is shown: there is no first picture.)
-sed -e '/id="first"/d' -e 's|<script src="first.js">|<script type="module" src="view.js">|' "$web/page.html" >"$out/index.html"
-cp "$web/view.css" "$out/"
+cp "$web/page.html" "$out/index.html"
+cp "$web/first.js" "$web/view.css" "$out/"
 cp "$here"/../../models/*.csg "$out/models/"
 (cd "$out/models" && printf '%s\n' *.csg | sed 's/\.csg$//' |
     python3 -c 'import json, sys; print(json.dumps(sys.stdin.read().split()))') >"$out/models.json"

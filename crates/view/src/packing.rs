@@ -9,19 +9,25 @@
 //! | `faces` | f32, the number of the face that the point is of |
 //! | `normals` | 4 × i8, the last one 0 |
 //! | `corners` | u32, three to a triangle: numbers of points |
+//! | `light` | as `corners`: fewer triangles, to be drawn while the camera moves; of a mesh of no more than [`MANY`] none |
 //! | `segments` | 6 × f32: two points, about `center` |
 //! | `segment_edges` | f32, the number of the edge |
 //! | `vertices` | 3 × f32, about `center` |
 
 use csg::brep::{CurveShape, Edge};
 use csg::{Color, Mesh};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use crate::faces;
 use crate::pick;
 use crate::shown::{Settings, Shown};
+
+/// From so many triangles on, fewer are drawn while the camera moves, where all of them take long.
+pub(crate) const MANY: usize = 200_000;
+/// The most of these.
+const LIGHT: usize = 100_000;
 
 #[derive(Debug, Serialize)]
 struct Head<'a> {
@@ -60,6 +66,7 @@ struct FaceHead {
 struct Counts {
     points: usize,
     triangles: usize,
+    light: usize,
     segments: usize,
     vertices: usize,
 }
@@ -109,7 +116,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let mesh = &shown.mesh;
     let (center, radius) = ball(shown);
     let mut parts = Parts::default();
-    let (mut heads, of_triangles) = faces_of(shown, &mut parts);
+    let (mut heads, mut of_triangles) = faces_of(shown, &mut parts);
     // What belongs to no face is drawn, but cannot be asked for.
     let rest = heads.len();
     if of_triangles.contains(&faces::NONE) {
@@ -121,7 +128,10 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
             color: None,
         });
     }
-    let drawn = Triangles::of(mesh, center, &of_triangles, rest as u32);
+    for face in &mut of_triangles {
+        *face = (*face).min(rest as u32);
+    }
+    let drawn = Triangles::of(mesh, center, &of_triangles);
     let lines = Lines::of(shown);
     let vertices: Vec<[f32; 3]> = match &shown.brep {
         Some(brep) => brep
@@ -145,6 +155,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
         counts: Counts {
             points: drawn.points.len(),
             triangles: mesh.triangles.len(),
+            light: drawn.light.len() / 3,
             segments: lines.segments.len(),
             vertices: vertices.len(),
         },
@@ -152,14 +163,16 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let mut text = serde_json::to_vec(&head).unwrap_or_default();
     text.resize(text.len().next_multiple_of(4), b' ');
     let floats = 4 * drawn.points.len() + 7 * lines.segments.len() + 3 * vertices.len();
-    let bytes = 4 + text.len() + 4 * (floats + drawn.normals.len() + drawn.corners.len());
+    let corners = drawn.corners.len() + drawn.light.len();
+    let bytes = 4 + text.len() + 4 * (floats + drawn.normals.len() + corners);
     let mut out = Vec::with_capacity(bytes);
     out.extend((text.len() as u32).to_le_bytes());
     out.extend(text);
     out.extend(drawn.points.iter().flatten().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.faces.iter().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.normals.iter().flatten().map(|&x| x as u8));
-    out.extend(drawn.corners.iter().flat_map(|x| x.to_le_bytes()));
+    let corners = drawn.corners.iter().chain(&drawn.light);
+    out.extend(corners.flat_map(|x| x.to_le_bytes()));
     out.extend(
         lines
             .segments
@@ -221,15 +234,41 @@ struct Triangles {
     faces: Vec<f32>,
     normals: Vec<[i8; 4]>,
     corners: Vec<u32>,
+    /// Corners of the fewer ones.
+    light: Vec<u32>,
 }
 
 impl Triangles {
-    fn of(mesh: &Mesh, center: DVec3, faces: &[u32], rest: u32) -> Self {
+    fn of(mesh: &Mesh, center: DVec3, faces: &[u32]) -> Self {
         let mut drawn = Self::default();
-        let mut known: FxHashMap<(u32, u32, [i8; 4]), u32> = FxHashMap::default();
-        known.reserve(mesh.positions.len());
-        for (triangle, vertices) in mesh.triangles.iter().enumerate() {
-            let face = faces[triangle].min(rest);
+        let whole = mesh.triangles.iter().copied().enumerate();
+        drawn.corners = drawn.add(mesh, center, faces, 127.0, whole);
+        if mesh.triangles.len() > MANY {
+            let light = light(mesh);
+            drawn.light = drawn.add(mesh, center, faces, 2.0, light.into_iter());
+        }
+        drawn
+    }
+
+    /// The corners of triangles, whose points are added. Corners share a point if their normals
+    /// are the same in so many steps.
+    fn add(
+        &mut self,
+        mesh: &Mesh,
+        center: DVec3,
+        faces: &[u32],
+        steps: f32,
+        triangles: impl Iterator<Item = (usize, [u32; 3])>,
+    ) -> Vec<u32> {
+        let mut corners = Vec::with_capacity(3 * triangles.size_hint().0);
+        let mut known: FxHashMap<(u32, u32, [i8; 3]), u32> = FxHashMap::default();
+        known.reserve(triangles.size_hint().0 / 2);
+        let rounded = |normal: Vec3, steps: f32| {
+            let parts = (steps * normal).round().to_array();
+            parts.map(|x: f32| x as i8)
+        };
+        for (triangle, vertices) in triangles {
+            let face = faces[triangle];
             let normals = mesh
                 .corner_normals
                 .get(triangle)
@@ -239,21 +278,50 @@ impl Triangles {
                     [(b - a).cross(c - a).normalize_or_zero().as_vec3(); 3]
                 });
             for (&vertex, normal) in vertices.iter().zip(normals) {
-                let [x, y, z] = (127.0 * normal).round().to_array().map(|x: f32| x as i8);
-                let normal = [x, y, z, 0];
-                let corner = *known.entry((vertex, face, normal)).or_insert_with(|| {
-                    drawn
-                        .points
-                        .push(single(mesh.positions[vertex as usize] - center));
-                    drawn.faces.push(face as f32);
-                    drawn.normals.push(normal);
-                    drawn.points.len() as u32 - 1
+                let key = (vertex, face, rounded(normal, steps));
+                let corner = *known.entry(key).or_insert_with(|| {
+                    let place = mesh.positions[vertex as usize] - center;
+                    self.points.push(single(place));
+                    self.faces.push(face as f32);
+                    let [x, y, z] = rounded(normal, 127.0);
+                    self.normals.push([x, y, z, 0]);
+                    self.points.len() as u32 - 1
                 });
-                drawn.corners.push(corner);
+                corners.push(corner);
             }
         }
-        drawn
+        corners
     }
+}
+
+/// Which triangles are left, and of which vertices, where one stands for all in its cell of a
+/// grid: as fine a one as leaves no more than [`LIGHT`].
+fn light(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
+    let (low, high) = mesh.bounds().unwrap_or_default();
+    let size = (high - low).max_element();
+    for cells in [256.0, 192.0, 128.0, 96.0, 64.0, 48.0, 32.0, 16.0] {
+        let mut first: FxHashMap<[i32; 3], u32> = FxHashMap::default();
+        let places = mesh.positions.iter().zip(0..);
+        let stand_ins: Vec<u32> = places
+            .map(|(&place, vertex)| {
+                let cell = (cells / size * (place - low)).as_ivec3();
+                *first.entry(cell.to_array()).or_insert(vertex)
+            })
+            .collect();
+        let left = mesh
+            .triangles
+            .iter()
+            .enumerate()
+            .filter_map(|(k, corners)| {
+                let [a, b, c] = corners.map(|vertex| stand_ins[vertex as usize]);
+                (a != b && b != c && c != a).then_some((k, [a, b, c]))
+            });
+        let left: Vec<_> = left.take(LIGHT + 1).collect();
+        if left.len() <= LIGHT {
+            return left;
+        }
+    }
+    Vec::new()
 }
 
 /// Edges as chords, about the middle of what is shown.

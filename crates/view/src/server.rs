@@ -2,8 +2,7 @@
 //!
 //! | address, after the token | answer |
 //! | --- | --- |
-//! | `GET /`, `first.js`, `view.js`, `view.css` | the page |
-//! | `GET picture/WIDTH/HEIGHT/THEME` | what is shown as the page shows it first, as PNG (`picture`) |
+//! | `GET /`, `first.js`, `view.js` | the page, with the model's first picture in it (`picture`) |
 //! | `GET events` | what happens, as server-sent events of JSON |
 //! | `GET scene` | all that is drawn (`packing`) |
 //! | `GET account` | measures and report |
@@ -16,7 +15,8 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::net::SocketAddr;
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread;
 use std::time::Duration;
 
 use axum::Router;
@@ -36,15 +36,14 @@ use tokio_stream::wrappers::WatchStream;
 
 use crate::guard::{self, Token};
 use crate::pick::{Pick, Row};
-use crate::picture::{self, Theme};
+use crate::picture::FirstPictures;
 use crate::shown::Shown;
 use crate::source::{Parameter, Problem};
 
 /// The most bytes of a question: names and values of parameters are short.
 const LARGEST_QUESTION: usize = 64 << 10;
-/// The most pixels of a picture: a screen of 4096 by 4096.
-const LARGEST_PICTURE: u64 = 1 << 24;
-/// How long the page waits for the model that its first picture is of.
+/// How long the page waits for the model that its first picture is of; longer ones are shown as
+/// far as they are, or by the page's script.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// What the page is told whenever something changes.
@@ -72,10 +71,36 @@ pub(crate) struct Desk {
     pub(crate) token: Token,
     pub(crate) at: SocketAddr,
     pub(crate) status: watch::Sender<Status>,
-    shown: Mutex<Option<(Arc<Shown>, Bytes)>>,
+    shown: Mutex<Option<Published>>,
     wishes: Mutex<Sender<Wish>>,
     /// Of the work that is being done.
     cancel: Mutex<CancelToken>,
+}
+
+/// A model, packed and drawn.
+#[derive(Clone)]
+struct Published {
+    shown: Arc<Shown>,
+    bytes: Bytes,
+    pictures: Arc<Pictures>,
+}
+
+/// For a light page and a dark one, as [`FirstPictures`] draws them.
+#[derive(Default)]
+struct Pictures {
+    scene: OnceLock<Option<FirstPictures>>,
+    addresses: [OnceLock<Option<String>>; 2],
+}
+
+impl Published {
+    /// One of the first pictures, drawn when it is wanted first.
+    fn picture(&self, is_dark: bool) -> Option<&str> {
+        let Pictures { scene, addresses } = &*self.pictures;
+        let scene = scene.get_or_init(|| FirstPictures::of(&self.shown));
+        let address = &addresses[usize::from(is_dark)];
+        let address = address.get_or_init(|| scene.as_ref()?.address(is_dark));
+        address.as_deref()
+    }
 }
 
 impl Desk {
@@ -90,12 +115,28 @@ impl Desk {
         }
     }
 
-    /// Puts another picture in place of the one that is shown.
+    /// Puts another model in place of the one that is shown. The first fine one is drawn at once,
+    /// as the browser will soon ask for the page.
     pub(crate) fn publish(&self, shown: Shown) {
         let bytes = Bytes::from(shown.pack());
         let revision = shown.revision;
-        *locked(&self.shown) = Some((Arc::new(shown), bytes));
+        // (After a coarse one, if there was one.)
+        let is_first = !shown.is_coarse && revision <= 2;
+        let published = Published {
+            shown: Arc::new(shown),
+            bytes,
+            pictures: Arc::default(),
+        };
+        *locked(&self.shown) = Some(published.clone());
         self.status.send_modify(|status| status.revision = revision);
+        if is_first {
+            // (Where there is no thread, it is drawn when it is asked for.)
+            let drawer = thread::Builder::new().name("first picture".to_owned());
+            let _ = drawer.spawn(move || {
+                published.picture(false);
+                published.picture(true);
+            });
+        }
     }
 
     /// Ends what is being done, since something else is wished.
@@ -112,7 +153,7 @@ impl Desk {
         token
     }
 
-    fn shown(&self) -> Option<(Arc<Shown>, Bytes)> {
+    fn shown(&self) -> Option<Published> {
         locked(&self.shown).clone()
     }
 }
@@ -125,25 +166,17 @@ fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 /// Answers until the process ends.
 pub(crate) async fn serve(listener: TcpListener, desk: Arc<Desk>) -> std::io::Result<()> {
     let pages = Router::new()
-        .route(
-            "/",
-            get(|| async { page(include_str!("../web/page.html"), "text/html") }),
-        )
+        .route("/", get(page))
         .route(
             "/first.js",
-            get(|| async { page(include_str!("../web/first.js"), "text/javascript") }),
+            get(|| async { script(include_str!("../web/first.js")) }),
         )
         .route(
             "/view.js",
-            get(|| async { page(include_str!("../web/dist/view.js"), "text/javascript") }),
-        )
-        .route(
-            "/view.css",
-            get(|| async { page(include_str!("../web/view.css"), "text/css") }),
+            get(|| async { script(include_str!("../web/dist/view.js")) }),
         )
         .route("/events", get(events))
         .route("/scene", get(scene))
-        .route("/picture/{width}/{height}/{theme}", get(first_picture))
         .route("/account", get(account))
         .route("/describe", post(describe))
         .route("/between", post(between))
@@ -152,10 +185,7 @@ pub(crate) async fn serve(listener: TcpListener, desk: Arc<Desk>) -> std::io::Re
     let app = Router::new()
         .nest("/{token}", pages.clone())
         // (A nested page is without the last slash otherwise.)
-        .route(
-            "/{token}/",
-            get(|| async { page(include_str!("../web/page.html"), "text/html") }),
-        )
+        .route("/{token}/", get(page))
         .layer(DefaultBodyLimit::max(LARGEST_QUESTION))
         .layer(middleware::from_fn_with_state(Arc::clone(&desk), guarded))
         .with_state(desk);
@@ -197,9 +227,49 @@ async fn guarded(State(desk): State<Arc<Desk>>, request: Request, next: Next) ->
     response
 }
 
-fn page(text: &'static str, kind: &'static str) -> Response {
-    let kind = format!("{kind}; charset=utf-8");
-    ([(header::CONTENT_TYPE, kind)], text).into_response()
+fn script(text: &'static str) -> Response {
+    let kind = [(header::CONTENT_TYPE, "text/javascript; charset=utf-8")];
+    (kind, text).into_response()
+}
+
+/// The page in one piece, with its style and its first picture, so that the browser needs to ask
+/// for nothing else before there is something to see. What comes before the picture is sent
+/// at once, and so is the one for a light page before the one for a dark page is drawn.
+async fn page(State(desk): State<Arc<Desk>>) -> Response {
+    let text = include_str!("../web/page.html");
+    let (before, after) = text.split_once(PICTURES).unwrap_or((text, ""));
+    let style = include_str!("../web/view.css");
+    let before = before.replace(STYLE, &format!("<style>\n{style}</style>"));
+    let pictures = tokio_stream::iter([false, true]).then(move |is_dark| {
+        let desk = Arc::clone(&desk);
+        async move { first_picture(&desk, is_dark).await.unwrap_or_default() }
+    });
+    let parts = tokio_stream::once(before)
+        .chain(pictures)
+        .chain(tokio_stream::once(after.to_owned()))
+        .map(Ok::<_, Infallible>);
+    let kind = [(header::CONTENT_TYPE, "text/html; charset=utf-8")];
+    (kind, Body::from_stream(parts)).into_response()
+}
+
+/// In the page: its style, and the place of the first pictures.
+const STYLE: &str = r#"<link rel="stylesheet" href="view.css">"#;
+const PICTURES: &str = "<!-- The first pictures. -->";
+
+/// A first picture; nothing if there is nothing to draw soon.
+async fn first_picture(desk: &Desk, is_dark: bool) -> Option<String> {
+    let mut status = desk.status.subscribe();
+    let is_done = |status: &Status| status.revision > 0 && !status.is_working;
+    let is_there = status.wait_for(|status| is_done(status) || status.problem.is_some());
+    // (If there is only a coarse one by then, it does.)
+    let _ = tokio::time::timeout(PATIENCE, is_there).await;
+    let published = desk.shown()?;
+    let address = move || published.picture(is_dark).map(str::to_owned);
+    let address = tokio::task::spawn_blocking(address).await.ok()??;
+    let theme = if is_dark { "dark" } else { "light" };
+    Some(format!(
+        r#"<img class="first {theme}" src="{address}" alt="" decoding="sync" elementtiming="first">"#
+    ))
 }
 
 async fn events(State(desk): State<Arc<Desk>>) -> impl IntoResponse {
@@ -210,32 +280,9 @@ async fn events(State(desk): State<Arc<Desk>>) -> impl IntoResponse {
     Sse::new(stream).keep_alive(KeepAlive::default())
 }
 
-/// The first picture; 204 if there is nothing to draw soon.
-async fn first_picture(
-    State(desk): State<Arc<Desk>>,
-    Path((_, width, height, theme)): Path<(String, u32, u32, Theme)>,
-) -> Response {
-    if u64::from(width) * u64::from(height) > LARGEST_PICTURE {
-        return StatusCode::PAYLOAD_TOO_LARGE.into_response();
-    }
-    let mut status = desk.status.subscribe();
-    let is_there = status.wait_for(|status| status.revision > 0 || status.problem.is_some());
-    // (If there is still nothing, `beside` says so.)
-    let _ = tokio::time::timeout(PATIENCE, is_there).await;
-    let drawn = beside(&desk, move |shown| {
-        let picture = picture::first(shown, width, height, theme);
-        picture.and_then(|picture| picture.to_png())
-    });
-    match drawn.await {
-        Ok(Ok(png)) => ([(header::CONTENT_TYPE, "image/png")], png).into_response(),
-        Ok(Err(error)) => (StatusCode::UNPROCESSABLE_ENTITY, error.to_string()).into_response(),
-        Err(response) => response,
-    }
-}
-
 async fn scene(State(desk): State<Arc<Desk>>) -> Response {
     match desk.shown() {
-        Some((_, bytes)) => {
+        Some(Published { bytes, .. }) => {
             let kind = (header::CONTENT_TYPE, "application/octet-stream");
             ([kind], Body::from(bytes)).into_response()
         }
@@ -248,10 +295,10 @@ async fn beside<T: Send + 'static>(
     desk: &Desk,
     work: impl FnOnce(&Shown) -> T + Send + 'static,
 ) -> Result<T, Response> {
-    let Some((shown, _)) = desk.shown() else {
+    let Some(published) = desk.shown() else {
         return Err(StatusCode::NO_CONTENT.into_response());
     };
-    let done = tokio::task::spawn_blocking(move || work(&shown)).await;
+    let done = tokio::task::spawn_blocking(move || work(&published.shown)).await;
     done.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())
 }
 

@@ -1,19 +1,21 @@
 // Two cameras as one: perspective and parallel, that look at the same place from the same side.
 import { OrthographicCamera, PerspectiveCamera, Spherical, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import look from "./look.json";
 
-const FIELD = 30;
-const TANGENT = Math.tan((FIELD / 2) * (Math.PI / 180));
+/** Half of the angle that the narrower side of the picture spans. */
+const HALF = (look.field / 2) * (Math.PI / 180);
+const TANGENT = Math.tan(HALF);
 
 /** Directions to the eye. */
 const VIEWS = {
   front: [0, -1, 0], back: [0, 1, 0], right: [1, 0, 0], left: [-1, 0, 0], top: [0, 0, 1], bottom: [0, 0, -1],
-  corner: [0.6, -1, 0.6],
+  corner: look.eye,
 };
 
 export class Cameras {
   constructor(canvas, changed) {
-    this.perspective = new PerspectiveCamera(FIELD, 1, 0.1, 100);
+    this.perspective = new PerspectiveCamera(look.field, 1, 0.1, 100);
     this.parallel = new OrthographicCamera(-1, 1, 1, -1, -100, 100);
     for (const camera of [this.perspective, this.parallel]) {
       camera.up.set(0, 0, 1);
@@ -35,7 +37,7 @@ export class Cameras {
   /** How far it is from the eye to where it looks; of the parallel one, for the same size there. */
   get distance() {
     if (!this.isParallel) return this.perspective.position.distanceTo(this.controls.target);
-    return this.parallel.top / this.parallel.zoom / TANGENT;
+    return Math.min(this.parallel.top, this.parallel.right) / this.parallel.zoom / TANGENT;
   }
 
   /** The model's size is another. */
@@ -45,9 +47,11 @@ export class Cameras {
   }
 
   resized(width, height) {
+    const half = Math.min(this.parallel.top, this.parallel.right);
     this.aspect = width / height;
     this.perspective.aspect = this.aspect;
-    this.#frame(this.parallel.top);
+    this.perspective.fov = 2 * Math.atan(this.#high(TANGENT)) * (180 / Math.PI);
+    this.#frame(half);
     this.perspective.updateProjectionMatrix();
     this.changed();
   }
@@ -60,8 +64,7 @@ export class Cameras {
   fit() {
     const direction = this.current.position.clone().sub(this.controls.target).normalize();
     this.controls.target.set(0, 0, 0);
-    const angle = Math.atan(TANGENT * Math.min(1, this.aspect));
-    this.#place(direction, (1.02 * this.radius) / Math.sin(angle));
+    this.#place(direction, (look.margin * this.radius) / Math.sin(HALF));
   }
 
   turn(across, up) {
@@ -76,7 +79,7 @@ export class Cameras {
 
   /** Moves by parts of the picture's height. */
   move(across, up) {
-    const step = 2 * this.distance * TANGENT;
+    const step = 2 * this.distance * this.#high(TANGENT);
     const [x, y] = [0, 1].map((k) => new Vector3().setFromMatrixColumn(this.current.matrixWorld, k));
     const by = x.multiplyScalar(across * step).add(y.multiplyScalar(up * step));
     this.controls.target.add(by);
@@ -107,8 +110,14 @@ export class Cameras {
     this.changed();
   }
 
+  /** Half of the picture's height, where this is half of its narrower side. */
+  #high(half) {
+    return half / Math.min(1, this.aspect);
+  }
+
   #frame(half) {
-    Object.assign(this.parallel, { top: half, bottom: -half, left: -half * this.aspect, right: half * this.aspect });
+    const top = this.#high(half);
+    Object.assign(this.parallel, { top, bottom: -top, left: -top * this.aspect, right: top * this.aspect });
     this.parallel.updateProjectionMatrix();
   }
 

@@ -6,10 +6,18 @@ import {
   Plane, PlaneGeometry, Points, PointsMaterial, RGBAFormat, ReplaceStencilOp, Scene, ShaderMaterial, UnsignedByteType,
   Vector3, WebGLRenderTarget,
 } from "three";
+import look from "./look.json";
 
 const WIDTH = 1024;
+/** Milliseconds that a frame may take while the camera moves. */
+const BUDGET = 33;
+/** So many segments of edges are drawn then, too, at most. */
+const LIGHT_SEGMENTS = 100_000;
 /** Half of the window around the pointer in which edges are looked for, in pixels. */
 const REACH = 6;
+
+/** A colour as a number, of its parts. */
+const packed = ([red, green, blue]) => (red << 16) | (green << 8) | blue;
 
 /** A texture with four bytes for each face: its colour, and 255 where it is shown, 128 where
  * it is picked, 0 where it is hidden. */
@@ -37,7 +45,7 @@ export class Drawing {
     this.picks = [];
     this.group = new Group();
     this.scene.add(this.group);
-    this.lights = [new HemisphereLight(0xffffff, 0x8a8f9a, 1.6), new DirectionalLight(0xffffff, 2.0)];
+    this.lights = [new HemisphereLight(0xffffff, packed(look.ground), look.sky), new DirectionalLight(0xffffff, look.lamp)];
     this.lights[0].position.set(0, 0, 1);
     this.scene.add(...this.lights);
     this.target = new WebGLRenderTarget(2 * REACH + 1, 2 * REACH + 1, { type: FloatType, format: RGBAFormat });
@@ -115,9 +123,9 @@ export class Drawing {
 
   /** Colours for a light or a dark page. */
   theme(isDark) {
-    this.isDark = isDark;
-    this.renderer.setClearColor(isDark ? 0x1b1d21 : 0xf4f5f7);
-    this.edgeMaterial.color.set(isDark ? 0x0b0c0e : 0x1d1f24);
+    this.colors = isDark ? look.dark : look.light;
+    this.renderer.setClearColor(getComputedStyle(document.body).backgroundColor);
+    this.edgeMaterial.color.set(packed(this.colors.lines));
     this.accent.value.set(isDark ? 0x4da0ff : 0x1b74d0);
     this.pickedEdges.color.set(0xff7a1a);
     this.pickedPoints.color.set(0xff7a1a);
@@ -132,13 +140,19 @@ export class Drawing {
       this.pickScene.remove(mesh);
       mesh.geometry.dispose();
     }
+    this.lightFaces?.dispose();
     this.model = model;
+    this.cost = 0;
+    this.isMeasured = false;
     const faces = new BufferGeometry();
     faces.setAttribute("position", new BufferAttribute(model.points, 3));
     faces.setAttribute("normal", new BufferAttribute(model.normals, 4, true));
     faces.setAttribute("face", new BufferAttribute(model.faceOf, 1));
     faces.setIndex(new BufferAttribute(model.corners, 1));
-    faces.boundingSphere = null;
+    // The same points, and fewer triangles of them.
+    this.lightFaces = new BufferGeometry();
+    for (const [name, attribute] of Object.entries(faces.attributes)) this.lightFaces.setAttribute(name, attribute);
+    this.lightFaces.setIndex(new BufferAttribute(model.lightCorners, 1));
     const edges = new BufferGeometry();
     edges.setAttribute("position", new BufferAttribute(model.segments, 3));
     const ends = new Float32Array(2 * model.edgeOf.length);
@@ -214,10 +228,9 @@ export class Drawing {
 
   #paint() {
     const { data } = this.states.value.image;
-    const plain = this.isDark ? [148, 156, 170] : [178, 184, 196];
     const picked = new Set(this.picks.filter((pick) => pick.kind === "face").map((pick) => pick.id));
     this.model.faces.forEach(({ color }, k) => {
-      const shade = color ? color.slice(0, 3).map((part) => Math.round(255 * part)) : plain;
+      const shade = color ? color.slice(0, 3).map((part) => Math.round(255 * part)) : this.colors.faces;
       data.set([...shade, this.hidden.has(k) ? 0 : picked.has(k) ? 128 : 255], 4 * k);
     });
     this.states.value.needsUpdate = true;
@@ -238,10 +251,42 @@ export class Drawing {
     }
   }
 
-  draw(camera) {
-    this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(0.4 * camera.position.length()));
+  /** Whether a frame of all triangles takes too long while the camera moves, and there are fewer. */
+  get isHeavy() {
+    // (The cut draws them three times.)
+    return this.model?.lightCorners.length > 0 && (this.isCut ? 3 : 1) * this.cost > BUDGET;
+  }
+
+  /** Draws a frame; `isMoving` if another follows soon. */
+  draw(camera, isMoving = false) {
+    const isLight = isMoving && this.isHeavy;
+    for (const mesh of this.model ? [this.faceMesh, ...this.stencilMeshes] : []) {
+      mesh.geometry = isLight ? this.lightFaces : this.pickFaces.geometry;
+    }
+    if (this.model) this.edgeLines.visible = this.showsEdges && !(isLight && this.model.edgeOf.length > LIGHT_SEGMENTS);
+    this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(look.lamp_up * camera.position.length()));
     this.renderer.localClippingEnabled = true;
     this.renderer.render(this.scene, camera);
+  }
+
+  /** Measures once what a frame of all triangles costs, where there are fewer. Nothing waits for it. */
+  async measure(camera) {
+    const { model } = this;
+    if (this.isMeasured || !model?.lightCorners.length) return;
+    this.isMeasured = true;
+    const gl = this.renderer.getContext();
+    const done = async () => {
+      const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
+      while (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) await new Promise((next) => setTimeout(next, 1));
+      gl.deleteSync(fence);
+    };
+    // (What was drawn before, which took the triangles to the graphics card, is not of it.)
+    await done();
+    const start = performance.now();
+    if (model === this.model) this.draw(camera);
+    await done();
+    if (model === this.model) this.cost = performance.now() - start;
   }
 
   /** What is seen at a place in pixels of the page: a vertex or an edge near by, or a face. */

@@ -13,19 +13,28 @@ const drawing = new Drawing(renderer);
 const state = { answers: 0, model: null, account: null, picks: [], cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
 
 // Drawing, once for all that changed since the last frame.
+/** Milliseconds without a move of the camera until all triangles are drawn again. */
+const REST = 200;
 let isWaiting = false;
-function changed() {
+let isMoving = false;
+let rest = null;
+function changed(hasMoved = false) {
+  isMoving ||= hasMoved;
   if (isWaiting) return;
   isWaiting = true;
   requestAnimationFrame(() => {
     isWaiting = false;
-    drawing.draw(cameras.current);
+    clearTimeout(rest);
+    drawing.draw(cameras.current, isMoving);
+    if (isMoving && drawing.isHeavy) rest = setTimeout(changed, REST);
+    isMoving = false;
     if (!state.model) return;
-    byId("first")?.remove();
+    for (const picture of document.querySelectorAll(".first")) picture.remove();
     document.documentElement.dataset.revision = String(state.model.revision);
+    drawing.measure(cameras.current);
   });
 }
-const cameras = new Cameras(canvas, changed);
+const cameras = new Cameras(canvas, () => changed(true));
 
 function resized() {
   const { clientWidth: width, clientHeight: height } = byId("stage");
@@ -334,13 +343,15 @@ globalThis.stereotomy = {
     return [(at.x + 1) * canvas.clientWidth / 2, (1 - at.y) * canvas.clientHeight / 2];
   },
   eye: () => cameras.current.position.toArray().map((x, k) => x + (state.model?.center[k] ?? 0)),
-  /** Milliseconds a frame takes, drawn and read back, of so many in turn. */
-  frames: (count) => {
+  drawing,
+  turn: (across) => cameras.turn(across, 0),
+  /** Milliseconds a frame takes, drawn and read back, of so many in turn; `isMoving` as in `draw`. */
+  frames: (count, isMoving = false) => {
     const gl = renderer.getContext();
     const start = performance.now();
     for (let k = 0; k < count; k++) {
       cameras.turn(0.01, 0);
-      drawing.draw(cameras.current);
+      drawing.draw(cameras.current, isMoving);
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     }
     return (performance.now() - start) / count;

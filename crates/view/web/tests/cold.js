@@ -12,6 +12,7 @@
 // interactive  the page itself has drawn the model, and its pixels were read back
 // fine         the same of the fine mesh with its exact boundary
 // frame        how long one frame takes
+// moving       the same while the camera moves, of more than 200,000 triangles
 import { spawn, spawnSync } from "node:child_process";
 import { chromium } from "playwright-core";
 
@@ -20,7 +21,7 @@ const executablePath = spawnSync("sh", ["-c", `command -v ${process.env.CHROMIUM
 const browser = await chromium.launch({
   executablePath, args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
 });
-const times = { address: [], page: [], picture: [], interactive: [], fine: [], frame: [] };
+const times = { address: [], page: [], picture: [], interactive: [], fine: [], frame: [], moving: [] };
 let triangles = "";
 try {
   // (The first context of a browser takes longer.)
@@ -49,7 +50,10 @@ try {
     await page.waitForFunction(() => globalThis.seen?.fine, null, { timeout: 120_000 });
     const seen = await page.evaluate(() => globalThis.seen);
     for (const name of ["page", "picture", "interactive", "fine"]) times[name].push(seen[name] - start);
-    times.frame.push(await page.evaluate(() => stereotomy.frames(20)));
+    const heavy = await page.evaluate(() => stereotomy.state.model.lightCorners.length > 0);
+    if (heavy) await page.waitForFunction(() => stereotomy.drawing.cost > 0);
+    times.frame.push(await page.evaluate((count) => stereotomy.frames(count), heavy ? 3 : 20));
+    times.moving.push(await page.evaluate(() => stereotomy.frames(20, true)));
     await page.waitForFunction(() => stereotomy.state.account !== null, null, { timeout: 120_000 });
     triangles = await page.locator("#report td").first().innerText();
     program.kill();

@@ -48,10 +48,10 @@ async function served(program, args, env = {}) {
 }
 
 /** A page on a scene in a file of its own. */
-async function opened(name, text, options = {}) {
+async function opened(name, text, options = {}, more = []) {
   const file = join(folder, name);
   await writeFile(file, text);
-  return { file, ...(await visited(await served(process.env.CSG, ["view", file, "--no-open"]), options)) };
+  return { file, ...(await visited(await served(process.env.CSG, ["view", file, "--no-open", ...more]), options)) };
 }
 
 async function visited(address, options = {}, isThere = true) {
@@ -317,37 +317,125 @@ test("it is dark where the user wants that, and has names for who hears it", asy
 test("the first picture is what the page draws", async () => {
   // A round part with faces of its own colours, and one wholly without edges.
   const models = [
-    ["plate", `color([0.8, 0.2, 0.1]) { ${PLATE} }`, "light", { width: 1280, height: 800 }],
-    ["ball", "sphere(r = 7);", "dark", { width: 800, height: 900 }],
+    ["plate", `color([0.8, 0.2, 0.1]) { ${PLATE} }`, "light"],
+    ["ball", "sphere(r = 7);", "dark"],
   ];
-  for (const [name, text, colorScheme, viewport] of models) {
-    const options = { colorScheme, viewport, deviceScaleFactor: 1.5 };
-    const { page, mistakes } = await opened(`first-${name}.csg`, text, options);
-    assert.equal(await page.locator("#first").count(), 0, "the page's own drawing is in its place");
+  for (const [name, text, colorScheme] of models) {
+    const { page, mistakes } = await opened(`first-${name}.csg`, text, { colorScheme });
+    assert.equal(await page.locator(".first").count(), 0, "the page's own drawing is in its place");
+    // As large as the picture itself.
+    await page.locator("#stage").evaluate((stage) => Object.assign(stage.style, { flex: "none", width: "640px", height: "640px" }));
+    await page.waitForFunction(() => document.getElementById("canvas").width === 640);
+    await page.keyboard.press("f");
     await picture(page);
-    const { off, far } = await page.evaluate(async (theme) => {
+    const { size, off, far } = await page.evaluate(async (theme) => {
       const canvas = document.getElementById("canvas");
       const { width, height } = canvas;
       const pixels = (image) => {
         const context = new OffscreenCanvas(width, height).getContext("2d");
+        context.fillStyle = getComputedStyle(document.body).backgroundColor;
+        context.fillRect(0, 0, width, height);
         context.drawImage(image, 0, 0);
         return context.getImageData(0, 0, width, height).data;
       };
-      const answer = await fetch(`picture/${width}/${height}/${theme}`);
-      const [drawn, told] = [pixels(canvas), pixels(await createImageBitmap(await answer.blob()))];
+      const text = await (await fetch("./")).text();
+      const told = new Image();
+      told.src = new DOMParser().parseFromString(text, "text/html").querySelector(`.first.${theme}`).src;
+      await told.decode();
+      const [one, other] = [pixels(canvas), pixels(told)];
       let [sum, far] = [0, 0];
-      for (let k = 0; k < drawn.length; k++) {
-        sum += Math.abs(drawn[k] - told[k]);
-        far += Math.abs(drawn[k] - told[k]) > 32;
+      for (let k = 0; k < one.length; k++) {
+        sum += Math.abs(one[k] - other[k]);
+        far += Math.abs(one[k] - other[k]) > 32;
       }
-      return { off: sum / drawn.length, far: far / drawn.length };
+      return { size: [width, height, told.width, told.height], off: sum / one.length, far: far / one.length };
     }, colorScheme);
+    assert.deepEqual(size, [640, 640, 640, 640]);
     // Lines are filtered otherwise; faces are the same within how numbers are rounded.
     if (process.env.SHOT) console.log(name, colorScheme, off, far);
     assert.ok(off < 0.5 && far < 0.005, `${name}, ${colorScheme}: ${off} levels off, ${far} far off`);
     assert.deepEqual(mistakes, []);
     await page.close();
   }
+});
+
+test("the first picture is on a page whose script never comes", async () => {
+  const file = join(folder, "alone.csg");
+  await writeFile(file, PLATE);
+  const address = await served(process.env.CSG, ["view", file, "--no-open"]);
+  for (const colorScheme of ["light", "dark"]) {
+    // Wider than high, and higher than wide.
+    const viewport = colorScheme === "light" ? { width: 1280, height: 700 } : { width: 900, height: 1000 };
+    const page = await browser.newPage({ colorScheme, viewport });
+    await page.route("**/*.js", (route) => route.abort());
+    await page.goto(address);
+    assert.equal(await page.locator(".first:visible").count(), 1);
+    assert.match(await page.locator(".first:visible").getAttribute("class"), new RegExp(colorScheme));
+    const told = await page.locator("#stage").screenshot();
+    await page.unroute("**/*.js");
+    await page.reload();
+    await page.waitForFunction(() => globalThis.stereotomy && stereotomy.state.account !== null);
+    await picture(page);
+    const drawn = await page.locator("#stage").screenshot();
+    const off = await page.evaluate(async (both) => {
+      const [one, other] = await Promise.all(both.map(async (bytes) => {
+        const image = new Image();
+        image.src = `data:image/png;base64,${bytes}`;
+        await image.decode();
+        const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        context.drawImage(image, 0, 0);
+        return context.getImageData(0, 0, image.width, image.height).data;
+      }));
+      return one.reduce((sum, level, k) => sum + Math.abs(level - other[k]), 0) / one.length;
+    }, [told, drawn].map((png) => png.toString("base64")));
+    // It is enlarged or made smaller, and nothing moves.
+    if (process.env.SHOT) console.log(colorScheme, off);
+    assert.ok(off < 1, `${colorScheme}: ${off} levels off`);
+    await page.close();
+  }
+});
+
+test("a million triangles turn without any being sent to the graphics card again", async () => {
+  const balls = Array.from({ length: 216 }, (_, k) =>
+    `multmatrix([[1, 0, 0, ${3 * (k % 6)}], [0, 1, 0, ${3 * (Math.floor(k / 6) % 6)}], [0, 0, 1, ${3 * Math.floor(k / 36)}], [0, 0, 0, 1]]) { sphere(r = 1); }`);
+  const { page, mistakes } = await opened("balls.csg", balls.join("\n"), {}, ["--tolerance", "0.001"]);
+  await page.waitForFunction(() => stereotomy.drawing.cost > 0);
+  const turned = await page.evaluate(async () => {
+    const { drawing, state } = stereotomy;
+    const gl = document.getElementById("canvas").getContext("webgl2");
+    const { info } = drawing.renderer;
+    let sent = 0;
+    for (const name of ["bufferData", "bufferSubData"]) {
+      const plain = gl[name].bind(gl);
+      gl[name] = (...all) => { sent++; plain(...all); };
+    }
+    const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const turn = async (cost) => {
+      drawing.cost = cost;
+      stereotomy.turn(0.1);
+      await frame();
+      const { calls, triangles } = info.render;
+      return { calls, triangles };
+    };
+    const triangles = state.model.corners.length / 3;
+    // On a fast machine, and on a slow one; and when the camera has come to rest.
+    const [fast, slow] = [await turn(1), await turn(1000)];
+    await new Promise((done) => setTimeout(done, 400));
+    await frame();
+    const rest = info.render.triangles;
+    return { triangles, fast, slow, rest, sent };
+  });
+  if (process.env.SHOT) console.log(turned);
+  assert.ok(turned.triangles > 1e6, String(turned.triangles));
+  assert.equal(turned.fast.triangles, turned.triangles);
+  assert.ok(turned.slow.triangles > 2e4 && turned.slow.triangles <= 1e5, String(turned.slow.triangles));
+  assert.equal(turned.rest, turned.triangles);
+  // Faces and edges, each in one.
+  assert.ok(turned.fast.calls <= 2 && turned.slow.calls <= 2, JSON.stringify(turned));
+  // (The fewer ones' numbers go there once.)
+  assert.ok(turned.sent <= 1, `${turned.sent} buffers sent`);
+  assert.deepEqual(mistakes, []);
+  await page.close();
 });
 
 test("where there is no first picture, the page begins all the same", async () => {
@@ -357,7 +445,7 @@ test("where there is no first picture, the page begins all the same", async () =
   await page.locator("#problem").waitFor();
   await writeFile(file, "cube(size = [1, 1, 1], center = true);");
   await page.waitForFunction(() => stereotomy.state.account !== null);
-  assert.equal(await page.locator("#first").count(), 0);
+  assert.equal(await page.locator(".first").count(), 0);
   assert.deepEqual(mistakes, []);
   await page.close();
 });
