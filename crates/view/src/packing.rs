@@ -9,7 +9,7 @@
 //! | `faces` | f32, the number of the face that the point is of |
 //! | `normals` | 4 × i8, the last one 0 |
 //! | `corners` | u32, three to a triangle: numbers of points |
-//! | `light` | as `corners`: fewer triangles, to be drawn while the camera moves; of a mesh of no more than [`MANY`] none |
+//! | `simplified` | as `corners`: fewer triangles, to be drawn while the camera moves; of a mesh of no more than 200,000 none |
 //! | `segments` | 6 × f32: two points, about `center` |
 //! | `segment_edges` | f32, the number of the edge |
 //! | `vertices` | 3 × f32, about `center` |
@@ -25,9 +25,9 @@ use crate::pick;
 use crate::shown::{Settings, Shown};
 
 /// From so many triangles on, fewer are drawn while the camera moves, where all of them take long.
-pub(crate) const MANY: usize = 200_000;
+const MANY: usize = 200_000;
 /// The most of these.
-const LIGHT: usize = 100_000;
+const MOST_SIMPLIFIED: usize = 100_000;
 
 #[derive(Debug, Serialize)]
 struct Head<'a> {
@@ -66,7 +66,7 @@ struct FaceHead {
 struct Counts {
     points: usize,
     triangles: usize,
-    light: usize,
+    simplified: usize,
     segments: usize,
     vertices: usize,
 }
@@ -155,7 +155,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
         counts: Counts {
             points: drawn.points.len(),
             triangles: mesh.triangles.len(),
-            light: drawn.light.len() / 3,
+            simplified: drawn.simplified.len() / 3,
             segments: lines.segments.len(),
             vertices: vertices.len(),
         },
@@ -163,7 +163,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let mut text = serde_json::to_vec(&head).unwrap_or_default();
     text.resize(text.len().next_multiple_of(4), b' ');
     let floats = 4 * drawn.points.len() + 7 * lines.segments.len() + 3 * vertices.len();
-    let corners = drawn.corners.len() + drawn.light.len();
+    let corners = drawn.corners.len() + drawn.simplified.len();
     let bytes = 4 + text.len() + 4 * (floats + drawn.normals.len() + corners);
     let mut out = Vec::with_capacity(bytes);
     out.extend((text.len() as u32).to_le_bytes());
@@ -171,7 +171,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     out.extend(drawn.points.iter().flatten().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.faces.iter().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.normals.iter().flatten().map(|&x| x as u8));
-    let corners = drawn.corners.iter().chain(&drawn.light);
+    let corners = drawn.corners.iter().chain(&drawn.simplified);
     out.extend(corners.flat_map(|x| x.to_le_bytes()));
     out.extend(
         lines
@@ -235,7 +235,7 @@ struct Triangles {
     normals: Vec<[i8; 4]>,
     corners: Vec<u32>,
     /// Corners of the fewer ones.
-    light: Vec<u32>,
+    simplified: Vec<u32>,
 }
 
 impl Triangles {
@@ -244,8 +244,8 @@ impl Triangles {
         let whole = mesh.triangles.iter().copied().enumerate();
         drawn.corners = drawn.add(mesh, center, faces, 127.0, whole);
         if mesh.triangles.len() > MANY {
-            let light = light(mesh);
-            drawn.light = drawn.add(mesh, center, faces, 2.0, light.into_iter());
+            let simplified = clustered(mesh);
+            drawn.simplified = drawn.add(mesh, center, faces, 2.0, simplified.into_iter());
         }
         drawn
     }
@@ -294,9 +294,11 @@ impl Triangles {
     }
 }
 
-/// Which triangles are left, and of which vertices, where one stands for all in its cell of a
-/// grid: as fine a one as leaves no more than [`LIGHT`].
-fn light(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
+/// The triangles that are left, by number and with their vertices, if one vertex stands for all
+/// in its cell of a grid (Rossignac and Borrel, *Multi-resolution 3D Approximations for Rendering
+/// Complex Scenes*, 1993), of the finest grid that leaves no more than [`MOST_SIMPLIFIED`]; none if
+/// there is no such grid.
+fn clustered(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
     let (low, high) = mesh.bounds().unwrap_or_default();
     let size = (high - low).max_element();
     for cells in [256.0, 192.0, 128.0, 96.0, 64.0, 48.0, 32.0, 16.0] {
@@ -316,8 +318,8 @@ fn light(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
                 let [a, b, c] = corners.map(|vertex| stand_ins[vertex as usize]);
                 (a != b && b != c && c != a).then_some((k, [a, b, c]))
             });
-        let left: Vec<_> = left.take(LIGHT + 1).collect();
-        if left.len() <= LIGHT {
+        let left: Vec<_> = left.take(MOST_SIMPLIFIED + 1).collect();
+        if left.len() <= MOST_SIMPLIFIED {
             return left;
         }
     }
@@ -408,5 +410,57 @@ fn chords(edge: &Edge<'_>, tolerance: f64, out: &mut Vec<DVec3>) {
     };
     for k in 0..LEAST {
         halve(edge, [place(k), place(k + 1)], tolerance, DEEPEST, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    /// A wavy square of so many quads a side.
+    fn waves(side: u32) -> Mesh {
+        let place = |k: u32| {
+            let [x, y] = [k % (side + 1), k / (side + 1)].map(|i| f64::from(i) / f64::from(side));
+            DVec3::new(x, y, 0.05 * x * y)
+        };
+        let mut mesh = Mesh::default();
+        mesh.positions = (0..(side + 1).pow(2)).map(place).collect();
+        let corners = (0..side).flat_map(|y| (0..side).map(move |x| y * (side + 1) + x));
+        mesh.triangles = corners
+            .flat_map(|a| [[a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]])
+            .collect();
+        mesh
+    }
+
+    #[test]
+    fn few_triangles_stand_for_many() {
+        let mesh = waves(400);
+        assert!(mesh.triangles.len() > MANY);
+        let left = clustered(&mesh);
+        assert!((MOST_SIMPLIFIED / 4..=MOST_SIMPLIFIED).contains(&left.len()));
+        let at = |vertex: u32| mesh.positions[vertex as usize];
+        let mut area = 0.0;
+        for (k, corners) in &left {
+            assert_eq!(corners.iter().collect::<HashSet<_>>().len(), 3);
+            // In the same cell.
+            for (&old, &new) in mesh.triangles[*k].iter().zip(corners) {
+                assert!(at(old).distance(at(new)) < 3f64.sqrt() / 96.0);
+            }
+            let [a, b, c] = corners.map(at);
+            area += 0.5 * (b - a).cross(c - a).z;
+        }
+        // What is lost is at the rim.
+        assert!((0.97..=1.0).contains(&area), "{area}");
+    }
+
+    #[test]
+    fn few_triangles_are_drawn_as_they_are() {
+        let mesh = waves(30);
+        let faces = vec![0; mesh.triangles.len()];
+        let drawn = Triangles::of(&mesh, DVec3::ZERO, &faces);
+        assert_eq!(drawn.corners.len(), 3 * mesh.triangles.len());
+        assert!(drawn.simplified.is_empty());
     }
 }

@@ -12,7 +12,7 @@ const WIDTH = 1024;
 /** Milliseconds that a frame may take while the camera moves. */
 const BUDGET = 33;
 /** So many segments of edges are drawn then, too, at most. */
-const LIGHT_SEGMENTS = 100_000;
+const SIMPLIFIED_SEGMENTS = 100_000;
 /** Half of the window around the pointer in which edges are looked for, in pixels. */
 const REACH = 6;
 
@@ -140,7 +140,7 @@ export class Drawing {
       this.pickScene.remove(mesh);
       mesh.geometry.dispose();
     }
-    this.lightFaces?.dispose();
+    this.simplifiedFaces?.dispose();
     this.model = model;
     this.cost = 0;
     this.isMeasured = false;
@@ -150,9 +150,9 @@ export class Drawing {
     faces.setAttribute("face", new BufferAttribute(model.faceOf, 1));
     faces.setIndex(new BufferAttribute(model.corners, 1));
     // The same points, and fewer triangles of them.
-    this.lightFaces = new BufferGeometry();
-    for (const [name, attribute] of Object.entries(faces.attributes)) this.lightFaces.setAttribute(name, attribute);
-    this.lightFaces.setIndex(new BufferAttribute(model.lightCorners, 1));
+    this.simplifiedFaces = new BufferGeometry();
+    for (const [name, attribute] of Object.entries(faces.attributes)) this.simplifiedFaces.setAttribute(name, attribute);
+    this.simplifiedFaces.setIndex(new BufferAttribute(model.simplifiedCorners, 1));
     const edges = new BufferGeometry();
     edges.setAttribute("position", new BufferAttribute(model.segments, 3));
     const ends = new Float32Array(2 * model.edgeOf.length);
@@ -254,16 +254,16 @@ export class Drawing {
   /** Whether a frame of all triangles takes too long while the camera moves, and there are fewer. */
   get isHeavy() {
     // (The cut draws them three times.)
-    return this.model?.lightCorners.length > 0 && (this.isCut ? 3 : 1) * this.cost > BUDGET;
+    return this.model?.simplifiedCorners.length > 0 && (this.isCut ? 3 : 1) * this.cost > BUDGET;
   }
 
   /** Draws a frame; `isMoving` if another follows soon. */
   draw(camera, isMoving = false) {
-    const isLight = isMoving && this.isHeavy;
+    const isSimplified = isMoving && this.isHeavy;
     for (const mesh of this.model ? [this.faceMesh, ...this.stencilMeshes] : []) {
-      mesh.geometry = isLight ? this.lightFaces : this.pickFaces.geometry;
+      mesh.geometry = isSimplified ? this.simplifiedFaces : this.pickFaces.geometry;
     }
-    if (this.model) this.edgeLines.visible = this.showsEdges && !(isLight && this.model.edgeOf.length > LIGHT_SEGMENTS);
+    if (this.model) this.edgeLines.visible = this.showsEdges && !(isSimplified && this.model.edgeOf.length > SIMPLIFIED_SEGMENTS);
     this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(look.lamp_up * camera.position.length()));
     this.renderer.localClippingEnabled = true;
     this.renderer.render(this.scene, camera);
@@ -272,7 +272,7 @@ export class Drawing {
   /** Measures once what a frame of all triangles costs, where there are fewer. Nothing waits for it. */
   async measure(camera) {
     const { model } = this;
-    if (this.isMeasured || !model?.lightCorners.length) return;
+    if (this.isMeasured || !model?.simplifiedCorners.length) return;
     this.isMeasured = true;
     const gl = this.renderer.getContext();
     const done = async () => {

@@ -10,14 +10,14 @@ export function unpack(bytes) {
     at += array.byteLength;
     return array;
   };
-  const { points, triangles, light, segments, vertices } = head.counts;
+  const { points, triangles, simplified, segments, vertices } = head.counts;
   return {
     ...head,
     points: take(Float32Array, 3 * points),
     faceOf: take(Float32Array, points),
     normals: take(Int8Array, 4 * points),
     corners: take(Uint32Array, 3 * triangles),
-    lightCorners: take(Uint32Array, 3 * light),
+    simplifiedCorners: take(Uint32Array, 3 * simplified),
     segments: take(Float32Array, 6 * segments),
     edgeOf: take(Float32Array, segments),
     vertices: take(Float32Array, 3 * vertices),

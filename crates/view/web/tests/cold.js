@@ -50,7 +50,7 @@ try {
     await page.waitForFunction(() => globalThis.seen?.fine, null, { timeout: 120_000 });
     const seen = await page.evaluate(() => globalThis.seen);
     for (const name of ["page", "picture", "interactive", "fine"]) times[name].push(seen[name] - start);
-    const heavy = await page.evaluate(() => stereotomy.state.model.lightCorners.length > 0);
+    const heavy = await page.evaluate(() => stereotomy.state.model.simplifiedCorners.length > 0);
     if (heavy) await page.waitForFunction(() => stereotomy.drawing.cost > 0);
     times.frame.push(await page.evaluate((count) => stereotomy.frames(count), heavy ? 3 : 20));
     times.moving.push(await page.evaluate(() => stereotomy.frames(20, true)));
