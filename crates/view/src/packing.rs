@@ -425,13 +425,14 @@ mod tests {
             let [x, y] = [k % (side + 1), k / (side + 1)].map(|i| f64::from(i) / f64::from(side));
             DVec3::new(x, y, 0.05 * x * y)
         };
-        let mut mesh = Mesh::default();
-        mesh.positions = (0..(side + 1).pow(2)).map(place).collect();
         let corners = (0..side).flat_map(|y| (0..side).map(move |x| y * (side + 1) + x));
-        mesh.triangles = corners
-            .flat_map(|a| [[a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]])
-            .collect();
-        mesh
+        let triangles =
+            corners.flat_map(|a| [[a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]]);
+        Mesh {
+            positions: (0..(side + 1).pow(2)).map(place).collect(),
+            triangles: triangles.collect(),
+            ..Mesh::default()
+        }
     }
 
     #[test]
