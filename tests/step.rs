@@ -240,7 +240,7 @@ fn plates_are_read_back() {
         let read = read_file(&path, &scene::ReadOptions::default()).expect("a scene");
         tally.check(&mut script, &name, &read.solid);
     }
-    assert_eq!(tally.finish(), 4);
+    assert_eq!(tally.finish(), 5);
 }
 
 #[test]

@@ -5,12 +5,16 @@
 //! coordinates are. Where faces touch along an edge or at a point, contours keep
 //! to their own sector of the face, and twins to their own wedge of the solid.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
+use super::curve::Curve;
+use super::pairs::named;
 use super::picture::Slits;
-use super::piece::{NOTHING, Piece, Side};
+use super::piece::{CurveId, NOTHING, Piece, Side};
 use super::scene::Scene;
 use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
@@ -33,6 +37,10 @@ pub(super) struct HalfEdge {
     pub next: u32,
     pub previous: u32,
     pub face: u32,
+    /// The curve that it is a piece of.
+    pub curve: CurveId,
+    /// Where on that it starts and ends, but for rounding; along lines it may go on.
+    pub places: [f64; 2],
 }
 
 /// Whether it is the look of one surface that changes between two faces.
@@ -46,13 +54,9 @@ pub(super) struct Boundary {
     pub points: Vec<DVec3>,
     pub half_edges: Vec<HalfEdge>,
     pub faces: Vec<Side>,
-    /// For every pair of half-edges as they were linked the piece that they are: the
-    /// first of the pair runs along it, the second back.
-    pub piece_of: Vec<u32>,
-    /// For half-edges within one patch of a surface, where its look changes or
-    /// other faces touch it, and on seams where its look changes, the surfaces on
-    /// whose curve they are.
-    curves: FxHashMap<u32, [u32; 2]>,
+    /// Curves that were asked for; none if one is not known any more, which would be a
+    /// mistake.
+    curves: Mutex<FxHashMap<CurveId, Option<Arc<Curve>>>>,
 }
 
 impl Boundary {
@@ -70,29 +74,27 @@ impl Boundary {
         all.points = points;
         let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
-        for ((index, piece), [from, to]) in (0u32..).zip(pieces).zip(ends) {
+        for (piece, [from, to]) in pieces.iter().zip(ends) {
             scene.go_on()?;
             if from == to {
                 continue;
             }
-            all.piece_of.push(index);
             let first = all.half_edges.len() as u32;
-            let [one, other] = piece.sides;
-            if one.shares_patch(&other) || is_border([&one, &other]) {
-                all.curves
-                    .extend([first, first + 1].map(|half| (half, piece.curve.surfaces)));
-            }
-            for (k, (side, start)) in piece.sides.iter().zip([from, to]).enumerate() {
+            let [start, end] = piece.places;
+            let ways = [(from, [start, end]), (to, [end, start])];
+            for (k, (side, (from, places))) in piece.sides.iter().zip(ways).enumerate() {
                 let face = *face_of.entry(*side).or_insert_with(|| {
                     all.faces.push(*side);
                     all.faces.len() as u32 - 1
                 });
                 all.half_edges.push(HalfEdge {
-                    from: start,
+                    from,
                     twin: first + 1 - k as u32,
                     next: NONE,
                     previous: NONE,
                     face,
+                    curve: piece.curve,
+                    places,
                 });
             }
         }
@@ -133,6 +135,16 @@ impl Boundary {
         [half_edge, self.at(half_edge).twin].map(|h| self.at(h).face)
     }
 
+    /// The curve that an edge is on.
+    pub fn curve(&self, scene: &Scene<'_>, half_edge: u32) -> Option<Arc<Curve>> {
+        let id = self.at(half_edge).curve;
+        let mut known = self.curves.lock().unwrap_or_else(PoisonError::into_inner);
+        let curve = known
+            .entry(id)
+            .or_insert_with(|| named(id, scene.surfaces, scene.frames, scene.near).map(Arc::new));
+        curve.clone()
+    }
+
     /// The surfaces on whose curve an edge is; none where a face goes on across it
     /// from what is left of one thinner than rounding.
     pub fn surfaces_of<'a>(
@@ -140,18 +152,17 @@ impl Boundary {
         scene: &'a Scene<'_>,
         half_edge: u32,
     ) -> Option<[&'a Surface; 2]> {
-        let twin = self.at(half_edge).twin;
+        let HalfEdge { twin, curve, .. } = *self.at(half_edge);
         let [first, second] = [half_edge, twin].map(|h| &self.faces[self.at(h).face as usize]);
         let surface = &scene.surfaces[first.plane as usize];
         if first.plane != second.plane {
             return Some([surface, &scene.surfaces[second.plane as usize]]);
         }
         if first.shares_patch(second) {
-            let [one, other] = self
-                .curves
-                .get(&half_edge)?
-                .map(|id| scene.surfaces.get(id as usize));
-            return Some([one?, other?]);
+            // Where its look changes, or other faces touch it.
+            let is_one_curve = curve == self.at(twin).curve;
+            let [one, other] = curve.surfaces.map(|id| scene.surfaces.get(id as usize));
+            return one.zip(other).filter(|_| is_one_curve).map(Into::into);
         }
         let frame = scene.frames[first.plane as usize].as_ref()?;
         let bit = (first.patch ^ second.patch).trailing_zeros() as usize;
@@ -161,23 +172,28 @@ impl Boundary {
     /// The edges where the look of a surface changes, by the numbers of their
     /// vertices in fans.
     pub fn borders(&self) -> Borders {
-        if self.curves.is_empty() {
+        let is_border = |&half_edge: &u32| {
+            let sides = self.faces_of(half_edge).map(|f| &self.faces[f as usize]);
+            is_border(sides) && self.at(half_edge).curve == self.at(self.at(half_edge).twin).curve
+        };
+        let halves = (0..self.half_edges.len() as u32).filter(|&h| !self.is_removed(h));
+        let halves: Vec<u32> = halves.filter(is_border).collect();
+        if halves.is_empty() {
             return Borders::default();
         }
         let (fan_of, _) = self.fans();
-        let border = |(&half_edge, curve): (&u32, &[u32; 2])| {
-            let HalfEdge { twin, face, .. } = *self.at(half_edge);
-            if twin == NONE {
-                return None;
-            }
-            let sides = [face, self.at(twin).face].map(|face| &self.faces[face as usize]);
-            let surface = sides[0].plane;
-            let other = curve.iter().find(|&&id| id != surface && id != NOTHING);
+        let border = |half_edge: u32| {
+            let HalfEdge {
+                twin, face, curve, ..
+            } = *self.at(half_edge);
+            let surface = self.faces[face as usize].plane;
+            let mut others = curve.surfaces.into_iter();
+            let other = others.find(|&id| id != surface && id != NOTHING)?;
             let mut ends = [half_edge, twin].map(|half| fan_of[half as usize]);
             ends.sort_unstable();
-            is_border(sides).then_some((ends, *other?))
+            Some((ends, other))
         };
-        self.curves.iter().filter_map(border).collect()
+        halves.into_iter().filter_map(border).collect()
     }
 
     /// Takes out vertices at which an edge goes straight on, faces of two
@@ -250,6 +266,8 @@ impl Boundary {
                 && self.goes_straight(scene, half_edge)
             {
                 // Two edges and two faces meet here, in one line.
+                self.lengthen(previous, half_edge);
+                self.lengthen(opposite, around);
                 self.join(previous, next);
                 let after = self.at(around).next;
                 self.join(opposite, after);
@@ -260,6 +278,15 @@ impl Boundary {
             }
         }
         Ok(())
+    }
+
+    /// Lets a half-edge end on its curve where the one behind it does.
+    fn lengthen(&mut self, half_edge: u32, next: u32) {
+        let HalfEdge { curve, places, .. } = *self.at(next);
+        let joined = &mut self.half_edges[half_edge as usize];
+        if joined.curve == curve {
+            joined.places[1] = places[1];
+        }
     }
 
     /// Whether a face of two corners is one between two curves, wider than rounding.
@@ -363,25 +390,22 @@ impl Boundary {
         (0..self.half_edges.len() as u32).filter(joins).collect()
     }
 
-    /// Puts a vertex on an edge.
-    pub fn split_at(&mut self, half_edge: u32, point: DVec3) {
+    /// Puts a vertex on an edge, at a place on the curve of each half.
+    pub fn split_at(&mut self, half_edge: u32, point: DVec3, places: [f64; 2]) {
         let twin = self.at(half_edge).twin;
         let middle = self.points.len() as u32;
         self.points.push(point);
         let first = self.half_edges.len() as u32;
-        for (k, half) in [half_edge, twin].into_iter().enumerate() {
-            let HalfEdge { face, next, .. } = *self.at(half);
+        for (k, (half, place)) in [half_edge, twin].into_iter().zip(places).enumerate() {
+            let whole = *self.at(half);
+            let HalfEdge { next, .. } = whole;
             let rest = first + k as u32;
             self.half_edges.push(HalfEdge {
                 from: middle,
-                twin: NONE,
-                next: NONE,
-                previous: NONE,
-                face,
+                places: [place, whole.places[1]],
+                ..whole
             });
-            if let Some(&curve) = self.curves.get(&half) {
-                self.curves.insert(rest, curve);
-            }
+            self.half_edges[half as usize].places[1] = place;
             self.join(rest, next);
             self.join(half, rest);
         }

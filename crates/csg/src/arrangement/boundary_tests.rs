@@ -1,15 +1,19 @@
 //! Contours linked of pieces made by hand: where curves touch, and of faces between
 //! two curves.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::boundary::Boundary;
 use super::frame::Frame;
+use super::pairs::named;
 use super::piece::{CurveId, Piece, Side};
 use super::scene::{Plane, Scene};
 use super::triple::contacts;
 use crate::control::Control;
 use crate::program::Surface;
+use crate::surface::solve;
 use crate::undecided::{Stop, Undecided, Why};
 
 const WELD: f64 = 1e-11;
@@ -49,6 +53,26 @@ fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
     }
 }
 
+/// Pieces with their places on the curves of their names.
+fn placed(scene: &Scene<'_>, pieces: &[Piece]) -> Vec<Piece> {
+    let place = |piece: &Piece| {
+        let curve = named(piece.curve, scene.surfaces, scene.frames, scene.near)?;
+        let from = curve.place(piece.from)?;
+        let to = curve.place(piece.to)?;
+        let turns = if curve.is_closed() {
+            ((from - to) / TAU).round()
+        } else {
+            0.0
+        };
+        Some([from, to + TAU * turns])
+    };
+    let placed = |piece: &Piece| Piece {
+        places: place(piece).expect("a known curve"),
+        ..*piece
+    };
+    pieces.iter().map(placed).collect()
+}
+
 fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
     let planes: Vec<Plane> = surfaces.iter().map(Plane::of).collect();
     let frames: Vec<Option<Frame>> = surfaces.iter().map(|s| Frame::of(s, 10.0)).collect();
@@ -72,7 +96,7 @@ fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
 /// close.
 fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<Vec<DVec3>>> {
     let boundary = with_scene(surfaces, |scene| {
-        let mut boundary = Boundary::link(scene, pieces, &mut [])?;
+        let mut boundary = Boundary::link(scene, &placed(scene, pieces), &mut [])?;
         boundary.split_double_edges(scene)?;
         Ok::<_, Stop>(boundary)
     })
@@ -186,6 +210,41 @@ fn a_face_of_two_corners_stays_if_it_is_wider_than_rounding() {
         assert!((across - width).abs() < WELD, "{width}: {across}");
     }
     assert!(lens(0.5 * NEAR).is_empty());
+}
+
+/// Vertices beside the chords of something thin are looked for on the edge's own stretch of
+/// its curve, however near the other side is.
+#[test]
+fn points_of_edges_are_on_their_own_stretch() {
+    let thin = Surface::of_terms(
+        DVec3::ZERO,
+        [1.0, 1e8, 0.0, 0.0, 0.0, 0.0],
+        DVec3::ZERO,
+        -1.0,
+    );
+    let surfaces = [plane(0.0), thin];
+    let at = |angle: f64| DVec3::new(angle.cos(), 1e-4 * angle.sin(), 0.0);
+    let angles = [0.2, 3.0, 3.5, 6.0];
+    let ends = (0..4).map(|k| [angles[k], angles[(k + 1) % 4]].map(at));
+    let sides = [side(0, true), side(1, true)];
+    let pieces: Vec<Piece> = ends.map(|ends| piece(ends, sides)).collect();
+    with_scene(&surfaces, |scene| {
+        let boundary = Boundary::link(scene, &placed(scene, &pieces), &mut []);
+        let boundary = boundary.expect("closed contours");
+        for (half, side) in [(0, 1.0), (1, 1.0), (4, -1.0), (5, -1.0)] {
+            for x in [-0.8, -0.3, 0.4, 0.9] {
+                for beside in [-1e-4, 0.0, 1e-4] {
+                    let near = DVec3::new(x, beside, 0.0);
+                    let found = boundary.on_curve(scene, half, near).expect("a point");
+                    let right = DVec3::new(x, side * 1e-4 * (1.0 - x * x).sqrt(), 0.0);
+                    // (In a plane across the chord, which is not quite along x.)
+                    let off = found.distance(right);
+                    assert!(off < 1e-8, "{half}: {found}, not {right}");
+                    assert!(solve::residual(surfaces.iter(), found) < WELD);
+                }
+            }
+        }
+    });
 }
 
 /// A cylinder along the z axis touches the plane y = 0, and so does the rim of one

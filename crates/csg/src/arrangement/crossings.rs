@@ -6,10 +6,10 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::boundary::Boundary;
+use super::curve::Curve;
+use super::roots::bracketed;
 use super::scene::Scene;
 use super::triangulate::orient;
-use crate::numeric::tolerance::TOUCHING;
-use crate::program::Surface;
 use crate::surface::solve;
 
 /// A point of an edge's curve at which a vertex may part it from another one. One
@@ -62,7 +62,9 @@ impl Boundary {
             };
             for &other in alike {
                 if other == half_edge || self.runs_through(scene, other, at) {
-                    self.split_at(other, at);
+                    let twin = self.at(other).twin;
+                    let places = [other, twin].map(|half| self.place_of(scene, half, at));
+                    self.split_at(other, at, places);
                     split.push(other);
                 }
             }
@@ -108,32 +110,57 @@ impl Boundary {
         is_between.then_some(found)
     }
 
-    /// The point of an edge's curve, which may go on beyond its ends, next to another
-    /// point; none if there is none, or the ends are one but for rounding.
+    /// The point of an edge's curve beside another point, or else the end that is nearer
+    /// to that; none if the ends are one but for rounding.
     pub fn on_curve(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
         let [a, b] = self.chord(half_edge);
-        let half = 0.5 * a.distance(b);
+        let straight = || Some(a + (point - a).project_onto(b - a));
         let surfaces = self.surfaces_of(scene, half_edge);
-        match surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) {
-            None => Some(a + (point - a).project_onto(b - a)),
-            Some(surfaces) => {
-                let on = |start: DVec3| {
-                    let blur = 4.0 * scene.rounding;
-                    let found = solve::sharp_common_point(&surfaces, start, half, blur);
-                    let is_found = found.residual <= scene.weld && half > 10.0 * scene.weld;
-                    is_found.then_some(found.point)
-                };
-                let found = on(point)?;
-                if runs_along(surfaces, found, [a, b]) {
-                    return Some(found);
-                }
-                // The curve on the other side of something thin, or of what the curve
-                // goes around.
-                let across = opposite(surfaces, found, half);
-                let mut across = across.filter_map(on);
-                across.find(|&other| runs_along(surfaces, other, [a, b]))
-            }
+        let Some(surfaces) = surfaces.filter(|s| s.iter().any(|s| !s.is_plane())) else {
+            return straight();
+        };
+        if a.distance(b) <= 20.0 * scene.weld {
+            return None;
         }
+        let curve = self.curve(scene, half_edge)?;
+        if matches!(*curve, Curve::Line { .. }) {
+            return straight();
+        }
+        let start = curve.at(self.place_beside(&curve, half_edge, point));
+        let reach = scene.touching_reach();
+        let found = solve::sharp_common_point(&surfaces, start, reach, scene.blur());
+        if found.residual <= scene.weld && found.point.distance(start) <= reach {
+            return Some(found.point);
+        }
+        let is_on = solve::residual(surfaces.into_iter(), start) <= scene.weld;
+        is_on.then_some(start)
+    }
+
+    /// Where on its curve an edge is beside a point.
+    fn place_of(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> f64 {
+        let curve = self.curve(scene, half_edge);
+        let place = curve.map(|curve| self.place_beside(&curve, half_edge, point));
+        place.unwrap_or(self.at(half_edge).places[0])
+    }
+
+    /// Where an edge is in the plane through a point across its chord, or else the end
+    /// that is nearer to that.
+    fn place_beside(&self, curve: &Curve, half_edge: u32, point: DVec3) -> f64 {
+        let [a, b] = self.chord(half_edge);
+        let mut ends = self.at(half_edge).places;
+        let beyond = |place: f64| (curve.at(place) - point).dot(b - a);
+        let mut values = ends.map(beyond);
+        if values[0] >= 0.0 {
+            return ends[0];
+        }
+        if values[1] <= 0.0 {
+            return ends[1];
+        }
+        if ends[0] > ends[1] {
+            ends.reverse();
+            values.reverse();
+        }
+        bracketed(beyond, ends, values)
     }
 
     /// Adds splits that part edges of the same face which run across each other as
@@ -264,31 +291,6 @@ impl Boundary {
             None => self.halve(scene, if one >= other { first } else { second }),
         }
     }
-}
-
-/// Whether the curve in which two surfaces meet runs at a point the way it does at the
-/// ends of a chord of it. So it does all along a branch; where the surfaces touch, or
-/// nearly, nothing is known.
-fn runs_along(surfaces: [&Surface; 2], at: DVec3, [a, b]: [DVec3; 2]) -> bool {
-    let direction = (b - a).normalize_or_zero();
-    let way = |at: DVec3| {
-        let [g, h] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
-        let along = g.cross(h).dot(direction);
-        f64::from(i8::from(along > TOUCHING) - i8::from(along < -TOUCHING))
-    };
-    let (before, here, after) = (way(a), way(at), way(b));
-    before != after || before * here >= 0.0
-}
-
-/// For each of two surfaces, next to a point of both, the point on its other side, across
-/// what is thin there, on a line along the other surface; none farther than `reach`.
-fn opposite(surfaces: [&Surface; 2], at: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
-    let gradients = surfaces.map(|s| s.gradient(at));
-    [0, 1].into_iter().filter_map(move |k| {
-        let along = gradients[k].reject_from(gradients[1 - k]);
-        let step = -2.0 * gradients[k].dot(along) / surfaces[k].curvature_along(along) * along;
-        (step.length_squared() <= reach * reach).then_some(at + step)
-    })
 }
 
 /// The pairs of intervals that overlap and are wanted, by their numbers, in order.

@@ -11,6 +11,7 @@ use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
 use crate::program::{Kind, StandardForm, Surface};
+use crate::surface::Round;
 
 /// How a quadric is cut into patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub(crate) struct Frame {
     /// The sign of the gradient along the direction of view, below the divider
     /// and above.
     facing: [f64; 2],
+    /// How an elongated quadric is made round.
+    pub round: Option<Round>,
 }
 
 impl Frame {
@@ -129,6 +132,7 @@ impl Frame {
             seams: across[..seams].iter().map(|&n| plane(n)).collect(),
             divider: is_divided.then(|| plane(DVec3::Z)),
             facing,
+            round: Round::of(surface),
         })
     }
 

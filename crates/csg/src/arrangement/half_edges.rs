@@ -8,8 +8,8 @@ use rustc_hash::FxHashMap;
 use super::boundary::{Boundary, NONE};
 use super::curve::Curve;
 use super::frame::Frame;
-use super::pairs::curves;
-use super::piece::{CurveId, Piece, Side};
+use super::pairs::named;
+use super::piece::{CurveId, Side};
 use super::scene::Scene;
 use crate::program::Surface;
 
@@ -47,7 +47,7 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
-    pub(super) fn new(scene: &Scene<'_>, boundary: &Boundary, pieces: &[Piece]) -> Self {
+    pub(super) fn new(scene: &Scene<'_>, boundary: &Boundary) -> Self {
         let mut number = vec![NONE; boundary.half_edges.len()];
         let kept: Vec<u32> = (0..boundary.half_edges.len() as u32)
             .filter(|&half| !boundary.is_removed(half))
@@ -58,16 +58,14 @@ impl Arrangement {
         let (fan_of, point_of) = boundary.fans();
         let half_edge = |&old: &u32| {
             let half = boundary.at(old);
-            let piece = &pieces[boundary.piece_of[old as usize / 2] as usize];
-            let [from, to] = piece.places;
             HalfEdge {
                 from: fan_of[old as usize],
                 twin: number[half.twin as usize],
                 next: number[half.next as usize],
                 face: half.face,
-                curve: piece.curve,
+                curve: half.curve,
                 is_line: false,
-                places: if old % 2 == 0 { [from, to] } else { [to, from] },
+                places: half.places,
             }
         };
         let mut all = Self {
@@ -115,15 +113,7 @@ impl Arrangement {
     /// A curve that a half-edge lies on; none if it is not known any more, which would be
     /// a mistake.
     pub fn curve(&self, surfaces: &[Surface], id: CurveId) -> Option<Curve> {
-        let [first, second] = id.surfaces.map(|id| id as usize);
-        let other = if id.is_seam() {
-            self.frames[first].as_ref()?.seams.get(id.seam as usize)?
-        } else {
-            &surfaces[second]
-        };
-        let mut branches = curves(&surfaces[first], other, self.near).ok()?;
-        let branch = id.branch as usize;
-        (branch < branches.len()).then(|| branches.swap_remove(branch).curve)
+        named(id, surfaces, &self.frames, self.near)
     }
 }
 

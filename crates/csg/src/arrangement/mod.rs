@@ -92,7 +92,6 @@ use self::boundary::Boundary;
 use self::cells::{Block, cut};
 use self::contacts::Contact;
 use self::lines::Tracer;
-use self::piece::Piece;
 use self::scene::{Plane, Scene};
 use self::traced::Traced;
 use crate::error::Error;
@@ -207,12 +206,10 @@ pub(crate) fn arrangement(
 ) -> Result<Result<Arrangement, Undecided>, Error> {
     in_blocks(task, report, |scene, blocks, report| {
         let is_polyhedral = is_polyhedral(task.program);
-        let Linked {
-            boundary, pieces, ..
-        } = with_chords(scene, is_polyhedral, &LONG_CHORDS, |turn| {
+        let Linked { boundary, .. } = with_chords(scene, is_polyhedral, &LONG_CHORDS, |turn| {
             linked(scene, blocks, turn, report)
         })?;
-        Ok(Arrangement::new(scene, &boundary, &pieces))
+        Ok(Arrangement::new(scene, &boundary))
     })
 }
 
@@ -288,10 +285,9 @@ fn with_chords<T>(
     Err(undecided)
 }
 
-/// The contours of all faces, and what they were linked from.
+/// The contours of all faces, and where other faces touch them.
 struct Linked {
     boundary: Boundary,
-    pieces: Vec<Piece>,
     contacts: Vec<Contact>,
 }
 
@@ -324,11 +320,7 @@ fn linked(
     scene.go_on()?;
     scene.control.tell(0.9);
     report.end_stage("contours", start);
-    Ok(Linked {
-        boundary,
-        pieces,
-        contacts,
-    })
+    Ok(Linked { boundary, contacts })
 }
 
 /// For each primitive the first that looks like it.

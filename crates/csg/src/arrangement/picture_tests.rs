@@ -149,7 +149,7 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         strips += 1;
         let is_out = |corners: &[u32; 3], positions: &[DVec3]| {
             let corners = corners.map(|c| positions[c as usize]);
-            faces_out(&stage.surfaces[0], true, corners)
+            faces_out(&stage.surfaces[0], None, true, corners)
         };
         folded += usize::from(!triangles.iter().all(|t| is_out(t, &positions)));
         let total = |triangles: &[[u32; 3]], positions: &[DVec3]| -> f64 {
@@ -222,7 +222,7 @@ fn chords_that_turn_a_narrow_face_over_are_told() {
         let coarse = unfolded(&scene, &side, &mut triangles, &mut positions);
         let is_out = |corners: &[u32; 3]| {
             let corners = corners.map(|c| positions[c as usize]);
-            faces_out(&stage.surfaces[0], true, corners)
+            faces_out(&stage.surfaces[0], None, true, corners)
         };
         assert_eq!(triangles.iter().all(is_out), coarse.is_empty());
         if coarse.is_empty() {

@@ -14,16 +14,22 @@ use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
 use crate::program::Surface;
+use crate::surface::{Round, facing_cosine, facing_range};
 
-/// Whether a triangle's normal and the surface's agree in its middle.
-pub(super) fn faces_out(surface: &Surface, along_normal: bool, [a, b, c]: [DVec3; 3]) -> bool {
-    /// Of the angle between them, squared: 60°.
-    const LEAST_COSINE_SQUARED: f64 = 0.25;
-    let normal = (b - a).cross(c - a);
-    let gradient = surface.gradient((a + b + c) / 3.0);
-    let along = normal.dot(gradient);
-    let squares = normal.length_squared() * gradient.length_squared();
-    (along > 0.0) == along_normal && along * along >= LEAST_COSINE_SQUARED * squares
+/// Whether a triangle faces out clearly in its middle, and nowhere against its surface:
+/// asked as tessellation does, of an elongated quadric where it is round.
+pub(super) fn faces_out(
+    surface: &Surface,
+    round: Option<&Round>,
+    along_normal: bool,
+    corners: [DVec3; 3],
+) -> bool {
+    /// Of the angle between the normals: 60°.
+    const LEAST_COSINE: f64 = 0.5;
+    let outward = if along_normal { 1.0 } else { -1.0 };
+    let range = facing_range(surface, round, corners);
+    outward * facing_cosine(surface, round, corners) >= LEAST_COSINE
+        && range.iter().all(|along| outward * along >= 0.0)
 }
 
 /// Cuts a curved face up anew if one of its triangles does not face outwards
@@ -43,9 +49,10 @@ pub(super) fn unfold(
         return;
     };
     let surface = &scene.surfaces[side.plane as usize];
+    let round = frame.round.as_ref();
     let is_good = |corners: &[u32; 3], positions: &[DVec3]| {
         let corners = corners.map(|c| positions[c as usize]);
-        faces_out(surface, side.along_normal, corners)
+        faces_out(surface, round, side.along_normal, corners)
     };
     if triangles.iter().all(|corners| is_good(corners, positions)) {
         return;
@@ -62,7 +69,9 @@ pub(super) fn unfold(
             }
             let length = |half: &u32| {
                 let [from, to] = picture.ends(*half);
-                positions[from as usize].distance_squared(positions[to as usize])
+                let along = positions[to as usize] - positions[from as usize];
+                let along = round.map_or(along, |round| round.direction(along));
+                along.length_squared()
             };
             let halves = 3 * triangle..3 * triangle + 3;
             let longest = halves.max_by(|a, b| length(a).total_cmp(&length(b)));

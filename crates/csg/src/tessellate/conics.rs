@@ -15,7 +15,6 @@ use glam::DVec3;
 use super::course::Course;
 use super::curves::on_curve;
 use super::goal::Goal;
-use super::round::{LEAST_ASPECT, Round};
 use crate::arrangement::{Curve, conics};
 use crate::numeric::eigen_symmetric;
 use crate::numeric::tolerance::{
@@ -23,6 +22,7 @@ use crate::numeric::tolerance::{
 };
 use crate::program::Surface;
 use crate::surface::solve;
+use crate::surface::{LEAST_ASPECT, Round};
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
 pub(super) struct Conic {

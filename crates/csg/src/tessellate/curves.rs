@@ -9,9 +9,9 @@ use glam::DVec3;
 
 use super::course::Course;
 use super::goal::Goal;
-use super::round::Round;
 use crate::numeric::tolerance::CROSSING;
 use crate::program::Surface;
+use crate::surface::Round;
 use crate::surface::solve;
 
 /// Steps in which a curve is measured between two vertices.

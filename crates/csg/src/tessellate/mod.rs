@@ -43,7 +43,6 @@ mod piece;
 mod project;
 mod region;
 mod regions;
-mod round;
 mod separate;
 mod shape;
 mod side;

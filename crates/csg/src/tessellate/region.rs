@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::deviation::{self, Shrinkage};
 use super::project::project;
-use super::round::Round;
 use crate::program::{Kind, Surface};
+use crate::surface::Round;
 
 /// How a surface bends, which says what triangles suit it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

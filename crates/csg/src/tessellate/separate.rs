@@ -16,12 +16,12 @@ use super::grow::Grower;
 use super::half_edges::{HalfEdges, first_of, halves_of};
 use super::hand_back::hand_back;
 use super::outcome::{Outcome, Unkept};
-use super::round::Round;
 use super::shape::facing;
 use super::side::{Side, halved, together};
 use super::surfaced::Surfaced;
 use crate::mesh::{Intersections, Mesh};
 use crate::program::Surface;
+use crate::surface::Round;
 
 /// How triangles that run through each other are parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

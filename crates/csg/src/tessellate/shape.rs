@@ -3,21 +3,9 @@
 use glam::DVec3;
 
 use super::region::{Bend, Region, Way};
-use super::round::Round;
 use crate::numeric::tolerance::FLAT;
 use crate::program::Surface;
-
-/// Corners as they are looked at: of an elongated ellipsoid where it is a ball.
-#[inline(always)]
-fn placed(round: Option<&Round>, corners: [DVec3; 3]) -> [DVec3; 3] {
-    round.map_or(corners, |round| corners.map(|at| round.place(at)))
-}
-
-/// The direction of the gradient at a place of the kind that [`placed`] returns.
-#[inline(always)]
-fn gradient(surface: &Surface, round: Option<&Round>, at: DVec3) -> DVec3 {
-    round.map_or_else(|| surface.gradient(at), |round| round.gradient(at))
-}
+use crate::surface::{Round, facing_cosine, facing_range, gradient, placed};
 
 /// Of the angle between normals, in the middle: far from folded.
 pub(super) const LEAST_COSINE: f64 = 0.2;
@@ -74,16 +62,7 @@ pub(super) fn faces_out_in_the_middle(
 
 /// How well a triangle faces out at its middle: the cosine of the angle between normals.
 pub(super) fn outward_cosine(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
-    let round = region.round.as_ref();
-    let [p, q, r] = placed(round, corners);
-    let gradient = gradient(surface, round, (p + q + r) / 3.0);
-    let normal = (q - p).cross(r - p);
-    let lengths = normal.length_squared() * gradient.length_squared();
-    if lengths > 0.0 {
-        region.outward * normal.dot(gradient) / lengths.sqrt()
-    } else {
-        0.0
-    }
+    region.outward * facing_cosine(surface, region.round.as_ref(), corners)
 }
 
 /// The same, and nowhere against it: no edge runs around more than half of a tube, on the
@@ -99,17 +78,15 @@ pub(super) fn faces_out_everywhere(
 }
 
 /// The least and the most, of all points of a triangle, of how much it faces outward, in
-/// units of no meaning: at the corners, as a quadric's gradient is linear in the point.
+/// units of no meaning.
 #[inline(always)]
 pub(super) fn outward_range(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> [f64; 2] {
-    let round = region.round.as_ref();
-    let corners @ [p, q, r] = placed(round, corners);
-    let normal = region.outward * (q - p).cross(r - p);
-    let along = corners.map(|at| normal.dot(gradient(surface, round, at)));
-    [
-        along[0].min(along[1]).min(along[2]),
-        along[0].max(along[1]).max(along[2]),
-    ]
+    let [least, most] = facing_range(surface, region.round.as_ref(), corners);
+    if region.outward > 0.0 {
+        [least, most]
+    } else {
+        [-most, -least]
+    }
 }
 
 /// Whether a triangle that has an area faces into the solid.

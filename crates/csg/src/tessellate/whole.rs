@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::deviation::Shrinkage;
 use super::region::{Bend, Region, Way};
-use super::round::Round;
 use super::surfaced::Surfaced;
 use crate::numeric::tolerance::ROUND;
 use crate::program::{Kind, Surface};
+use crate::surface::Round;
 use crate::surface::Side;
 
 /// A part of a mesh that is all of an ellipsoid.

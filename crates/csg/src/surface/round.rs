@@ -11,11 +11,11 @@
 use glam::{DMat3, DVec3};
 use smallvec::SmallVec;
 
-use crate::program::{Kind, StandardForm, Surface};
+use super::{Kind, StandardForm, Surface};
 
 /// The longest half axis by the shortest, from which on it counts as long: tunes only the
 /// number of triangles.
-pub(super) const LEAST_ASPECT: f64 = 6.0;
+pub(crate) const LEAST_ASPECT: f64 = 6.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shape {
@@ -29,7 +29,7 @@ enum Shape {
 
 /// An elongated quadric and the map that makes it round.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Round {
+pub(crate) struct Round {
     shape: Shape,
     /// The centre, a point of the axis, or the apex.
     center: DVec3,
@@ -209,6 +209,50 @@ impl Round {
         let turn = self.turn(ends) / (2.0 * STEP);
         turn * (self.spoke(at).length() / (8.0 * tolerance)).sqrt()
     }
+}
+
+/// Corners as they are looked at: with the round surface if there is one.
+#[inline(always)]
+pub(crate) fn placed(round: Option<&Round>, corners: [DVec3; 3]) -> [DVec3; 3] {
+    round.map_or(corners, |round| corners.map(|at| round.place(at)))
+}
+
+/// The direction of the gradient at a place of the kind that [`placed`] returns.
+#[inline(always)]
+pub(crate) fn gradient(surface: &Surface, round: Option<&Round>, at: DVec3) -> DVec3 {
+    round.map_or_else(|| surface.gradient(at), |round| round.gradient(at))
+}
+
+/// How well a triangle faces along the gradient at its middle: the cosine of the angle
+/// between both; 0 if it has no area.
+pub(crate) fn facing_cosine(surface: &Surface, round: Option<&Round>, corners: [DVec3; 3]) -> f64 {
+    let [p, q, r] = placed(round, corners);
+    let gradient = gradient(surface, round, (p + q + r) / 3.0);
+    let normal = (q - p).cross(r - p);
+    let lengths = normal.length_squared() * gradient.length_squared();
+    if lengths > 0.0 {
+        normal.dot(gradient) / lengths.sqrt()
+    } else {
+        0.0
+    }
+}
+
+/// The least and the most, of all points of a triangle, of how much it faces along the
+/// gradient, in units of no meaning: at the corners, as a quadric's gradient is linear in
+/// the point.
+#[inline(always)]
+pub(crate) fn facing_range(
+    surface: &Surface,
+    round: Option<&Round>,
+    corners: [DVec3; 3],
+) -> [f64; 2] {
+    let corners @ [p, q, r] = placed(round, corners);
+    let normal = (q - p).cross(r - p);
+    let along = corners.map(|at| normal.dot(gradient(surface, round, at)));
+    [
+        along[0].min(along[1]).min(along[2]),
+        along[0].max(along[1]).max(along[2]),
+    ]
 }
 
 /// The distance of the origin from a point, a segment or a triangle.
