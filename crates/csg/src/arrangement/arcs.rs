@@ -19,13 +19,12 @@ use super::faces::Faces;
 use super::frame::Frame;
 use super::intersection::Unknown;
 use super::lines::Tracer;
-use super::pairs::curves;
 use super::piece::{CurveId, NOTHING};
 use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
-use super::triple::{clusters, contacts};
+use super::triple::clusters;
 use crate::numeric::tolerance::SAME_DIRECTION;
 use crate::program::Surface;
 use crate::undecided::{Stop, Why};
@@ -138,22 +137,25 @@ impl ArcTracer {
                     }
                     continue;
                 }
-                let common = match curves(one, other, scene.near) {
+                let surfaces = pair.map(|id| id.map_or(NOTHING, |&id| id));
+                let common = match scene.common(surfaces, seam) {
                     Ok(common) => common,
-                    // In a single point there is no edge.
-                    Err(Unknown::Touch(contacts)) => {
-                        let inside = contacts.into_iter().filter(|&at| block.contains(at));
-                        traced.contacts.extend(inside.map(|at| Contact {
-                            at,
-                            surfaces: pair.into_iter().flatten().copied().collect(),
-                        }));
-                        continue;
-                    }
-                    Err(Unknown::NoForm) => {
-                        return Err(Stop::undecided(Why::Curve, block.center()));
-                    }
+                    Err(unknown) => match &*unknown {
+                        // In a single point there is no edge.
+                        Unknown::Touch(contacts) => {
+                            let inside = contacts.iter().filter(|&&at| block.contains(at));
+                            traced.contacts.extend(inside.map(|&at| Contact {
+                                at,
+                                surfaces: pair.into_iter().flatten().copied().collect(),
+                            }));
+                            continue;
+                        }
+                        Unknown::NoForm => {
+                            return Err(Stop::undecided(Why::Curve, block.center()));
+                        }
+                    },
                 };
-                for (branch, Branch { curve, nodes }) in (0u16..).zip(&common) {
+                for (branch, Branch { curve, nodes }) in (0u16..).zip(&*common) {
                     let arc = Arc {
                         scene,
                         block: face,
@@ -161,7 +163,7 @@ impl ArcTracer {
                         pair: [own, second],
                         surfaces: [one, other],
                         id: CurveId {
-                            surfaces: pair.map(|id| id.map_or(NOTHING, |&id| id)),
+                            surfaces,
                             seam,
                             branch,
                         },
@@ -384,7 +386,8 @@ impl ArcTracer {
                 let ids = [ids[arc.pair[0] as usize], second, id];
                 let surfaces = [arc.surfaces[0], arc.surfaces[1], triple.third];
                 let here = triple.around(cluster, at);
-                let mut contacts = contacts(scene, ids).into_iter();
+                let contacts = scene.contacts(ids);
+                let mut contacts = contacts.iter().copied();
                 contacts.find(|contact| contact.is_same(scene, &surfaces, &here))
             });
             if contact.is_none() && !cluster.is_contact {

@@ -5,14 +5,10 @@
 //! coordinates are. Where faces touch along an edge or at a point, contours keep
 //! to their own sector of the face, and twins to their own wedge of the solid.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
-use super::curve::Curve;
-use super::pairs::named;
 use super::picture::Slits;
 use super::piece::{CurveId, NOTHING, Piece, Side};
 use super::scene::Scene;
@@ -54,9 +50,6 @@ pub(super) struct Boundary {
     pub points: Vec<DVec3>,
     pub half_edges: Vec<HalfEdge>,
     pub faces: Vec<Side>,
-    /// Curves that were asked for; none if one is not known any more, which would be a
-    /// mistake.
-    curves: Mutex<FxHashMap<CurveId, Option<Arc<Curve>>>>,
 }
 
 impl Boundary {
@@ -133,16 +126,6 @@ impl Boundary {
     /// The faces on both sides of an edge.
     pub fn faces_of(&self, half_edge: u32) -> [u32; 2] {
         [half_edge, self.at(half_edge).twin].map(|h| self.at(h).face)
-    }
-
-    /// The curve that an edge is on.
-    pub fn curve(&self, scene: &Scene<'_>, half_edge: u32) -> Option<Arc<Curve>> {
-        let id = self.at(half_edge).curve;
-        let mut known = self.curves.lock().unwrap_or_else(PoisonError::into_inner);
-        let curve = known
-            .entry(id)
-            .or_insert_with(|| named(id, scene.surfaces, scene.frames, scene.near).map(Arc::new));
-        curve.clone()
     }
 
     /// The surfaces on whose curve an edge is; none where a face goes on across it

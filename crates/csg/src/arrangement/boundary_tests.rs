@@ -7,10 +7,9 @@ use glam::DVec3;
 
 use super::boundary::Boundary;
 use super::frame::Frame;
-use super::pairs::named;
 use super::piece::{CurveId, Piece, Side};
+use super::relations::Relations;
 use super::scene::{Plane, Scene};
-use super::triple::contacts;
 use crate::control::Control;
 use crate::program::Surface;
 use crate::surface::solve;
@@ -56,7 +55,7 @@ fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
 /// Pieces with their places on the curves of their names.
 fn placed(scene: &Scene<'_>, pieces: &[Piece]) -> Vec<Piece> {
     let place = |piece: &Piece| {
-        let curve = named(piece.curve, scene.surfaces, scene.frames, scene.near)?;
+        let curve = scene.curve(piece.curve)?;
         let from = curve.place(piece.from)?;
         let to = curve.place(piece.to)?;
         let turns = if curve.is_closed() {
@@ -87,6 +86,7 @@ fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         weld: WELD,
         rounding: 1e-15,
         given: None,
+        relations: &Relations::default(),
         control: &Control::default(),
     };
     run(&scene)
@@ -266,7 +266,7 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
         plane(0.0),
     ];
     with_scene(&surfaces, |scene| {
-        let found = contacts(scene, [0, 1, 2]);
+        let found = scene.contacts([0, 1, 2]);
         assert_eq!(found.len(), 1, "{found:?}");
         // Rounding blurs a place to the fourth order to a quarter of its digits.
         let at = found[0].center;
@@ -276,12 +276,12 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
             assert!(off <= scene.rounding, "{off}");
         }
         for ids in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
-            let same = contacts(scene, ids);
+            let same = scene.contacts(ids);
             assert_eq!(same.len(), 1);
             assert_eq!(same[0].center, at);
         }
         // They cross.
-        assert!(contacts(scene, [0, 2, 3]).is_empty());
+        assert!(scene.contacts([0, 2, 3]).is_empty());
     });
 }
 

@@ -122,8 +122,8 @@ impl Boundary {
         if a.distance(b) <= 20.0 * scene.weld {
             return None;
         }
-        let curve = self.curve(scene, half_edge)?;
-        if matches!(*curve, Curve::Line { .. }) {
+        let curve = scene.curve(self.at(half_edge).curve)?;
+        if matches!(curve, Curve::Line { .. }) {
             return straight();
         }
         let start = curve.at(self.place_beside(&curve, half_edge, point));
@@ -138,7 +138,7 @@ impl Boundary {
 
     /// Where on its curve an edge is beside a point.
     fn place_of(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> f64 {
-        let curve = self.curve(scene, half_edge);
+        let curve = scene.curve(self.at(half_edge).curve);
         let place = curve.map(|curve| self.place_beside(&curve, half_edge, point));
         place.unwrap_or(self.at(half_edge).places[0])
     }

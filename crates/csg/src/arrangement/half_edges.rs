@@ -1,5 +1,6 @@
 //! What is handed on of a boundary: half-edges along exact curves.
 
+use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -8,10 +9,8 @@ use rustc_hash::FxHashMap;
 use super::boundary::{Boundary, NONE};
 use super::curve::Curve;
 use super::frame::Frame;
-use super::pairs::named;
 use super::piece::{CurveId, Side};
 use super::scene::Scene;
-use crate::program::Surface;
 
 /// A piece of an edge with a face on its left as seen from outside.
 #[derive(Clone, Copy, Debug)]
@@ -38,10 +37,10 @@ pub(crate) struct Arrangement {
     pub points: Vec<DVec3>,
     pub faces: Vec<Side>,
     pub half_edges: Vec<HalfEdge>,
+    /// The curves of half-edges; one that is missing would be a mistake.
+    pub curves: FxHashMap<CurveId, Curve>,
     /// For each curved surface its frame.
     pub frames: Vec<Option<Frame>>,
-    /// Surfaces nearer to each other touch.
-    near: f64,
     /// Distances that rounding may make.
     pub rounding: f64,
 }
@@ -75,26 +74,29 @@ impl Arrangement {
                 .collect(),
             faces: boundary.faces.clone(),
             half_edges: kept.iter().map(half_edge).collect(),
+            curves: FxHashMap::default(),
             frames: scene.frames.to_vec(),
-            near: scene.near,
             rounding: scene.rounding,
         };
-        all.fit_places(scene.surfaces);
+        for half_edge in &all.half_edges {
+            if let Entry::Vacant(entry) = all.curves.entry(half_edge.curve) {
+                scene
+                    .curve(half_edge.curve)
+                    .map(|curve| entry.insert(curve));
+            }
+        }
+        all.fit_places();
         all
     }
 
     /// Makes half-edges reach from vertex to vertex: along lines they may have been joined,
     /// and where surfaces touch a place is known to fewer digits than the point.
-    fn fit_places(&mut self, surfaces: &[Surface]) {
-        let mut curves: FxHashMap<CurveId, Option<Curve>> = FxHashMap::default();
+    fn fit_places(&mut self) {
         for half in 0..self.half_edges.len() {
             let HalfEdge {
                 from, twin, curve, ..
             } = self.half_edges[half];
-            let known = curves
-                .entry(curve)
-                .or_insert_with(|| self.curve(surfaces, curve));
-            let Some(curve) = known else {
+            let Some(curve) = self.curves.get(&curve) else {
                 continue;
             };
             let ends = [from, self.half_edges[twin as usize].from];
@@ -108,12 +110,6 @@ impl Arrangement {
                 };
             }
         }
-    }
-
-    /// A curve that a half-edge lies on; none if it is not known any more, which would be
-    /// a mistake.
-    pub fn curve(&self, surfaces: &[Surface], id: CurveId) -> Option<Curve> {
-        named(id, surfaces, &self.frames, self.near)
     }
 }
 

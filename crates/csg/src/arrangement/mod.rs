@@ -11,8 +11,9 @@
 //!    are solid, and hence which faces meet there ([`sectors`], [`lines`]). All
 //!    planes through one line are taken together.
 //! 3. If there are curved surfaces, the same is done with the curves in which
-//!    any two meet ([`pairs`], [`conic`], [`pencil`], [`curve`], [`rulings`]) and the
-//!    points where others cross them ([`roots`], [`trig`]), as chains of chords
+//!    any two meet ([`pairs`], [`conic`], [`pencil`], [`curve`], [`rulings`]; each pair's
+//!    are found once, [`relations`]) and the points where others cross them ([`roots`],
+//!    [`trig`]) or touch them ([`triple`]), as chains of chords
 //!    ([`arcs`], [`arc`]): on each surface with those alone that matter there
 //!    ([`mod@faces`]). Their faces are cut into patches along seams, so that each can be
 //!    seen from one side ([`frame`]).
@@ -58,6 +59,7 @@ mod picture;
 mod picture_tests;
 mod piece;
 mod regions;
+mod relations;
 mod roots;
 #[cfg(test)]
 mod roots_tests;
@@ -92,6 +94,7 @@ use self::boundary::Boundary;
 use self::cells::{Block, cut};
 use self::contacts::Contact;
 use self::lines::Tracer;
+use self::relations::Relations;
 use self::scene::{Plane, Scene};
 use self::traced::Traced;
 use crate::error::Error;
@@ -239,6 +242,7 @@ fn in_blocks<T>(
         weld: WELD * longest + 10.0 * rounding,
         rounding,
         given: given.as_ref(),
+        relations: &Relations::default(),
         control: task.control,
     };
     let root = Block {

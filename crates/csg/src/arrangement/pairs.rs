@@ -1,11 +1,9 @@
 //! The curves in which two surfaces meet.
 
 use super::conic::conic;
-use super::curve::{Branch, Branches, Curve};
-use super::frame::Frame;
+use super::curve::{Branch, Branches};
 use super::intersection::{Unknown, line};
 use super::pencil;
-use super::piece::CurveId;
 use crate::numeric::tolerance::{CANCELLED, NEAR};
 use crate::program::Surface;
 
@@ -27,24 +25,6 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
         return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, near));
     }
     pencil::curves(a, b, near)
-}
-
-/// A curve by its name; none if it is not known any more, which would be a mistake.
-pub(super) fn named(
-    id: CurveId,
-    surfaces: &[Surface],
-    frames: &[Option<Frame>],
-    near: f64,
-) -> Option<Curve> {
-    let [first, second] = id.surfaces.map(|id| id as usize);
-    let other = if id.is_seam() {
-        frames[first].as_ref()?.seams.get(id.seam as usize)?
-    } else {
-        &surfaces[second]
-    };
-    let mut branches = curves(&surfaces[first], other, near).ok()?;
-    let branch = id.branch as usize;
-    (branch < branches.len()).then(|| branches.swap_remove(branch).curve)
 }
 
 /// The plane in which two quadrics of the same quadratic part, but for a factor,

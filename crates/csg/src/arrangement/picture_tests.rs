@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use super::frame::Frame;
 use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
+use super::relations::Relations;
 use super::scene::{Plane, Scene};
 use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
@@ -20,6 +21,7 @@ struct Stage {
     surfaces: [Surface; 1],
     planes: [Plane; 1],
     frames: [Option<Frame>; 1],
+    relations: Relations,
     control: Control,
 }
 
@@ -35,6 +37,7 @@ fn stage(zz: f64, constant: f64) -> Stage {
         planes: [Plane::of(&surface)],
         frames: [Frame::of(&surface, 10.0)],
         surfaces: [surface],
+        relations: Relations::default(),
         control: Control::default(),
     }
 }
@@ -52,6 +55,7 @@ impl Stage {
             weld: 1e-11,
             rounding: 1e-15,
             given: None,
+            relations: &self.relations,
             control: &self.control,
         }
     }

@@ -5,6 +5,7 @@ use smallvec::SmallVec;
 
 use super::frame::Frame;
 use super::piece::Side;
+use super::relations::Relations;
 use crate::control::Control;
 use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
 use crate::program::{Given, Surface};
@@ -47,6 +48,8 @@ pub(super) struct Scene<'a> {
     pub rounding: f64,
     /// The edges and vertices of polyhedra.
     pub given: Option<&'a Given>,
+    /// What surfaces have in common.
+    pub relations: &'a Relations,
     pub control: &'a Control,
 }
 

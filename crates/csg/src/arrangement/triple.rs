@@ -9,7 +9,6 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::curve::{Curve, Meets};
-use super::pairs::curves;
 use super::roots::{Roots, bracketed};
 use super::scene::Scene;
 use crate::numeric::tolerance::DOUBTFUL;
@@ -180,18 +179,18 @@ impl Ball {
     }
 }
 
-/// Where three surfaces touch: in each ball is one point of all three, its centre. The same
-/// whatever block asks, and in whatever order.
-pub(super) fn contacts(scene: &Scene<'_>, mut ids: [u32; 3]) -> SmallVec<[Ball; 2]> {
-    ids.sort_unstable();
+/// Where three surfaces, ascending, touch: in each ball is one point of all three, its
+/// centre. To be asked for by [`Scene::contacts`].
+pub(super) fn contacts(scene: &Scene<'_>, ids: [u32; 3]) -> SmallVec<[Ball; 2]> {
     let surfaces = ids.map(|id| &scene.surfaces[id as usize]);
     let mut found: SmallVec<[Doubtful; 8]> = SmallVec::new();
-    for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]].map(|order| order.map(|k| surfaces[k])) {
-        for branch in curves(a, b, scene.near).unwrap_or_default() {
+    for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
+        let common = scene.common([ids[a], ids[b]], 0);
+        for branch in common.iter().flat_map(|branches| branches.iter()) {
             let triple = Triple {
                 curve: &branch.curve,
-                pair: [a, b],
-                third,
+                pair: [surfaces[a], surfaces[b]],
+                third: surfaces[third],
             };
             triple.add_doubtful(scene, &mut found);
         }

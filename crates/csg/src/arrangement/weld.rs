@@ -212,6 +212,7 @@ impl Welder {
 mod tests {
     use super::*;
     use crate::arrangement::piece::{CurveId, Side};
+    use crate::arrangement::relations::Relations;
     use crate::control::Control;
 
     fn ball(center: DVec3, radius: f64) -> Surface {
@@ -241,6 +242,7 @@ mod tests {
             weld: 1e-10,
             rounding: 1e-15,
             given: None,
+            relations: &Relations::default(),
             control: &control,
         };
         let side = |plane| Side {

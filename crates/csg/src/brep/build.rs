@@ -12,7 +12,6 @@ use super::patches::{Curves, Region, regions};
 use super::seams::Seams;
 use crate::arrangement::{Arrangement, CurveId, Side};
 use crate::numeric::Groups;
-use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 
 /// No vertex, edge or face.
@@ -35,7 +34,7 @@ pub(super) fn build(
     all: Arrangement,
     cut_at_seams: bool,
 ) -> Result<Brep, Undecided> {
-    let curves = curves(&all, &brep.surfaces)?;
+    let curves = curves(&all)?;
     let regions = regions(&all, &brep.surfaces, &curves)?;
     let seams = cut_at_seams.then(|| Seams::new(&all, &brep.surfaces));
     let is_edge = |half: u32| is_edge(&all, half, seams.as_ref());
@@ -96,7 +95,7 @@ pub(super) fn build(
 }
 
 /// The curves of all half-edges.
-fn curves(all: &Arrangement, surfaces: &[Surface]) -> Result<Curves, Undecided> {
+fn curves(all: &Arrangement) -> Result<Curves, Undecided> {
     let mut number: FxHashMap<CurveId, u32> = FxHashMap::default();
     let mut curves = Curves {
         of_half_edge: Vec::with_capacity(all.half_edges.len()),
@@ -106,11 +105,11 @@ fn curves(all: &Arrangement, surfaces: &[Surface]) -> Result<Curves, Undecided> 
         let id = match number.get(&half_edge.curve) {
             Some(&id) => id,
             None => {
-                let curve = all.curve(surfaces, half_edge.curve).ok_or(Undecided {
+                let curve = all.curves.get(&half_edge.curve).ok_or(Undecided {
                     why: Why::Curve,
                     place: all.points[half_edge.from as usize],
                 })?;
-                curves.all.push(curve);
+                curves.all.push(curve.clone());
                 let id = curves.all.len() as u32 - 1;
                 number.insert(half_edge.curve, id);
                 id
