@@ -4,6 +4,8 @@ mod eigen;
 mod groups;
 pub(crate) mod lanes;
 pub(crate) mod tolerance;
+mod welder;
 
 pub(crate) use self::eigen::{eigen_symmetric, jacobi};
 pub(crate) use self::groups::Groups;
+pub(crate) use self::welder::Welder;

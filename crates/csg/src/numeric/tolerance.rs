@@ -239,6 +239,11 @@ pub(crate) const NO_AREA: f64 = 1e-14;
 /// they are off by cancels.
 pub(crate) const NO_VOLUME: f64 = 1e-15;
 
+/// Are vertices at the gaps of a mesh that is repaired one, of its longest side?
+///
+/// Decree: seventeen roundings of the coordinates of a file in single precision.
+pub(crate) const SEWN: f64 = 1e-6;
+
 /// Is a triangle of a mesh that is refined flat, by its height, of its longest side?
 ///
 /// Derived: corners are within [`ON_REFINED`] of their places, so that the normal of a triangle as

@@ -382,7 +382,7 @@ pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
 }
 
 /// Triangles that make up a polygon, seen along its normal: ears cut off.
-fn triangles_of(points: &[DVec3]) -> Vec<[usize; 3]> {
+pub(super) fn triangles_of(points: &[DVec3]) -> Vec<[usize; 3]> {
     let Some(plane) = plane_of(points) else {
         return (2..points.len()).map(|k| [0, k - 1, k]).collect();
     };
