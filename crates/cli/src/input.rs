@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use csg::{Mesh, Solid};
+use csg::{Mesh, Repairs, Solid};
 use io::MeshFormat;
 use io::scene::{self, ReadOptions, Scene, SceneError};
 
@@ -36,6 +36,10 @@ pub(crate) struct Reading {
     /// its own
     #[arg(long)]
     any_folder: bool,
+    /// Mend meshes, imported ones too, that bound no solid, and say what was changed:
+    /// holes, triangles that look the wrong way or are there twice, shells through others
+    #[arg(long)]
+    repair: bool,
     /// Set a variable of an OpenSCAD model (.scad)
     #[arg(short = 'D', value_name = "NAME=VALUE")]
     define: Vec<String>,
@@ -55,9 +59,13 @@ impl Subject {
         match self {
             Self::Solid(solid) => Ok(solid.clone()),
             Self::Mesh(mesh) => Solid::from_mesh(mesh)
-                .map_err(|faults| Failure::new(exit_codes::MODEL, "the mesh is no solid", faults)),
+                .map_err(|faults| no_solid(faults).hint("--repair mends what it can")),
         }
     }
+}
+
+fn no_solid(faults: Box<csg::MeshFaults>) -> Failure {
+    Failure::new(exit_codes::MODEL, "the mesh is no solid", faults)
 }
 
 impl Input {
@@ -85,7 +93,13 @@ impl Input {
 /// What a file holds.
 pub(crate) enum Contents {
     Mesh(Mesh),
+    Repaired(Solid, Repairs),
     Scene(Result<Scene, SceneError>),
+}
+
+/// What is to be said of a mesh that was mended, if anything was changed.
+pub(crate) fn repaired(path: &Path, repairs: &Repairs) -> Option<String> {
+    (!repairs.is_empty()).then(|| format!("{} was repaired: {repairs}", path.display()))
 }
 
 impl Reading {
@@ -100,6 +114,12 @@ impl Reading {
     ) -> Result<Subject, Failure> {
         match self.contents(path, define, faces_only)? {
             Contents::Mesh(mesh) => Ok(Subject::Mesh(mesh)),
+            Contents::Repaired(solid, repairs) => {
+                if let Some(warning) = repaired(path, &repairs) {
+                    eprintln!("warning: {warning}");
+                }
+                Ok(Subject::Solid(solid))
+            }
             Contents::Scene(scene) => {
                 let scene = scene.map_err(|error| scene_failure(&name_of(path), error))?;
                 for warning in &scene.warnings {
@@ -129,7 +149,8 @@ impl Reading {
         }
         let options = ReadOptions::default()
             .faceted(self.faceted)
-            .any_folder(self.any_folder);
+            .any_folder(self.any_folder)
+            .repair(self.repair);
         let options = self.font.iter().fold(options, ReadOptions::font);
         if is_stream(path) {
             let mut bytes = Vec::new();
@@ -144,6 +165,10 @@ impl Reading {
                 .to_draw(faces_only);
             let mesh =
                 io::read_mesh_with(path, &options).map_err(|error| Failure::input(&name, error))?;
+            if self.repair {
+                let (solid, repairs) = Solid::repaired(&mesh).map_err(no_solid)?;
+                return Ok(Contents::Repaired(solid, repairs));
+            }
             return Ok(Contents::Mesh(mesh));
         }
         if is_openscad(path) {

@@ -29,4 +29,4 @@ mod weld;
 pub use atomic::AtomicFile;
 pub use error::Error;
 pub use format::{MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_with, write_mesh};
-pub use solid::read_solid;
+pub use solid::{read_repaired_solid, read_solid};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use csg::Solid;
+use csg::{Repairs, Solid};
 
 use crate::{Error, read_mesh};
 
@@ -16,4 +16,15 @@ pub fn read_solid(path: impl AsRef<Path>) -> Result<Solid, Error> {
     let path = path.as_ref();
     let mesh = read_mesh(path)?;
     Solid::from_mesh(&mesh).map_err(|faults| Error::NotASolid(faults).in_file(path))
+}
+
+/// The same of a mesh that may not quite bound a solid, and what was changed to make it
+/// bound one: see [`Solid::repaired`].
+///
+/// # Errors
+/// As [`read_solid`], for what cannot be mended.
+pub fn read_repaired_solid(path: impl AsRef<Path>) -> Result<(Solid, Repairs), Error> {
+    let path = path.as_ref();
+    let mesh = read_mesh(path)?;
+    Solid::repaired(&mesh).map_err(|faults| Error::NotASolid(faults).in_file(path))
 }

@@ -4,7 +4,7 @@ use std::fs;
 
 use csg::{Mesh, Mesher, Program, Solid};
 use io::scene::{ReadOptions, read, read_file};
-use io::{Error, MeshFormat, WriteOptions, read_solid, write_mesh};
+use io::{Error, MeshFormat, WriteOptions, read_repaired_solid, read_solid, write_mesh};
 
 mod common;
 
@@ -95,6 +95,27 @@ fn what_is_wrong_with_a_mesh_is_said_with_its_place() {
     let flat = Mesh::new(good.positions.clone(), vec![[0, 1, 2], [0, 2, 1]]);
     assert!(says(&flat).contains("2 triangles enclose nothing"));
     assert!(matches!(read_solid("none.stl"), Err(Error::File { .. })));
+}
+
+/// A box without one triangle, read for itself and imported by a scene.
+#[test]
+fn broken_meshes_are_mended_if_asked_and_it_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("open.stl");
+    let mut open = bare();
+    open.triangles.pop();
+    write_mesh(&path, &open, &WriteOptions::default()).expect("written");
+    let (solid, repairs) = read_repaired_solid(&path).expect("a solid");
+    assert!((volume(&solid) - 6.0).abs() < 1e-6);
+    assert_eq!(repairs.holes, 1, "{repairs}");
+    let text = "import(file = \"open.stl\");";
+    let options = ReadOptions::default().folder(folder.path());
+    let error = read(text, &options).expect_err("no solid");
+    assert!(error.to_string().contains("open edge"), "{error}");
+    let scene = read(text, &options.repair(true)).expect("a scene");
+    assert!((volume(&scene.solid) - 6.0).abs() < 1e-6);
+    let warning = scene.warnings[0].to_string();
+    assert!(warning.contains("1 x holes closed"), "{warning}");
 }
 
 #[test]

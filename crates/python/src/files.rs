@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::path::PathBuf;
 
-use csg::{BoundaryOptions, Program};
+use csg::{BoundaryOptions, Program, Repairs, Solid};
 use io::scene::{ReadOptions, Scene};
 use io::step::StepOptions;
 use io::{MeshFormat, WriteOptions};
@@ -32,39 +32,64 @@ fn is_scene(path: &std::path::Path) -> bool {
 /// The solid; warnings become Python's.
 fn warned(py: Python<'_>, scene: Scene) -> PyResult<PySolid> {
     for warning in &scene.warnings {
-        let text = CString::new(warning.to_string().replace('\0', " "))?;
-        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        warn(py, &warning.to_string())?;
     }
     Ok(PySolid(scene.solid))
+}
+
+fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    let text = CString::new(text.replace('\0', " "))?;
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)
+}
+
+/// A solid that was mended, with a warning that says what was changed, if anything was.
+pub(crate) fn repaired(py: Python<'_>, (solid, repairs): (Solid, Repairs)) -> PyResult<PySolid> {
+    if !repairs.is_empty() {
+        warn(py, &format!("the mesh was repaired: {repairs}"))?;
+    }
+    Ok(PySolid(solid))
 }
 
 /// The solid of a file: an OpenSCAD tree (.csg), or a mesh that bounds it (.stl, .obj, .ply,
 /// .off, .glb, .gltf: see `read_solid`). With `faceted` circles of a tree are the polygons
 /// that OpenSCAD makes of them. A file may name others in its own folder or below only,
-/// unless `any_folder` is said.
+/// unless `any_folder` is said. With `repair` meshes that bound no solid are mended, with a
+/// warning that says what was changed.
 ///
 /// >>> import stereotomy as st
 /// >>> st.load("nowhere.csg")
 /// Traceback (most recent call last):
 /// FileNotFoundError: [Errno 2] nowhere.csg: No such file or directory (os error 2)
 #[pyfunction]
-#[pyo3(signature = (path, *, faceted=false, any_folder=false))]
-fn load(py: Python<'_>, path: PathBuf, faceted: bool, any_folder: bool) -> PyResult<PySolid> {
+#[pyo3(signature = (path, *, faceted=false, any_folder=false, repair=false))]
+fn load(
+    py: Python<'_>,
+    path: PathBuf,
+    faceted: bool,
+    any_folder: bool,
+    repair: bool,
+) -> PyResult<PySolid> {
     if !is_scene(&path) {
-        return read_solid(py, path);
+        return read_solid(py, path, repair);
     }
     let options = ReadOptions::default()
         .faceted(faceted)
-        .any_folder(any_folder);
+        .any_folder(any_folder)
+        .repair(repair);
     let scene = wait_out(py, move || io::scene::read_file(path, &options))?;
     warned(py, scene.map_err(of_scene)?)
 }
 
 /// The solid that a mesh file bounds, by its extension (.stl, .obj, .ply, .off, .glb or
 /// .gltf), to be combined with others. All that is wrong with the mesh is an error with
-/// places.
+/// places; with `repair` what can be is mended, with a warning that says what was changed.
 #[pyfunction]
-fn read_solid(py: Python<'_>, path: PathBuf) -> PyResult<PySolid> {
+#[pyo3(signature = (path, *, repair=false))]
+fn read_solid(py: Python<'_>, path: PathBuf, repair: bool) -> PyResult<PySolid> {
+    if repair {
+        let solid = wait_out(py, move || io::read_repaired_solid(path))?;
+        return repaired(py, solid.map_err(of_file)?);
+    }
     let solid = wait_out(py, move || io::read_solid(path))?;
     Ok(PySolid(solid.map_err(of_file)?))
 }

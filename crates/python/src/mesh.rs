@@ -11,6 +11,7 @@ use crate::arguments::{Corners, Place};
 use crate::arrays;
 use crate::check::{Measured, PyCheck, PyMeasure};
 use crate::errors::invalid;
+use crate::files::repaired;
 use crate::report::PyReport;
 use crate::solid::PySolid;
 use crate::surface::PySurface;
@@ -223,13 +224,20 @@ impl PyMesh {
     }
 
     /// The solid that the mesh bounds, to be combined with others: its triangles' planes as
-    /// half-spaces. All that is wrong with the mesh is an error with its places.
+    /// half-spaces. All that is wrong with the mesh is an error with its places; with `repair`
+    /// what can be is mended (holes, triangles that look the wrong way or are there twice,
+    /// shells through others), with a warning that says what was changed.
     ///
     /// >>> import stereotomy as st
     /// >>> again = st.cube(2).mesh().to_solid() - st.sphere(1.2)
     /// >>> again.contains([0.9, 0.9, 0.9])
     /// True
-    fn to_solid(&self, py: Python<'_>) -> PyResult<PySolid> {
+    #[pyo3(signature = (*, repair=false))]
+    fn to_solid(&self, py: Python<'_>, repair: bool) -> PyResult<PySolid> {
+        if repair {
+            let solid = wait_out(py, || Solid::repaired(&self.mesh))?;
+            return repaired(py, solid.map_err(|faults| invalid(faults.to_string()))?);
+        }
         let solid = wait_out(py, || Solid::from_mesh(&self.mesh))?;
         let solid = solid.map_err(|faults| invalid(faults.to_string()))?;
         Ok(PySolid(solid))

@@ -59,6 +59,20 @@ def test_a_mesh_file_is_a_solid(tmp_path: pathlib.Path) -> None:
     assert st.load(path).mesh().volume == pytest.approx(8)
 
 
+def test_broken_meshes_are_mended_if_asked(tmp_path: pathlib.Path) -> None:
+    good = st.cube(2).mesh()
+    broken = st.Mesh(good.vertices, good.triangles[1:])
+    with pytest.raises(ValueError, match="open edge"):
+        broken.to_solid()
+    with pytest.warns(UserWarning, match="1 x holes closed"):
+        assert broken.to_solid(repair=True).mesh().volume == pytest.approx(8)
+    path = tmp_path / "broken.stl"
+    broken.save(path)
+    for read in (st.load, st.read_solid):
+        with pytest.warns(UserWarning, match="repaired"):
+            assert read(path, repair=True).mesh().volume == pytest.approx(8)
+
+
 def test_faceted_circles() -> None:
     text = "cylinder($fn = 64, $fa = 12, $fs = 2, h = 1, r1 = 1, r2 = 1, center = false);"
     assert st.from_csg(text).mesh().report.method == "boundary"  # type: ignore[union-attr]

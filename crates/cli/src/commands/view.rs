@@ -13,7 +13,7 @@ use view::{
 };
 
 use crate::failure::{Failure, exit_codes};
-use crate::input::{Contents, Input};
+use crate::input::{Contents, Input, repaired};
 use crate::mesher::MesherOptions;
 use crate::output;
 
@@ -96,6 +96,10 @@ impl Source for FileSource {
                 subject: Subject::Mesh(mesh),
                 warnings: Vec::new(),
             }),
+            Contents::Repaired(solid, repairs) => {
+                let warnings = repaired(self.input.path(), &repairs);
+                Ok(loaded((solid, warnings.into_iter().collect())))
+            }
             Contents::Scene(Ok(scene)) => {
                 let warnings = scene.warnings.iter().map(ToString::to_string).collect();
                 let read = (scene.solid, warnings);

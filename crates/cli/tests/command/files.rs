@@ -151,3 +151,18 @@ fn what_is_no_mesh_and_data_elsewhere_are_errors() {
     assert!(message.contains("--any-folder"), "{message}");
     succeeded(&folder.run("measure in/part.gltf --any-folder"));
 }
+
+/// A tetrahedron without one side.
+#[test]
+fn broken_meshes_are_mended_if_asked() {
+    let folder = Folder::new();
+    let text = "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+    fs::write(folder.file("open.off"), text).expect("a file");
+    let output = folder.run("mesh open.off --repair -o closed.stl");
+    let said = String::from_utf8_lossy(&succeeded(&output).stderr).into_owned();
+    assert!(
+        said.contains("open.off was repaired: 1 x holes closed"),
+        "{said}"
+    );
+    succeeded(&folder.run("measure closed.stl"));
+}

@@ -44,6 +44,16 @@ impl Builder<'_> {
             read_mesh_with(&path, &files).map_err(|e| self.fault(node, &e.to_string()))?;
         let (count, name) = (mesh.triangles.len() as f64, path.display());
         self.facets(node, count, count)?;
+        if self.options.repair {
+            let mended = Solid::repaired(&mesh).map_err(|faults| {
+                self.fault(node, &format!("{name}: {}", Error::NotASolid(faults)))
+            });
+            let (solid, repairs) = mended?;
+            if !repairs.is_empty() {
+                self.warn(node, format!("{name} was repaired: {repairs}"));
+            }
+            return self.made(node, solid);
+        }
         let solid = match Solid::from_mesh(&mesh) {
             Err(faults) if faults.inside_out => {
                 let problem = format!("the faces of {name} are inside out: they are turned");

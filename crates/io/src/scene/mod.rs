@@ -94,6 +94,9 @@ pub struct ReadOptions {
     /// Whether they may name files in any folder, and not only in that one and
     /// below.
     pub any_folder: bool,
+    /// Whether imported meshes that bound no solid are mended, with a warning that says
+    /// what was changed ([`Solid::repaired`]).
+    pub repair: bool,
 }
 
 impl ReadOptions {
@@ -122,6 +125,13 @@ impl ReadOptions {
     #[must_use]
     pub fn any_folder(mut self, any_folder: bool) -> Self {
         self.any_folder = any_folder;
+        self
+    }
+
+    /// The same options with imported meshes mended, or not.
+    #[must_use]
+    pub fn repair(mut self, repair: bool) -> Self {
+        self.repair = repair;
         self
     }
 }
