@@ -30,7 +30,7 @@ use crate::shown::{Settings, Shown};
 /// From so many triangles on, fewer are drawn while the camera moves, where all of them take long.
 const MANY: usize = 200_000;
 /// The most of these, and the most where these take too long as well.
-const MOST_SIMPLIFIED: [usize; 2] = [100_000, 20_000];
+const MOST_SIMPLIFIED: [usize; 2] = [100_000, 10_000];
 
 #[derive(Debug, Serialize)]
 struct Head<'a> {

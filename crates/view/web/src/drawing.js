@@ -145,7 +145,7 @@ export class Drawing {
     }
     for (const simplified of this.simplifiedFaces ?? []) simplified.dispose();
     this.model = model;
-    this.cost = this.step = 0;
+    this.cost = this.step = this.lastEnd = 0;
     this.wasSlow = false;
     this.isMeasured = false;
     const faces = new BufferGeometry();
@@ -297,14 +297,18 @@ export class Drawing {
     gl.deleteSync(fence);
   }
 
-  /** Draws a frame in motion. Two in turn that take too long make the next ones coarser. */
+  /** Draws a frame in motion. Two in turn that take too long make the next ones coarser; nothing waits
+   * for that. */
   async drawMoving(camera) {
     const { model } = this;
     const start = performance.now();
     this.draw(camera, true);
     if (!this.cost) return;
     await this.#done();
-    const isSlow = performance.now() - start > BUDGET;
+    const end = performance.now();
+    // (It has waited for the one before.)
+    const isSlow = end - Math.max(start, this.lastEnd) > BUDGET;
+    this.lastEnd = end;
     if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, this.simplifiedFaces.length);
     this.wasSlow = isSlow && !this.wasSlow;
   }

@@ -16,27 +16,22 @@ const state = { answers: 0, model: null, account: null, picks: [], measured: [],
 /** Milliseconds without a move of the camera until all triangles are drawn again. */
 const REST = 200;
 let isWaiting = false;
-let isStale = false;
 let isMoving = false;
 let rest = null;
 function changed(hasMoved = false) {
   isMoving ||= hasMoved;
-  isStale = true;
   if (isWaiting) return;
   isWaiting = true;
-  requestAnimationFrame(async () => {
-    const moves = isMoving;
-    isMoving = isStale = false;
+  requestAnimationFrame(() => {
+    isWaiting = false;
     clearTimeout(rest);
-    if (moves) {
+    if (isMoving) {
+      drawing.drawMoving(cameras.current);
       if (drawing.coarseness) rest = setTimeout(changed, REST);
-      await drawing.drawMoving(cameras.current);
     } else {
       drawing.draw(cameras.current);
     }
-    isWaiting = false;
-    // What changed meanwhile has waited for this frame.
-    if (isStale) changed();
+    isMoving = false;
     if (!state.model) return;
     for (const picture of document.querySelectorAll(".first")) picture.remove();
     document.documentElement.dataset.revision = String(state.model.revision);

@@ -524,12 +524,16 @@ test("a million triangles turn without any being sent to the graphics card again
     }
     const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     const turn = async (step) => {
-      drawing.step = step;
+      Object.assign(drawing, { step, wasSlow: false });
       const before = info.render.frame;
       stereotomy.turn(0.1);
       while (info.render.frame === before) await frame();
       const { calls, triangles } = info.render;
-      return { calls, triangles, width: canvas.width };
+      const { width } = canvas;
+      // (What this one has cost is not learned by the next one.)
+      gl.finish();
+      await new Promise((done) => setTimeout(done, 50));
+      return { calls, triangles, width };
     };
     const now = performance.now.bind(performance);
     const canvas = document.getElementById("canvas");
@@ -547,8 +551,7 @@ test("a million triangles turn without any being sent to the graphics card again
     };
     const rest = await rested();
     // Frames that take too long make those that follow coarser, one that does so alone does not.
-    drawing.step = 0;
-    drawing.wasSlow = false;
+    Object.assign(drawing, { step: 0, wasSlow: false, lastEnd: 0 });
     let clock = 0;
     const steps = [];
     const draw = async (cost) => {
@@ -564,7 +567,7 @@ test("a million triangles turn without any being sent to the graphics card again
   if (process.env.SHOT) console.log(JSON.stringify(turned));
   const { triangles, fewer, turns, whole, rest, steps, again, sent } = turned;
   assert.ok(triangles > 1e6, String(triangles));
-  assert.ok(fewer.length === 2 && fewer[0] > 2e4 && fewer[0] <= 1e5 && fewer[1] > 2e3 && fewer[1] <= 2e4, String(fewer));
+  assert.ok(fewer.length === 2 && fewer[0] > 2e4 && fewer[0] <= 1e5 && fewer[1] > 2e3 && fewer[1] <= 1e4, String(fewer));
   assert.deepEqual(turns.map((one) => one.triangles), [triangles, ...fewer]);
   // The coarsest with half as many pixels a side.
   assert.deepEqual(turns.map((one) => one.width), [whole, whole, Math.floor(whole / 2)]);
