@@ -73,9 +73,8 @@ def mesh(
     Of the options of `mesh` there must be `cells` or `cell_size`; `tolerance`, `draft`,
     `feature_edges` and `partial` are not for shards. With `check` a mesh that is given back is
     checked. `progress` is called with the share that is done: nine tenths for the shards, and
-    the rest for putting them together. A GLB file of more than
-    1,048,576 triangles is one of chunks, and of more than 64 of these several files
-    (`a.glb`, `a-2.glb`, …).
+    the rest for putting them together. A GLB file of more than 1,048,576 triangles is one of
+    chunks, and of more than 64 of these several files (`a.glb`, `a-2.glb`, …).
 
     >>> import stereotomy as st
     >>> from concurrent.futures import ThreadPoolExecutor

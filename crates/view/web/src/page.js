@@ -10,7 +10,7 @@ let server;
 const renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, preserveDrawingBuffer: true });
 const drawing = new Drawing(renderer);
 // (`answers` counts what was said of picks.)
-const state = { answers: 0, model: null, account: null, picks: [], measured: [], kept: [], cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
+const state = { answers: 0, model: null, account: null, picks: [], measured: [], kept: [], counts: "", cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
 
 // Drawing, once for all that changed since the last frame.
 /** Milliseconds without a move of the camera until all triangles are drawn again. */

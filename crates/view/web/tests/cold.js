@@ -56,7 +56,7 @@ async function withoutBrowser() {
   started.kill();
   await ended;
   program.kill();
-  rmSync(profile, { recursive: true, force: true });
+  rmSync(profile, { recursive: true, force: true, maxRetries: 10 });
   return seen - start;
 }
 
