@@ -244,6 +244,23 @@ fn boxes_are_those_of_the_formulas() {
         [1.0, 1.0, 0.7],
         "flange",
     );
+    // Of faces: the cap's disc, and what is round of it.
+    let brep = boundary(&upper).expect("a boundary");
+    let boxes: Vec<_> = brep.faces().filter_map(|face| face.bounds()).collect();
+    let top = |bounds: &csg::Bounds| bounds.max.z;
+    let (disc, round) = match top(&boxes[0]) < top(&boxes[1]) {
+        true => (boxes[0], boxes[1]),
+        false => (boxes[1], boxes[0]),
+    };
+    for (found, wanted) in [
+        (disc.min, [-0.8, -0.8, 0.6]),
+        (disc.max, [0.8, 0.8, 0.6]),
+        (round.min, [-0.8, -0.8, 0.6]),
+        (round.max, [0.8, 0.8, 1.0]),
+    ] {
+        let off = (found - glam::DVec3::from(wanted)).abs().max_element();
+        assert!(off < 1e-13, "{found} for {wanted:?}");
+    }
 }
 
 #[test]

@@ -6,8 +6,50 @@ use std::ops::Range;
 use csg::{Axis, Color};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::errors::invalid;
+
+/// The keywords that a call has, of those that the function knows; `None` stands for what is not
+/// said.
+pub(crate) fn keywords<'py>(
+    function: &str,
+    known: &[&str],
+    given: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+    let mut said = Vec::new();
+    for (name, value) in given.into_iter().flatten() {
+        let name: String = name.extract()?;
+        if !known.contains(&name.as_str()) {
+            // As Python says it, with what may be meant.
+            return Err(PyTypeError::new_err(format!(
+                "{function}() got an unexpected keyword argument '{name}'; known are {}",
+                known.join(", ")
+            )));
+        }
+        if !value.is_none() {
+            said.push((name, value));
+        }
+    }
+    Ok(said)
+}
+
+/// The value of a keyword, which an error names.
+pub(crate) fn read<'py, T>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    let read: Result<T, _> = value.extract();
+    read.map_err(|error| {
+        let error: PyErr = Into::into(error);
+        let message = format!("{name}: {}", error.value(value.py()));
+        if error.is_instance_of::<PyTypeError>(value.py()) {
+            PyTypeError::new_err(message)
+        } else {
+            invalid(message)
+        }
+    })
+}
 
 /// A point as Python has it.
 pub(crate) type Place = (f64, f64, f64);

@@ -7,6 +7,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::arguments::{keywords, read};
 use crate::errors::invalid;
 use crate::unit;
 use crate::waiting::Follow;
@@ -38,17 +39,13 @@ pub(crate) struct MeshOptions<'py> {
 }
 
 impl<'py> MeshOptions<'py> {
-    /// The keywords of a call; `None` stands for what is not said.
+    /// The keywords of a call.
     pub(crate) fn of(function: &str, options: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
         let mut follow = Follow::default();
         let mut mesher = Mesher::new();
         let mut limits = Limits::new();
         let mut normals = true;
-        for (name, value) in options.into_iter().flatten() {
-            let name: String = name.extract()?;
-            if value.is_none() && KNOWN.contains(&name.as_str()) {
-                continue;
-            }
+        for (name, value) in keywords(function, &KNOWN, options)? {
             let number = || -> PyResult<f64> { read(&name, &value) };
             let count = || -> PyResult<u64> { read(&name, &value) };
             mesher = match name.as_str() {
@@ -68,7 +65,6 @@ impl<'py> MeshOptions<'py> {
                 "unit" => mesher.unit(unit::named(&read::<String>(&name, &value)?)?),
                 "feature_edges" => mesher.feature_edges(number()?.to_radians()),
                 "check" => mesher.check(read(&name, &value)?),
-                "draft" => mesher,
                 _ => {
                     match name.as_str() {
                         "normals" => normals = read(&name, &value)?,
@@ -77,9 +73,9 @@ impl<'py> MeshOptions<'py> {
                         "max_memory" => limits = limits.memory(count()?),
                         "max_seconds" => limits = limits.time(seconds(number()?)?),
                         "partial" if read(&name, &value)? => limits = limits.partial(),
-                        "partial" => {}
                         "progress" => follow.callback = Some(callable(&value)?),
-                        _ => return Err(unexpected(function, &name)),
+                        // (What is not wished.)
+                        _ => {}
                     }
                     mesher
                 }
@@ -97,22 +93,6 @@ impl<'py> MeshOptions<'py> {
     }
 }
 
-fn read<'py, T>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<T>
-where
-    T: for<'a> FromPyObject<'a, 'py>,
-{
-    let read: Result<T, _> = value.extract();
-    read.map_err(|error| {
-        let error: PyErr = Into::into(error);
-        let message = format!("{name}: {}", error.value(value.py()));
-        if error.is_instance_of::<PyTypeError>(value.py()) {
-            PyTypeError::new_err(message)
-        } else {
-            invalid(message)
-        }
-    })
-}
-
 fn seconds(number: f64) -> PyResult<Duration> {
     Duration::try_from_secs_f64(number)
         .map_err(|_| invalid(format!("max_seconds is {number}: give a positive number")))
@@ -125,12 +105,4 @@ fn callable<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let problem = "progress: give a function of one number, the share that is done";
         Err(PyTypeError::new_err(problem))
     }
-}
-
-/// As Python says it, with what may be meant.
-fn unexpected(function: &str, name: &str) -> PyErr {
-    PyTypeError::new_err(format!(
-        "{function}() got an unexpected keyword argument '{name}'; known are {}",
-        KNOWN.join(", ")
-    ))
 }

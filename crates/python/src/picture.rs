@@ -8,7 +8,7 @@ use csg::{Color, Mesh, Program};
 use glam::{DVec2, DVec3, Vec3};
 use io::AtomicFile;
 use numpy::PyArray3;
-use pyo3::exceptions::{PyIndexError, PyTypeError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use raster::{
@@ -17,7 +17,7 @@ use raster::{
     turntable, turntable_camera, write_apng, write_gif,
 };
 
-use crate::arguments::{AnyColor, Place, word};
+use crate::arguments::{AnyColor, Place, keywords, read, word};
 use crate::arrays;
 use crate::errors::{invalid, of_file, of_model};
 use crate::mesh::PyMesh;
@@ -179,7 +179,8 @@ const KNOWN: [&str; 17] = [
 ];
 
 impl PictureOptions {
-    fn of(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    /// The keywords of a call.
+    fn of(function: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut made = Self {
             render: RenderOptions::presentation().size(640, 480),
             direction: None,
@@ -189,19 +190,17 @@ impl PictureOptions {
         };
         let (mut eye, mut target) = (None, [0.0; 3]);
         let (mut given, mut ambient) = (Vec::new(), None);
-        for (name, value) in options.into_iter().flatten() {
-            let name: String = name.extract()?;
-            if value.is_none() && KNOWN.contains(&name.as_str()) {
-                continue;
-            }
+        for (name, value) in keywords(function, &KNOWN, options)? {
+            let color = || -> PyResult<Color> { Ok(read::<AnyColor>(&name, &value)?.0) };
+            let point = || -> PyResult<[f64; 3]> { read(&name, &value) };
             let render = &mut made.render;
             match name.as_str() {
-                "size" => (render.width, render.height) = value.extract()?,
+                "size" => (render.width, render.height) = read(&name, &value)?,
                 "view" => made.direction = Some(view(&value)?),
-                "eye" => eye = Some(value.extract::<[f64; 3]>()?),
-                "target" => target = value.extract()?,
+                "eye" => eye = Some(point()?),
+                "target" => target = point()?,
                 "fov" => {
-                    let degrees: f64 = value.extract()?;
+                    let degrees: f64 = read(&name, &value)?;
                     if !(degrees > 0.0 && degrees < 180.0) {
                         let wanted = "give degrees between 0 and 180";
                         return Err(invalid(format!("fov is {degrees}: {wanted}")));
@@ -211,39 +210,23 @@ impl PictureOptions {
                     };
                 }
                 // Framing finds the height.
-                "parallel" if value.extract()? => made.lens = Lens::Orthographic { height: 1.0 },
-                "background" => render.background = value.extract::<AnyColor>()?.0,
-                "color" => render.default_color = value.extract::<AnyColor>()?.0,
-                "faces_only" if value.extract()? => *render = render.faces_only(),
-                "hidden_edges" if value.extract()? => {
+                "parallel" if read(&name, &value)? => {
+                    made.lens = Lens::Orthographic { height: 1.0 }
+                }
+                "background" => render.background = color()?,
+                "color" => render.default_color = color()?,
+                "faces_only" if read(&name, &value)? => *render = render.faces_only(),
+                "hidden_edges" if read(&name, &value)? => {
                     render.edges = Some(EdgeOptions::default().hidden(HiddenEdges::Dash));
                 }
-                "axes" => render.triad = value.extract()?,
+                "axes" => render.triad = read(&name, &value)?,
                 "sections" => made.sections = sections(&value)?,
-                "cap_color" => render.cap_color = Some(value.extract::<AnyColor>()?.0),
-                "lights" => {
-                    let lights = placed("lights", &value)?.into_iter();
-                    given.extend(
-                        lights
-                            .map(|(towards, intensity)| Light::Directional { towards, intensity }),
-                    );
-                }
-                "point_lights" => {
-                    let lights = placed("point_lights", &value)?.into_iter();
-                    given.extend(lights.map(|(position, intensity)| Light::Point {
-                        position,
-                        intensity,
-                    }));
-                }
-                "ambient" => ambient = Some(intensity(value.extract::<AnyColor>()?.0)),
+                "cap_color" => render.cap_color = Some(color()?),
+                "lights" | "point_lights" => given.extend(lights(&name, &value)?),
+                "ambient" => ambient = Some(intensity(color()?)),
                 "material" => render.finish = finish(&value)?,
-                "parallel" | "faces_only" | "hidden_edges" => {}
-                _ => {
-                    return Err(PyTypeError::new_err(format!(
-                        "render() got an unexpected keyword argument '{name}'; known are {}",
-                        KNOWN.join(", ")
-                    )));
-                }
+                // (What is not wished.)
+                _ => {}
             }
         }
         if let Some(eye) = eye {
@@ -376,8 +359,9 @@ fn intensity(color: Color) -> Vec3 {
     Vec3::from_array(color.rgb)
 }
 
-/// Lights, each as a direction or a place, or that and a colour.
-fn placed(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(DVec3, Vec3)>> {
+/// Lights, each as a direction or (`point_lights`) a place, or that and a colour.
+fn lights(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Light>> {
+    let is_directional = name == "lights";
     let wrong = || {
         let form = "give a list of (x, y, z), or of ((x, y, z), color)";
         invalid(format!(
@@ -386,7 +370,7 @@ fn placed(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(DVec3, Vec3)>> 
     };
     let light = |light: PyResult<Bound<'_, PyAny>>| {
         let light = light?;
-        let (place, color) = match light.extract::<[f64; 3]>() {
+        let (place, intensity) = match light.extract::<[f64; 3]>() {
             Ok(place) => (place, Vec3::ONE),
             Err(_) => {
                 let (place, color) = light
@@ -396,10 +380,19 @@ fn placed(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(DVec3, Vec3)>> 
             }
         };
         let place = DVec3::from(place);
-        match place.is_finite() && (name != "lights" || place != DVec3::ZERO) {
-            true => Ok((place, color)),
-            false => Err(wrong()),
+        if !place.is_finite() || is_directional && place == DVec3::ZERO {
+            return Err(wrong());
         }
+        Ok(match is_directional {
+            true => Light::Directional {
+                towards: place,
+                intensity,
+            },
+            false => Light::Point {
+                position: place,
+                intensity,
+            },
+        })
     };
     value.try_iter().map_err(|_| wrong())?.map(light).collect()
 }
@@ -417,15 +410,6 @@ fn finish(value: &Bound<'_, PyAny>) -> PyResult<Finish> {
     }
 }
 
-fn frames_of(count: u32, frames_per_second: u16) -> PyResult<()> {
-    if (1..=1000).contains(&count) && (1..=100).contains(&frames_per_second) {
-        return Ok(());
-    }
-    Err(invalid(format!(
-        "turntable: frames={count}, frames_per_second={frames_per_second}: give 1 to 1000, and 1 to 100"
-    )))
-}
-
 /// Z is up, unless the view is along it.
 fn upright(direction: DVec3) -> (DVec3, DVec3) {
     let up = match direction.truncate() == DVec2::ZERO {
@@ -441,12 +425,83 @@ fn view(value: &Bound<'_, PyAny>) -> PyResult<(DVec3, DVec3)> {
         let known = StandardView::ALL.map(|view| (view.name(), view));
         return Ok(word("view", &name, &known)?.direction_and_up());
     }
-    let direction: DVec3 = value.extract::<[f64; 3]>()?.into();
+    let direction = DVec3::from(read::<[f64; 3]>("view", value)?);
     if direction.is_finite() && direction != DVec3::ZERO {
         return Ok(upright(direction));
     }
     let wanted = "give a name or a direction to look along";
     Err(invalid(format!("view is {direction}: {wanted}")))
+}
+
+/// What pictures are drawn of.
+trait Drawn {
+    /// Draws its mesh, as fine as its pictures need.
+    fn drawn<T: Send>(
+        &self,
+        py: Python<'_>,
+        options: &PictureOptions,
+        draw: impl FnOnce(&Arc<Mesh>) -> Result<T, RasterError> + Send,
+    ) -> PyResult<T>;
+
+    fn picture(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyPicture> {
+        let options = PictureOptions::of("render", options)?;
+        let image = self.drawn(py, &options, |mesh| options.draw(mesh))?;
+        Ok(PyPicture(image))
+    }
+
+    fn animation(
+        &self,
+        py: Python<'_>,
+        frames: u32,
+        frames_per_second: u16,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyAnimation> {
+        if !((1..=1000).contains(&frames) && (1..=100).contains(&frames_per_second)) {
+            return Err(invalid(format!(
+                "turntable: frames={frames}, frames_per_second={frames_per_second}: give 1 to 1000, and 1 to 100"
+            )));
+        }
+        let options = PictureOptions::of("turntable", options)?;
+        let frames = self.drawn(py, &options, |mesh| options.turn(mesh, frames))?;
+        Ok(PyAnimation {
+            frames,
+            frames_per_second,
+        })
+    }
+}
+
+impl Drawn for PyMesh {
+    fn drawn<T: Send>(
+        &self,
+        py: Python<'_>,
+        _: &PictureOptions,
+        draw: impl FnOnce(&Arc<Mesh>) -> Result<T, RasterError> + Send,
+    ) -> PyResult<T> {
+        wait_out(py, || draw(&self.mesh))?.map_err(of_picture)
+    }
+}
+
+impl Drawn for PySolid {
+    fn drawn<T: Send>(
+        &self,
+        py: Python<'_>,
+        options: &PictureOptions,
+        draw: impl FnOnce(&Arc<Mesh>) -> Result<T, RasterError> + Send,
+    ) -> PyResult<T> {
+        let follow = Follow::default();
+        let mesher = csg::Mesher::new()
+            .normals()
+            .cancel_token(follow.cancel.clone());
+        wait(py, &follow, move || {
+            let program = Program::lower(&self.0).map_err(of_model)?;
+            let mesher = match options.tolerance(&program).map_err(of_model)? {
+                Some(tolerance) => mesher.tolerance(tolerance),
+                None => mesher,
+            };
+            let meshed = mesher.mesh(&program).map_err(of_model)?;
+            draw(&Arc::new(meshed.mesh)).map_err(of_picture)
+        })?
+    }
 }
 
 #[pymethods]
@@ -457,9 +512,7 @@ impl PyMesh {
         text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False, sections=(), cap_color=None, lights=None, point_lights=None, ambient=None, material=None)"
     )]
     fn render(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyPicture> {
-        let options = PictureOptions::of(options)?;
-        let image = wait_out(py, || options.draw(&self.mesh))?;
-        Ok(PyPicture(image.map_err(of_picture)?))
+        self.picture(py, options)
     }
 
     /// Pictures from all around, once about the upward axis; the options are those of
@@ -472,18 +525,12 @@ impl PyMesh {
         frames_per_second: u16,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyAnimation> {
-        frames_of(frames, frames_per_second)?;
-        let options = PictureOptions::of(options)?;
-        let frames = wait_out(py, || options.turn(&self.mesh, frames))?;
-        Ok(PyAnimation {
-            frames: frames.map_err(of_picture)?,
-            frames_per_second,
-        })
+        self.animation(py, frames, frames_per_second, options)
     }
 
     /// (Eye, target) of the camera of `render(size=size)`.
     fn _camera(&self, size: (u32, u32)) -> PyResult<(Place, Place)> {
-        let mut options = PictureOptions::of(None)?;
+        let mut options = PictureOptions::of("render", None)?;
         options.render = options.render.size(size.0, size.1);
         let camera = options.camera(&self.mesh).map_err(of_picture)?;
         Ok((camera.eye.into(), camera.target.into()))
@@ -521,9 +568,7 @@ impl PySolid {
         text_signature = "($self, *, size=(640, 480), view=None, eye=None, target=(0.0, 0.0, 0.0), fov=30.0, parallel=False, background=None, color=None, faces_only=False, hidden_edges=False, axes=False, sections=(), cap_color=None, lights=None, point_lights=None, ambient=None, material=None)"
     )]
     fn render(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PyPicture> {
-        let options = PictureOptions::of(options)?;
-        let image = of_solid(py, &self.0, &options, |mesh| options.draw(mesh))?;
-        Ok(PyPicture(image))
+        self.picture(py, options)
     }
 
     /// Pictures from all around, once about the upward axis; the options are those of
@@ -541,34 +586,6 @@ impl PySolid {
         frames_per_second: u16,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyAnimation> {
-        frames_of(frames, frames_per_second)?;
-        let options = PictureOptions::of(options)?;
-        let frames = of_solid(py, &self.0, &options, |mesh| options.turn(mesh, frames))?;
-        Ok(PyAnimation {
-            frames,
-            frames_per_second,
-        })
+        self.animation(py, frames, frames_per_second, options)
     }
-}
-
-/// What is drawn of a solid's mesh, as fine as its pictures need.
-fn of_solid<T: Send>(
-    py: Python<'_>,
-    solid: &csg::Solid,
-    options: &PictureOptions,
-    draw: impl FnOnce(&Arc<Mesh>) -> Result<T, RasterError> + Send,
-) -> PyResult<T> {
-    let follow = Follow::default();
-    let mesher = csg::Mesher::new()
-        .normals()
-        .cancel_token(follow.cancel.clone());
-    wait(py, &follow, move || {
-        let program = Program::lower(solid).map_err(of_model)?;
-        let mesher = match options.tolerance(&program).map_err(of_model)? {
-            Some(tolerance) => mesher.tolerance(tolerance),
-            None => mesher,
-        };
-        let meshed = mesher.mesh(&program).map_err(of_model)?;
-        draw(&Arc::new(meshed.mesh)).map_err(of_picture)
-    })?
 }

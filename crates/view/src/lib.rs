@@ -10,6 +10,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod account;
+mod dimension;
 mod distance;
 mod export;
 mod faces;
@@ -29,6 +30,7 @@ mod view;
 mod watch;
 
 pub use account::Account;
+pub use dimension::Dimension;
 pub use export::FORMATS;
 pub use pick::{Pick, PickKind, Row};
 pub use shown::{Settings, Shown, stages};

@@ -1,18 +1,21 @@
 //! What a page needs to draw a model, as one block of bytes.
 //!
-//! Little-endian: the length of a JSON text (u32), the text, spaces up to a multiple of four
-//! bytes, and the arrays whose lengths the text tells under `counts`, in this order:
+//! Little-endian: the length of a JSON text (u32), the text, spaces until all is a multiple of eight
+//! bytes, and the arrays whose lengths the text tells under `counts` and `faces`, in this order:
 //!
 //! | array | entries |
 //! | --- | --- |
+//! | `extents` | 6 × f64: the least and the greatest corner of the box around each face; the other way round, and infinite, where there is none |
 //! | `points` | 3 × f32, about `center` |
 //! | `faces` | f32, the number of the face that the point is of |
 //! | `normals` | 4 × i8, the last one 0 |
 //! | `corners` | u32, three to a triangle: numbers of points |
-//! | `simplified` | as `corners`: fewer triangles, to be drawn while the camera moves; of a mesh of no more than 200,000 none |
+//! | `simplified` | as `corners`, for each entry of the count: fewer and fewer triangles, to be drawn while the camera moves; of a mesh of no more than 200,000 none |
 //! | `segments` | 6 × f32: two points, about `center` |
 //! | `segment_edges` | f32, the number of the edge |
 //! | `vertices` | 3 × f32, about `center` |
+
+use std::iter;
 
 use csg::brep::{CurveShape, Edge};
 use csg::{Color, Mesh};
@@ -26,8 +29,8 @@ use crate::shown::{Settings, Shown};
 
 /// From so many triangles on, fewer are drawn while the camera moves, where all of them take long.
 const MANY: usize = 200_000;
-/// The most of these.
-const MOST_SIMPLIFIED: usize = 100_000;
+/// The most of these, and the most where these take too long as well.
+const MOST_SIMPLIFIED: [usize; 2] = [100_000, 10_000];
 
 #[derive(Debug, Serialize)]
 struct Head<'a> {
@@ -66,7 +69,7 @@ struct FaceHead {
 struct Counts {
     points: usize,
     triangles: usize,
-    simplified: usize,
+    simplified: Vec<usize>,
     segments: usize,
     vertices: usize,
 }
@@ -131,6 +134,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     for face in &mut of_triangles {
         *face = (*face).min(rest as u32);
     }
+    let extents = extents(shown, &of_triangles, heads.len());
     let drawn = Triangles::of(mesh, center, &of_triangles);
     let lines = Lines::of(shown);
     let vertices: Vec<[f32; 3]> = match &shown.brep {
@@ -155,24 +159,30 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
         counts: Counts {
             points: drawn.points.len(),
             triangles: mesh.triangles.len(),
-            simplified: drawn.simplified.len() / 3,
+            simplified: drawn.simplified.iter().map(|few| few.len() / 3).collect(),
             segments: lines.segments.len(),
             vertices: vertices.len(),
         },
     };
     let mut text = serde_json::to_vec(&head).unwrap_or_default();
-    text.resize(text.len().next_multiple_of(4), b' ');
+    text.resize((4 + text.len()).next_multiple_of(8) - 4, b' ');
     let floats = 4 * drawn.points.len() + 7 * lines.segments.len() + 3 * vertices.len();
-    let corners = drawn.corners.len() + drawn.simplified.len();
-    let bytes = 4 + text.len() + 4 * (floats + drawn.normals.len() + corners);
+    let corners = || {
+        iter::once(&drawn.corners)
+            .chain(&drawn.simplified)
+            .flatten()
+    };
+    let words = floats + drawn.normals.len() + corners().count();
+    let bytes = 4 + text.len() + 48 * extents.len() + 4 * words;
     let mut out = Vec::with_capacity(bytes);
     out.extend((text.len() as u32).to_le_bytes());
     out.extend(text);
+    let ends = extents.iter().flatten().flat_map(DVec3::to_array);
+    out.extend(ends.flat_map(f64::to_le_bytes));
     out.extend(drawn.points.iter().flatten().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.faces.iter().flat_map(|x| x.to_le_bytes()));
     out.extend(drawn.normals.iter().flatten().map(|&x| x as u8));
-    let corners = drawn.corners.iter().chain(&drawn.simplified);
-    out.extend(corners.flat_map(|x| x.to_le_bytes()));
+    out.extend(corners().flat_map(|x| x.to_le_bytes()));
     out.extend(
         lines
             .segments
@@ -223,6 +233,28 @@ fn faces_of(shown: &Shown, parts: &mut Parts) -> (Vec<FaceHead>, Vec<u32>) {
     (heads, of)
 }
 
+/// The box around each of so many faces: of the exact boundary's to rounding.
+fn extents(shown: &Shown, of_triangles: &[u32], count: usize) -> Vec<[DVec3; 2]> {
+    let mut boxes = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; count];
+    if let Some(brep) = &shown.brep {
+        for (entry, face) in boxes.iter_mut().zip(brep.faces()) {
+            if let Some(found) = face.bounds() {
+                *entry = [found.min, found.max];
+            }
+        }
+        return boxes;
+    }
+    for (k, &face) in of_triangles.iter().enumerate() {
+        if let Some([low, high]) = boxes.get_mut(face as usize) {
+            for corner in shown.mesh.corners(k) {
+                *low = low.min(corner);
+                *high = high.max(corner);
+            }
+        }
+    }
+    boxes
+}
+
 fn single(point: DVec3) -> [f32; 3] {
     point.as_vec3().to_array()
 }
@@ -234,8 +266,8 @@ struct Triangles {
     faces: Vec<f32>,
     normals: Vec<[i8; 4]>,
     corners: Vec<u32>,
-    /// Corners of the fewer ones.
-    simplified: Vec<u32>,
+    /// Corners of fewer and fewer ones.
+    simplified: Vec<Vec<u32>>,
 }
 
 impl Triangles {
@@ -244,8 +276,13 @@ impl Triangles {
         let whole = mesh.triangles.iter().copied().enumerate();
         drawn.corners = drawn.add(mesh, center, faces, 127.0, whole);
         if mesh.triangles.len() > MANY {
-            let simplified = clustered(mesh);
-            drawn.simplified = drawn.add(mesh, center, faces, 2.0, simplified.into_iter());
+            for most in MOST_SIMPLIFIED {
+                let few = clustered(mesh, most);
+                if !few.is_empty() {
+                    let corners = drawn.add(mesh, center, faces, 2.0, few.into_iter());
+                    drawn.simplified.push(corners);
+                }
+            }
         }
         drawn
     }
@@ -296,12 +333,14 @@ impl Triangles {
 
 /// The triangles that are left, by number and with their vertices, if one vertex stands for all
 /// in its cell of a grid (Rossignac and Borrel, *Multi-resolution 3D Approximations for Rendering
-/// Complex Scenes*, 1993), of the finest grid that leaves no more than [`MOST_SIMPLIFIED`]; none if
-/// there is no such grid.
-fn clustered(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
+/// Complex Scenes*, 1993), of the finest grid that leaves no more than this; none if there is no
+/// such grid.
+fn clustered(mesh: &Mesh, most: usize) -> Vec<(usize, [u32; 3])> {
     let (low, high) = mesh.bounds().unwrap_or_default();
     let size = (high - low).max_element();
-    for cells in [256.0, 192.0, 128.0, 96.0, 64.0, 48.0, 32.0, 16.0] {
+    for cells in [
+        256.0, 192.0, 128.0, 96.0, 64.0, 48.0, 32.0, 24.0, 16.0, 12.0, 8.0,
+    ] {
         let mut first: FxHashMap<[i32; 3], u32> = FxHashMap::default();
         let places = mesh.positions.iter().zip(0..);
         let stand_ins: Vec<u32> = places
@@ -318,8 +357,8 @@ fn clustered(mesh: &Mesh) -> Vec<(usize, [u32; 3])> {
                 let [a, b, c] = corners.map(|vertex| stand_ins[vertex as usize]);
                 (a != b && b != c && c != a).then_some((k, [a, b, c]))
             });
-        let left: Vec<_> = left.take(MOST_SIMPLIFIED + 1).collect();
-        if left.len() <= MOST_SIMPLIFIED {
+        let left: Vec<_> = left.take(most + 1).collect();
+        if left.len() <= most {
             return left;
         }
     }
@@ -439,8 +478,10 @@ mod tests {
     fn few_triangles_stand_for_many() {
         let mesh = waves(400);
         assert!(mesh.triangles.len() > MANY);
-        let left = clustered(&mesh);
-        assert!((MOST_SIMPLIFIED / 4..=MOST_SIMPLIFIED).contains(&left.len()));
+        for most in MOST_SIMPLIFIED {
+            assert!((most / 4..=most).contains(&clustered(&mesh, most).len()));
+        }
+        let left = clustered(&mesh, MOST_SIMPLIFIED[0]);
         let at = |vertex: u32| mesh.positions[vertex as usize];
         let mut area = 0.0;
         for (k, corners) in &left {

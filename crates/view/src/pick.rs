@@ -6,6 +6,8 @@ use csg::{Brep, SurfaceShape};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::dimension::Dimension;
+
 /// A part of the boundary, by its kind and number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Pick {
@@ -36,6 +38,9 @@ pub struct Row {
     pub text: String,
     /// The number, if it is one, in the model's unit or degrees.
     pub value: Option<f64>,
+    /// Where it is drawn in the picture, if it can be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimension: Option<Dimension>,
 }
 
 impl Row {
@@ -44,28 +49,34 @@ impl Row {
             label: label.to_owned(),
             text: text.into(),
             value: None,
+            dimension: None,
         }
     }
 
     /// A number that is known to rounding.
     pub(crate) fn number(label: &str, value: f64, unit: &str) -> Self {
         Self {
-            label: label.to_owned(),
-            text: with_unit(&number(value), unit),
             value: Some(value),
+            ..Self::text(label, with_unit(&number(value), unit))
         }
     }
 
     pub(crate) fn bounded(label: &str, bounded: Bounded, unit: &str) -> Self {
         Self {
-            label: label.to_owned(),
-            text: with_unit(&bounded.to_string(), unit),
             value: Some(bounded.value),
+            ..Self::text(label, with_unit(&bounded.to_string(), unit))
         }
     }
 
     pub(crate) fn point(label: &str, point: DVec3) -> Self {
         Self::text(label, triple(point))
+    }
+
+    pub(crate) fn drawn(self, dimension: impl Into<Option<Dimension>>) -> Self {
+        Self {
+            dimension: dimension.into(),
+            ..self
+        }
     }
 }
 
@@ -177,7 +188,7 @@ fn of_shape(shape: &SurfaceShape, face: &Face<'_>, unit: &str) -> Vec<Row> {
     match shape {
         SurfaceShape::Plane { point, .. } => vec![Row::point("normal", face.normal(*point))],
         SurfaceShape::Sphere { center, radius } => vec![
-            Row::number("radius", *radius, unit),
+            Row::number("radius", *radius, unit).drawn(Dimension::Sphere { center: *center }),
             Row::point("centre", *center),
         ],
         SurfaceShape::Cylinder {
@@ -185,7 +196,10 @@ fn of_shape(shape: &SurfaceShape, face: &Face<'_>, unit: &str) -> Vec<Row> {
             axis,
             radius,
         } => vec![
-            Row::number("radius", *radius, unit),
+            Row::number("radius", *radius, unit).drawn(Dimension::Circle {
+                centers: ends_along(face, *point, *axis),
+                axis: *axis,
+            }),
             Row::point("axis through", *point),
             Row::point("axis along", *axis),
         ],
@@ -211,17 +225,33 @@ fn of_shape(shape: &SurfaceShape, face: &Face<'_>, unit: &str) -> Vec<Row> {
     }
 }
 
+/// The points of an axis between which a face lies.
+fn ends_along(face: &Face<'_>, point: DVec3, axis: DVec3) -> [DVec3; 2] {
+    let places = face.points();
+    let along = places.iter().map(|&place| (place - point).dot(axis));
+    let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
+        [low.min(t), high.max(t)]
+    });
+    [low, high].map(|t| point + t * axis)
+}
+
 fn of_edge(edge: &Edge<'_>, unit: &str) -> Vec<Row> {
     let mut rows = Vec::new();
+    let mut length = None;
     match edge.curve() {
         CurveShape::Line { direction, .. } => {
+            let [from, to] = edge.range().map(|t| edge.at(t));
+            length = Dimension::distance(from, to);
             rows.push(Row::text("edge", "line"));
             rows.push(Row::point("along", direction));
         }
         curve @ CurveShape::Ellipse { center, a, b } => {
             if let Some((_, axis, radius)) = circle(&curve) {
+                let centers = [center; 2];
                 rows.push(Row::text("edge", "circle"));
-                rows.push(Row::number("radius", radius, unit));
+                rows.push(
+                    Row::number("radius", radius, unit).drawn(Dimension::Circle { centers, axis }),
+                );
                 rows.push(Row::point("axis along", axis));
             } else {
                 rows.push(Row::text("edge", "ellipse"));
@@ -242,7 +272,7 @@ fn of_edge(edge: &Edge<'_>, unit: &str) -> Vec<Row> {
         }
         _ => rows.push(Row::text("edge", "curve of degree four")),
     }
-    rows.push(Row::bounded("length", edge.length(), unit));
+    rows.push(Row::bounded("length", edge.length(), unit).drawn(length));
     rows
 }
 

@@ -6,8 +6,8 @@
 //! | `GET events` | what happens, as server-sent events of JSON |
 //! | `GET scene` | all that is drawn (`packing`) |
 //! | `GET account` | measures and report |
-//! | `POST describe` `{revision, pick}` | rows of what was picked |
-//! | `POST between` `{revision, picks}` | rows of distances and angles |
+//! | `POST describe` `{revision, pick}` | rows of what was picked, and where they are drawn |
+//! | `POST between` `{revision, picks}` | rows of distances and angles, and where they are drawn |
 //! | `POST parameters` `{name: value}` | nothing; the model is made again |
 //! | `GET download/FORMAT` | a file |
 

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::chart::is_within;
-use super::data::{Brep, Patch};
+use super::data::{Brep, Patch, range};
+use super::view::Face;
 use crate::program::{Bounds, Kind, Surface};
 
 /// Parts of a stretch of a curve in each of which a coordinate has one extreme at most.
@@ -15,12 +16,16 @@ impl Brep {
     /// millionth of the solid's size.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
+        self.bounds_of(&self.patches)
+    }
+
+    fn bounds_of(&self, patches: &[Patch]) -> Option<Bounds> {
         let mut found: Option<[DVec3; 2]> = None;
         let mut add = |point: DVec3| {
             let [low, high] = found.unwrap_or([point; 2]);
             found = Some([low.min(point), high.max(point)]);
         };
-        for patch in &self.patches {
+        for patch in patches {
             for stretch in &patch.stretches {
                 let curve = &self.curves[stretch.curve as usize];
                 extremes(|t| curve.at(t), stretch.places, &mut add);
@@ -42,6 +47,15 @@ impl Brep {
         let flat = chart.flatten(point);
         chart.shows(point, flat, self.size)
             && is_within(self.chords(patch, &chart, 2 * PARTS), flat)
+    }
+}
+
+impl Face<'_> {
+    /// The least box around it, as near as [`Brep::bounds`].
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        let brep = self.brep();
+        brep.bounds_of(&brep.patches[range(self.patches())])
     }
 }
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import pickle
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 
 # Type checkers know the names; `typing` itself would be most of the time that an import takes.
 TYPE_CHECKING = False
@@ -71,9 +72,10 @@ class Engine:
 
     def run(
         self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
-    ) -> Iterator[tuple[int, Any]]:
+    ) -> Generator[tuple[int, Any]]:
         """Each result with its item's place, as soon as it is done; `shared` is the pickle of
-        what all items have in common."""
+        what all items have in common. Whoever does not want all of them closes it, which
+        cancels the rest."""
         self._share(shared)
         waiting = iter(enumerate(items))
         under_way: dict[Any, int] = {}
@@ -122,6 +124,7 @@ class Ray(Engine):
             raise error.cause from None
 
     def _cancel(self, future: Any) -> None:
+        # (What a worker is doing stops as by Ctrl-C.)
         self.ray.cancel(future)
 
 
@@ -174,16 +177,82 @@ class Pool(Futures):
         return self.executor.submit(_call, function, self.shared, item)
 
 
+# Seconds that a process which is told to stop has to put away what it was writing.
+GRACE = 2.0
 _of_process: bytes = b""
+_is_working = False
 
 
-def _start(shared: bytes) -> None:
+class _Stopped(SystemExit):
+    """In a process that is told to stop."""
+
+
+def _start(shared: bytes, lifeline: Any) -> None:
+    """Begins a process of this machine. It stops when the other end of its lifeline is closed, be
+    it that the process which has it ends."""
     global _of_process
+    import signal
+    import threading
+
     _of_process = shared
+    # Ctrl-C reaches all processes of a terminal; the one that started this one heeds it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _stop)
+    threading.Thread(target=_watch, args=(lifeline,), daemon=True).start()
+
+
+def _stop(number: int, frame: object) -> None:
+    import os
+    import signal
+
+    if not _is_working:
+        os._exit(1)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise _Stopped
+
+
+def _watch(lifeline: Any) -> None:
+    import os
+    import signal
+    import threading
+    import time
+
+    with contextlib.suppress(EOFError, OSError):
+        lifeline.recv_bytes()
+    main = threading.main_thread().ident
+    if main is not None and hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(main, signal.SIGTERM)
+        time.sleep(GRACE)
+    os._exit(1)
 
 
 def _call_here(function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
-    return _call(function, _of_process, item)
+    global _is_working
+    import os
+
+    try:
+        _is_working = True
+        return _call(function, _of_process, item)
+    except _Stopped:
+        # (The executor would take the exception for the result, and go on.)
+        os._exit(1)
+    finally:
+        _is_working = False
+
+
+@contextlib.contextmanager
+def _ctrl_c_waits() -> Iterator[None]:
+    """Ctrl-C waits until this is over, and processes that are started meanwhile never hear of it."""
+    import signal
+
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Processes(Pool):
@@ -196,27 +265,39 @@ class Processes(Pool):
         self.wait = importlib.import_module("concurrent.futures").wait
 
     def _submit(self, function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
-        # (Each process has what is shared from its start.)
-        return self.executor.submit(_call_here, function, item)
+        # (This starts processes, each of which has what is shared from its start.)
+        with _ctrl_c_waits():
+            return self.executor.submit(_call_here, function, item)
 
     def run(
         self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
-    ) -> Iterator[tuple[int, Any]]:
+    ) -> Generator[tuple[int, Any]]:
         from concurrent.futures import ProcessPoolExecutor
         from concurrent.futures.process import BrokenProcessPool
         from multiprocessing import get_context
 
         left = dict(enumerate(items))
         failures = 0
+        context = get_context("spawn")
         while left:
+            lifeline, end = context.Pipe(duplex=False)
+            workers = min(self.workers, len(left))
             try:
-                with ProcessPoolExecutor(
-                    min(self.workers, len(left)), get_context("spawn"), _start, (shared,)
-                ) as self.executor:
+                with (
+                    lifeline,
+                    end,
+                    ProcessPoolExecutor(workers, context, _start, (shared, lifeline)) as executor,
+                ):
+                    self.executor = executor
                     places = list(left)
-                    for at, result in super().run(function, shared, list(left.values())):
-                        del left[places[at]]
-                        yield places[at], result
+                    try:
+                        for at, result in super().run(function, shared, list(left.values())):
+                            del left[places[at]]
+                            yield places[at], result
+                    except BaseException:
+                        # (Before the executor waits for them.)
+                        end.close()
+                        raise
             except BrokenProcessPool:
                 failures += 1
                 if failures > RETRIES:

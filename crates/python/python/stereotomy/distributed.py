@@ -11,6 +11,11 @@ byte, for any number of workers and shards.
     with Client("scheduler:8786") as client:
         st.distributed.mesh(solid, cells=4096, client=client, out="huge.ply")
 
+Ctrl-C stops the work, and so does an exception of `progress`: what no worker has begun is
+cancelled, and files are whole or not there. Processes of this machine and Ray's workers stop
+what they are doing; a worker of Dask or of an executor finishes its part first, which nobody
+waits for but the executor's own end.
+
 The package must be installed where the workers are, in the same version. Processes of this
 machine start a script anew, as `multiprocessing` does: what a script does by itself belongs
 below `if __name__ == "__main__":`.
@@ -18,6 +23,7 @@ below `if __name__ == "__main__":`.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -67,9 +73,8 @@ def mesh(
     Of the options of `mesh` there must be `cells` or `cell_size`; `tolerance`, `draft`,
     `feature_edges` and `partial` are not for shards. With `check` a mesh that is given back is
     checked. `progress` is called with the share that is done: nine tenths for the shards, and
-    the rest for putting them together, which Ctrl-C stops, too. A GLB file of more than
-    1,048,576 triangles is one of chunks, and of more than 64 of these several files
-    (`a.glb`, `a-2.glb`, …).
+    the rest for putting them together. A GLB file of more than 1,048,576 triangles is one of
+    chunks, and of more than 64 of these several files (`a.glb`, `a-2.glb`, …).
 
     >>> import stereotomy as st
     >>> from concurrent.futures import ThreadPoolExecutor
@@ -100,14 +105,13 @@ def mesh(
             ((part, count), None if folder is None else path, threads, given)
             for part, path in enumerate(paths)
         ]
-        done = 0
-        for part, data in engine.run(_shard, pickle.dumps(solid), items):
-            if data is not None:
-                with open(paths[part], "wb") as file:
-                    file.write(data)
-            done += 1
-            if progress is not None:
-                progress(_MADE * done / count)
+        with contextlib.closing(engine.run(_shard, pickle.dumps(solid), items)) as results:
+            for done, (part, data) in enumerate(results, 1):
+                if data is not None:
+                    with open(paths[part], "wb") as file:
+                        file.write(data)
+                if progress is not None:
+                    progress(_MADE * done / count)
 
         def merged(share: float) -> None:
             if progress is not None:
@@ -179,10 +183,11 @@ def sweep(
     items = [(first + 1, rows[first : first + some]) for first in range(0, len(rows), some)]
     made: dict[int, list[dict[str, Any]]] = {}
     shared = _pickled((model, names, given), client)
-    for at, chunk in engine.run(_measure_rows, shared, items):
-        made[at] = chunk
-        if progress is not None:
-            progress(len(made) / len(items))
+    with contextlib.closing(engine.run(_measure_rows, shared, items)) as results:
+        for at, chunk in results:
+            made[at] = chunk
+            if progress is not None:
+                progress(len(made) / len(items))
     result = [row for at in range(len(items)) for row in made[at]]
     if out is not None:
         _write_table(out, result)

@@ -24,6 +24,8 @@ export class Cameras {
     this.current = this.perspective;
     this.radius = 1;
     this.aspect = 1;
+    /** The share of the picture that is left free around the model when all of it is shown. */
+    this.room = 0;
     this.controls = new OrbitControls(this.current, canvas);
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => { this.#depths(); changed(); });
@@ -64,7 +66,18 @@ export class Cameras {
   fit() {
     const direction = this.current.position.clone().sub(this.controls.target).normalize();
     this.controls.target.set(0, 0, 0);
-    this.#place(direction, (look.margin * this.radius) / Math.sin(HALF));
+    this.#place(direction, this.#fitting);
+  }
+
+  get #fitting() {
+    return (look.margin * this.radius) / Math.sin(HALF) / (1 - this.room);
+  }
+
+  /** Leaves room around the model, at once if all of it is shown. */
+  leave(room) {
+    const isFitted = this.controls.target.length() < 1e-6 * this.radius && Math.abs(this.distance / this.#fitting - 1) < 1e-6;
+    this.room = room;
+    if (isFitted) this.fit();
   }
 
   turn(across, up) {

@@ -6,13 +6,12 @@ import {
   Plane, PlaneGeometry, Points, PointsMaterial, RGBAFormat, ReplaceStencilOp, Scene, ShaderMaterial, UnsignedByteType,
   Vector3, WebGLRenderTarget,
 } from "three";
+import { Dimensions } from "./dimensions.js";
 import look from "./look.json";
 
 const WIDTH = 1024;
 /** Milliseconds that a frame may take while the camera moves. */
 const BUDGET = 33;
-/** So many segments of edges are drawn then, too, at most. */
-const SIMPLIFIED_SEGMENTS = 100_000;
 /** Half of the window around the pointer in which edges are looked for, in pixels. */
 const REACH = 6;
 
@@ -64,6 +63,8 @@ export class Drawing {
     this.pickedPoints = new PointsMaterial({ size: 9, sizeAttenuation: false, depthTest: false });
     this.pickMaterials = [this.#pickMaterial(1), this.#pickMaterial(-1)];
     this.showsEdges = this.showsFaces = true;
+    this.dimensions = new Dimensions();
+    this.scene.add(this.dimensions.group);
     this.theme(false);
   }
 
@@ -124,7 +125,9 @@ export class Drawing {
   /** Colours for a light or a dark page. */
   theme(isDark) {
     this.colors = isDark ? look.dark : look.light;
-    this.renderer.setClearColor(getComputedStyle(document.body).backgroundColor);
+    const { backgroundColor } = getComputedStyle(document.body);
+    this.renderer.setClearColor(backgroundColor);
+    this.dimensions.theme(isDark, backgroundColor);
     this.edgeMaterial.color.set(packed(this.colors.lines));
     this.accent.value.set(isDark ? 0x4da0ff : 0x1b74d0);
     this.pickedEdges.color.set(0xff7a1a);
@@ -140,9 +143,10 @@ export class Drawing {
       this.pickScene.remove(mesh);
       mesh.geometry.dispose();
     }
-    this.simplifiedFaces?.dispose();
+    for (const simplified of this.simplifiedFaces ?? []) simplified.dispose();
     this.model = model;
-    this.cost = 0;
+    this.cost = this.step = this.lastEnd = 0;
+    this.wasSlow = false;
     this.isMeasured = false;
     const faces = new BufferGeometry();
     faces.setAttribute("position", new BufferAttribute(model.points, 3));
@@ -150,9 +154,11 @@ export class Drawing {
     faces.setAttribute("face", new BufferAttribute(model.faceOf, 1));
     faces.setIndex(new BufferAttribute(model.corners, 1));
     // The same points, and fewer triangles of them.
-    this.simplifiedFaces = new BufferGeometry();
-    for (const [name, attribute] of Object.entries(faces.attributes)) this.simplifiedFaces.setAttribute(name, attribute);
-    this.simplifiedFaces.setIndex(new BufferAttribute(model.simplifiedCorners, 1));
+    this.simplifiedFaces = model.simplifiedCorners.map((corners) => {
+      const simplified = new BufferGeometry();
+      for (const [name, attribute] of Object.entries(faces.attributes)) simplified.setAttribute(name, attribute);
+      return simplified.setIndex(new BufferAttribute(corners, 1));
+    });
     const edges = new BufferGeometry();
     edges.setAttribute("position", new BufferAttribute(model.segments, 3));
     const ends = new Float32Array(2 * model.edgeOf.length);
@@ -179,6 +185,7 @@ export class Drawing {
     this.picks = [];
     this.states.value.dispose();
     this.states.value = stateTexture(model.faces.length);
+    this.dimensions.of(model, this.hidden);
     this.#paint();
     this.#mark();
     this.#apply();
@@ -193,6 +200,7 @@ export class Drawing {
 
   hide(hidden) {
     this.hidden = hidden;
+    this.dimensions.of(this.model, hidden);
     this.#paint();
   }
 
@@ -251,42 +259,74 @@ export class Drawing {
     }
   }
 
-  /** Whether a frame of all triangles takes too long while the camera moves, and there are fewer. */
-  get isHeavy() {
+  /** How coarse frames in motion are: 0 with all triangles, 1 and so on with fewer and fewer. */
+  get coarseness() {
+    const most = this.simplifiedFaces?.length ?? 0;
     // (The cut draws them three times.)
-    return this.model?.simplifiedCorners.length > 0 && (this.isCut ? 3 : 1) * this.cost > BUDGET;
+    return Math.min(most, this.isCut && 3 * this.cost > BUDGET ? Math.max(1, this.step) : this.step);
   }
 
   /** Draws a frame; `isMoving` if another follows soon. */
   draw(camera, isMoving = false) {
-    const isSimplified = isMoving && this.isHeavy;
+    const coarseness = isMoving ? this.coarseness : 0;
+    const simplified = this.simplifiedFaces?.[coarseness - 1];
     for (const mesh of this.model ? [this.faceMesh, ...this.stencilMeshes] : []) {
-      mesh.geometry = isSimplified ? this.simplifiedFaces : this.pickFaces.geometry;
+      mesh.geometry = simplified ?? this.pickFaces.geometry;
     }
-    if (this.model) this.edgeLines.visible = this.showsEdges && !(isSimplified && this.model.edgeOf.length > SIMPLIFIED_SEGMENTS);
+    if (this.model) {
+      // Lines count as triangles do.
+      const isHeavy = simplified && this.model.edgeOf.length > simplified.index.count / 3;
+      this.edgeLines.visible = this.showsEdges && !isHeavy;
+    }
+    // The coarsest have half as many pixels a side.
+    const ratio = window.devicePixelRatio * (coarseness > 1 ? 0.5 : 1);
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(look.lamp_up * camera.position.length()));
+    const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+    this.dimensions.layOut(camera, width, height);
     this.renderer.localClippingEnabled = true;
     this.renderer.render(this.scene, camera);
   }
 
-  /** Measures once what a frame of all triangles costs, where there are fewer. Nothing waits for it. */
+  /** Waits until all that was drawn is there. */
+  async #done() {
+    const gl = this.renderer.getContext();
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    while (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) await new Promise((next) => setTimeout(next, 1));
+    gl.deleteSync(fence);
+  }
+
+  /** Draws a frame in motion. Two in turn that take too long make the next ones coarser; nothing waits
+   * for that. */
+  async drawMoving(camera) {
+    const { model } = this;
+    const start = performance.now();
+    this.draw(camera, true);
+    if (!this.cost) return;
+    await this.#done();
+    const end = performance.now();
+    // (It has waited for the one before.)
+    const isSlow = end - Math.max(start, this.lastEnd) > BUDGET;
+    this.lastEnd = end;
+    if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, this.simplifiedFaces.length);
+    this.wasSlow = isSlow && !this.wasSlow;
+  }
+
+  /** Measures once what a frame of all triangles costs, where there are fewer; nothing waits for it.
+   * From then on frames in motion are followed. */
   async measure(camera) {
     const { model } = this;
     if (this.isMeasured || !model?.simplifiedCorners.length) return;
     this.isMeasured = true;
-    const gl = this.renderer.getContext();
-    const done = async () => {
-      const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-      gl.flush();
-      while (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) await new Promise((next) => setTimeout(next, 1));
-      gl.deleteSync(fence);
-    };
     // (What was drawn before, which took the triangles to the graphics card, is not of it.)
-    await done();
+    await this.#done();
     const start = performance.now();
     if (model === this.model) this.draw(camera);
-    await done();
-    if (model === this.model) this.cost = performance.now() - start;
+    await this.#done();
+    if (model !== this.model) return;
+    this.cost = performance.now() - start;
+    if (this.cost > BUDGET) this.step = Math.max(1, this.step);
   }
 
   /** What is seen at a place in pixels of the page: a vertex or an edge near by, or a face. */

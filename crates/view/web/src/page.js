@@ -10,7 +10,7 @@ let server;
 const renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, preserveDrawingBuffer: true });
 const drawing = new Drawing(renderer);
 // (`answers` counts what was said of picks.)
-const state = { answers: 0, model: null, account: null, picks: [], cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
+const state = { answers: 0, model: null, account: null, picks: [], measured: [], kept: [], counts: "", cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
 
 // Drawing, once for all that changed since the last frame.
 /** Milliseconds without a move of the camera until all triangles are drawn again. */
@@ -25,8 +25,12 @@ function changed(hasMoved = false) {
   requestAnimationFrame(() => {
     isWaiting = false;
     clearTimeout(rest);
-    drawing.draw(cameras.current, isMoving);
-    if (isMoving && drawing.isHeavy) rest = setTimeout(changed, REST);
+    if (isMoving) {
+      drawing.drawMoving(cameras.current);
+      if (drawing.coarseness) rest = setTimeout(changed, REST);
+    } else {
+      drawing.draw(cameras.current);
+    }
     isMoving = false;
     if (!state.model) return;
     for (const picture of document.querySelectorAll(".first")) picture.remove();
@@ -81,6 +85,7 @@ async function load() {
     if (!model) break;
     show(model);
     if (model.is_coarse) continue;
+    await measureAgain();
     const account = await server.account().catch(() => null);
     if (account?.revision === state.model.revision) tell(account);
   }
@@ -159,8 +164,9 @@ export function start(answering) {
 // Picking and measuring.
 function picks(list) {
   state.picks = list;
+  state.measured = [];
   drawing.pick(list);
-  changed();
+  dimensions();
 }
 
 async function picked(pick, isSecond) {
@@ -192,15 +198,77 @@ async function say(pick, isSecond) {
       ...(plain.length === 2 ? [server.between(model.revision, plain)] : []),
     ]);
     if (state.picks !== list) return;
+    // Of two picks what is between them, and of one what it measures itself.
+    const row = answers.at(-1).find(({ dimension }) => dimension);
+    state.measured = row ? [measured(plain, row)] : [];
+    dimensions();
     const titles = plain.length === 2 ? ["First", "Second", "Between them"] : [""];
     box.replaceChildren(...answers.flatMap((answer, k) => {
       const table = element("table", { "aria-label": titles[k] || "Picked" });
-      rows(table, answer.length ? answer : [{ label: "", text: "Nothing can be measured between these." }]);
+      const of = plain.length === 2 && k < 2 ? [plain[k]] : plain;
+      rows(table, answer.length ? answer : [{ label: "", text: "Nothing can be measured between these." }], (row) => keep(measured(of, row)));
       return titles[k] ? [element("h3", { textContent: titles[k] }), table] : [table];
     }));
   } catch (error) {
     box.replaceChildren(element("p", { textContent: `It could not be told: ${error.message}` }));
   }
+}
+
+// Dimensions: those of what is shown, of what is picked, and the ones that are kept.
+/** The share of the picture that they may need around the model. */
+const ROOM = 0.14;
+const isDimensioned = () => byId("dimensions").getAttribute("aria-pressed") === "true";
+const measured = (picks, { label, text, value, dimension }) => ({ ...dimension, picks, label, text, value });
+
+function dimensions() {
+  drawing.dimensions.isShown = isDimensioned();
+  const keys = new Set(state.kept.map(keyOf));
+  drawing.dimensions.measured = [...state.kept, ...state.measured.filter((one) => !keys.has(keyOf(one)))];
+  changed();
+}
+
+const keyOf = ({ picks, label }) => JSON.stringify([picks, label]);
+
+function toggleDimensions() {
+  cameras.leave(toggle("dimensions") ? ROOM : 0);
+  dimensions();
+}
+byId("dimensions").onclick = toggleDimensions;
+
+function keep(one) {
+  if (!state.kept.some((other) => keyOf(other) === keyOf(one))) state.kept.push(one);
+  if (!isDimensioned()) toggleDimensions();
+  listKept();
+}
+
+function listKept() {
+  byId("kept-section").hidden = state.kept.length === 0;
+  byId("kept").replaceChildren(...state.kept.map((one) => {
+    const remove = element("button", { type: "button", textContent: "Remove", "aria-label": `Remove ${one.label}` });
+    remove.onclick = () => {
+      state.kept = state.kept.filter((other) => other !== one);
+      listKept();
+    };
+    return element("li", {}, element("span", { textContent: `${one.label}: ${one.text}` }), remove);
+  }));
+  dimensions();
+}
+
+/** What is kept, of a model that was made again: none where faces, edges or vertices are others. */
+async function measureAgain() {
+  const { model } = state;
+  const counts = JSON.stringify([model.is_exact, model.faces.length, model.edges.length, model.vertices.length]);
+  const kept = counts === state.counts ? state.kept : [];
+  state.counts = counts;
+  if (!state.kept.length) return;
+  const again = await Promise.all(kept.map(async ({ picks, label }) => {
+    const answer = picks.length === 2 ? server.between(model.revision, picks) : server.describe(model.revision, picks[0]);
+    const row = (await answer.catch(() => [])).find((one) => one.label === label && one.dimension);
+    return row ? [measured(picks, row)] : [];
+  }));
+  if (model !== state.model) return;
+  state.kept = again.flat();
+  listKept();
 }
 
 let pressed = null;
@@ -319,7 +387,8 @@ const keys = {
   0: () => cameras.look("corner"), Home: () => { cameras.look("corner"); cameras.fit(); }, f: () => cameras.fit(),
   p: toggleParallel, e: () => toggleDrawn("edges"), a: () => toggleDrawn("faces"), x: toggleCut, s: screenshot,
   "+": () => cameras.nearer(1.1), "=": () => cameras.nearer(1.1), "-": () => cameras.nearer(1 / 1.1),
-  Escape: () => picked(null), Enter: () => picked(drawing.at(canvas.clientWidth / 2, canvas.clientHeight / 2, cameras.current), false),
+  Escape: () => picked(null), d: toggleDimensions,
+  Enter: () => picked(drawing.at(canvas.clientWidth / 2, canvas.clientHeight / 2, cameras.current), false),
 };
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 document.addEventListener("keydown", (event) => {
@@ -344,6 +413,8 @@ globalThis.stereotomy = {
   },
   eye: () => cameras.current.position.toArray().map((x, k) => x + (state.model?.center[k] ?? 0)),
   drawing,
+  camera: () => cameras.current,
+  picked: (x, y) => drawing.at(x, y, cameras.current),
   turn: (across) => cameras.turn(across, 0),
   /** Milliseconds a frame takes, drawn and read back, of so many in turn; `isMoving` as in `draw`. */
   frames: (count, isMoving = false) => {

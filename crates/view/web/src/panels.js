@@ -13,9 +13,17 @@ export function element(name, properties = {}, ...children) {
   return made;
 }
 
-export function rows(table, list) {
-  table.replaceChildren(...list.map(({ label, text }) =>
-    element("tr", {}, element("th", { scope: "row", textContent: label }), element("td", { textContent: text }))));
+/** Fills a table; with `keep` rows that can be drawn in the picture have a button that hands them on. */
+export function rows(table, list, keep = null) {
+  table.replaceChildren(...list.map((row) => {
+    const value = element("td", {}, element("span", { textContent: row.text }));
+    if (keep && row.dimension) {
+      const button = element("button", { type: "button", textContent: "Keep", title: "Keep it in the picture", "aria-label": `Keep ${row.label} in the picture` });
+      button.onclick = () => keep(row);
+      value.append(" ", button);
+    }
+    return element("tr", {}, element("th", { scope: "row", textContent: row.label }), value);
+  }));
 }
 
 /** Shows what is wrong with the model, with the lines around. */

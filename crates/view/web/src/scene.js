@@ -13,11 +13,12 @@ export function unpack(bytes) {
   const { points, triangles, simplified, segments, vertices } = head.counts;
   return {
     ...head,
+    extents: take(Float64Array, 6 * head.faces.length),
     points: take(Float32Array, 3 * points),
     faceOf: take(Float32Array, points),
     normals: take(Int8Array, 4 * points),
     corners: take(Uint32Array, 3 * triangles),
-    simplifiedCorners: take(Uint32Array, 3 * simplified),
+    simplifiedCorners: simplified.map((count) => take(Uint32Array, 3 * count)),
     segments: take(Float32Array, 6 * segments),
     edgeOf: take(Float32Array, segments),
     vertices: take(Float32Array, 3 * vertices),

@@ -1,0 +1,54 @@
+"""A program that tests stop: minutes of work by the engine that is named first, a mesh or a table of
+variants as named second, in the folder that is named third. It says "begun" once some of the work
+is done or under way, and how it ended."""
+
+import pathlib
+import sys
+
+import scenes
+from test_distributed import Cluster, dask_cluster, here, ray_cluster
+
+import stereotomy as st
+
+CLUSTERS = {"here": here, "dask": dask_cluster, "ray": ray_cluster}
+
+
+def minutes_of_work(begun: str) -> st.Solid:
+    pathlib.Path(begun).touch()
+    return scenes.cheese(10_000)
+
+
+def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:
+    if work == "mesh":
+        st.distributed.mesh(
+            scenes.cheese(1000),
+            cells=3000,
+            shards=2000,
+            client=cluster.client,
+            out=folder / "all.ply",
+            folder=folder,
+            progress=lambda share: print("begun", flush=True),
+        )
+    else:
+        table = {"begun": [str(folder / f"begun-{row}") for row in range(1, 9)]}
+        st.distributed.sweep(
+            minutes_of_work,
+            table,
+            client=cluster.client,
+            rows_at_once=1,
+            out=folder / "all.csv",
+            write=str(folder / "{row}.stl"),
+            tolerance=1e-6,
+        )
+
+
+if __name__ == "__main__":
+    engine, work, folder = sys.argv[1:]
+    with CLUSTERS[engine]() as cluster:
+        try:
+            do(work, cluster, pathlib.Path(folder))
+            print("finished")
+        except KeyboardInterrupt:
+            print("stopped")
+        if engine == "here":
+            print(len(cluster.processes()), "processes left")
