@@ -36,10 +36,12 @@
 mod arc;
 mod arcs;
 mod assemble;
+mod ball;
 mod boundary;
 #[cfg(test)]
 mod boundary_tests;
 mod cells;
+mod common;
 mod conic;
 mod contacts;
 mod contours;

@@ -8,6 +8,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::ball::Ball;
 use super::curve::{Curve, Meets};
 use super::roots::{Roots, bracketed};
 use super::scene::Scene;
@@ -144,13 +145,6 @@ impl Triple<'_> {
             radius: off[0].max(off[1]),
         }
     }
-}
-
-/// Where three surfaces cannot be told from having a curve in common.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
-    pub center: DVec3,
-    pub radius: f64,
 }
 
 impl Ball {
