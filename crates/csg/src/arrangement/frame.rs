@@ -11,7 +11,7 @@ use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
 use crate::program::{Kind, StandardForm, Surface};
-use crate::surface::Round;
+use crate::surface::round::Round;
 
 /// How a quadric is cut into patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
 use crate::program::Surface;
-use crate::surface::{Round, facing_cosine, facing_range};
+use crate::surface::round::{Round, facing_cosine, facing_range};
 
 /// Whether a triangle faces out clearly in its middle, and nowhere against its surface:
 /// asked as tessellation does, of an elongated quadric where it is round.

@@ -21,8 +21,8 @@ use crate::numeric::tolerance::{
     CANCELLED, NEAR, NEAR_OF_REFINED, ON_CONIC, TOUCHING, TOUCHING_AT_ENDS,
 };
 use crate::program::Surface;
+use crate::surface::round::{LEAST_ASPECT, Round};
 use crate::surface::solve;
-use crate::surface::{LEAST_ASPECT, Round};
 
 /// An ellipse, a parabola, or a branch of a hyperbola.
 pub(super) struct Conic {

@@ -11,7 +11,7 @@ use super::course::Course;
 use super::goal::Goal;
 use crate::numeric::tolerance::CROSSING;
 use crate::program::Surface;
-use crate::surface::Round;
+use crate::surface::round::Round;
 use crate::surface::solve;
 
 /// Steps in which a curve is measured between two vertices.

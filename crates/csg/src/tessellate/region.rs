@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::deviation::{self, Shrinkage};
 use super::project::project;
 use crate::program::{Kind, Surface};
-use crate::surface::Round;
+use crate::surface::round::Round;
 
 /// How a surface bends, which says what triangles suit it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

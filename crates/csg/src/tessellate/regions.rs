@@ -3,7 +3,7 @@
 use super::deviation::Shrinkage;
 use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
 use super::region::{Bend, Region, Way};
-use crate::surface::Round;
+use crate::surface::round::Round;
 
 /// The connected faces of a mesh, which its half-edges are told.
 pub(super) fn regions(

@@ -21,7 +21,7 @@ use super::side::{Side, halved, together};
 use super::surfaced::Surfaced;
 use crate::mesh::{Intersections, Mesh};
 use crate::program::Surface;
-use crate::surface::Round;
+use crate::surface::round::Round;
 
 /// How triangles that run through each other are parted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

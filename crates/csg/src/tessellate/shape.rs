@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::region::{Bend, Region, Way};
 use crate::numeric::tolerance::FLAT;
 use crate::program::Surface;
-use crate::surface::{Round, facing_cosine, facing_range, gradient, placed};
+use crate::surface::round::{Round, facing_cosine, facing_range, gradient, placed};
 
 /// Of the angle between normals, in the middle: far from folded.
 pub(super) const LEAST_COSINE: f64 = 0.2;

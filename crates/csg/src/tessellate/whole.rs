@@ -7,8 +7,8 @@ use super::region::{Bend, Region, Way};
 use super::surfaced::Surfaced;
 use crate::numeric::tolerance::ROUND;
 use crate::program::{Kind, Surface};
-use crate::surface::Round;
 use crate::surface::Side;
+use crate::surface::round::Round;
 
 /// A part of a mesh that is all of an ellipsoid.
 pub(super) struct Whole<'a> {

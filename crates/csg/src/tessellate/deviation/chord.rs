@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use super::{hessian_norm, of_triangle, shrunk};
 use crate::numeric::tolerance::TOUCHING;
 use crate::program::Surface;
-use crate::surface::{LEAST_ASPECT, Round};
+use crate::surface::round::{LEAST_ASPECT, Round};
 
 /// A bound of this share of a chord or more tells hardly more than that its points are
 /// near its ends.
