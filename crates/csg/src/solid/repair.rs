@@ -47,7 +47,7 @@ pub struct Repairs {
     pub flat_shells: usize,
     /// Shells turned whose triangles all looked inwards, though they are in no other.
     pub turned_shells: usize,
-    /// Shells that ran through each other, and were united.
+    /// All shells, if some of them ran through others: they were united.
     pub united_shells: usize,
 }
 
@@ -82,7 +82,7 @@ impl fmt::Display for Repairs {
             (self.turned_shells, "shells that looked inwards turned"),
             (
                 self.united_shells,
-                "shells that ran through each other united",
+                "shells united, as some ran through others",
             ),
         ];
         let said: Vec<String> = counts
@@ -109,8 +109,9 @@ impl Solid {
     /// What is still wrong, as of the repaired mesh: a shell that runs through itself, or has
     /// one side only.
     pub fn repaired(mesh: &Mesh) -> Result<(Self, Repairs), Box<MeshFaults>> {
-        let Err(faults) = Self::from_mesh(mesh) else {
-            return Self::from_mesh(mesh).map(|solid| (solid, Repairs::default()));
+        let faults = match Self::from_mesh(mesh) {
+            Ok(solid) => return Ok((solid, Repairs::default())),
+            Err(faults) => faults,
         };
         let mut repairs = Repairs::default();
         let mut sewn = Sewn::new(mesh, &mut repairs);
@@ -121,10 +122,8 @@ impl Solid {
             return Err(faults);
         }
         orient(&mut shells, &sewn.positions, &mut repairs);
-        let whole = Mesh::new(
-            sewn.positions.clone(),
-            shells.iter().flat_map(|s| s.triangles.clone()).collect(),
-        );
+        let triangles = shells.iter().flat_map(|shell| &shell.triangles);
+        let whole = mesh_of(&sewn.positions, triangles.copied().collect());
         let faults = match Self::from_mesh(&whole) {
             Ok(solid) => return Ok((solid, repairs)),
             Err(faults) => faults,
@@ -445,15 +444,20 @@ impl Shell {
         if self.volume < 0.0 {
             self.turn();
         }
-        let mut used: Vec<u32> = self.triangles.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        for corner in self.triangles.iter_mut().flatten() {
-            *corner = used.partition_point(|v| v < corner) as u32;
-        }
-        let positions = used.iter().map(|&v| positions[v as usize]).collect();
-        Solid::from_mesh(&Mesh::new(positions, self.triangles))
+        Solid::from_mesh(&mesh_of(positions, self.triangles))
     }
+}
+
+/// A mesh of the vertices that triangles name.
+fn mesh_of(positions: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for corner in triangles.iter_mut().flatten() {
+        *corner = used.partition_point(|v| v < corner) as u32;
+    }
+    let positions = used.iter().map(|&v| positions[v as usize]).collect();
+    Mesh::new(positions, triangles)
 }
 
 /// Turns shells that look inwards, but for those within larger ones: these are hollows.
@@ -587,6 +591,8 @@ mod tests {
         mesh.triangles.push([again[1], again[0], again[2]]);
         mesh.triangles.push([0, 0, 1]);
         mesh.triangles.push([0, 1, 99]);
+        mesh.positions.push(DVec3::NAN);
+        mesh.triangles.push([0, 1, 8]);
         // A soup, to single precision, of which one corner is a little off.
         let corner = mesh.triangles[0][0] as usize;
         let beside = mesh.positions.len() as u32;
@@ -594,7 +600,7 @@ mod tests {
         mesh.triangles[0][0] = beside;
         let changed = Repairs {
             spare: 3,
-            unusable: 1,
+            unusable: 2,
             sewn: 1,
             ..Repairs::default()
         };

@@ -44,11 +44,10 @@ impl Builder<'_> {
             read_mesh_with(&path, &files).map_err(|e| self.fault(node, &e.to_string()))?;
         let (count, name) = (mesh.triangles.len() as f64, path.display());
         self.facets(node, count, count)?;
+        let fault = |faults| format!("{name}: {}", Error::NotASolid(faults));
         if self.options.repair {
-            let mended = Solid::repaired(&mesh).map_err(|faults| {
-                self.fault(node, &format!("{name}: {}", Error::NotASolid(faults)))
-            });
-            let (solid, repairs) = mended?;
+            let (solid, repairs) =
+                Solid::repaired(&mesh).map_err(|faults| self.fault(node, &fault(faults)))?;
             if !repairs.is_empty() {
                 self.warn(node, format!("{name} was repaired: {repairs}"));
             }
@@ -65,8 +64,7 @@ impl Builder<'_> {
             }
             other => other,
         };
-        let solid = solid
-            .map_err(|faults| self.fault(node, &format!("{name}: {}", Error::NotASolid(faults))))?;
+        let solid = solid.map_err(|faults| self.fault(node, &fault(faults)))?;
         self.made(node, solid)
     }
 
