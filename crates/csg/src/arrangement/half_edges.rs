@@ -79,10 +79,10 @@ impl Arrangement {
             rounding: scene.rounding,
         };
         for half_edge in &all.half_edges {
-            if let Entry::Vacant(entry) = all.curves.entry(half_edge.curve) {
-                scene
-                    .curve(half_edge.curve)
-                    .map(|curve| entry.insert(curve));
+            if let Entry::Vacant(entry) = all.curves.entry(half_edge.curve)
+                && let Some(curve) = scene.curve(half_edge.curve)
+            {
+                entry.insert(curve);
             }
         }
         all.fit_places();
