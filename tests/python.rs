@@ -13,7 +13,10 @@ fn run(command: &mut Command) {
     let status = command
         .status()
         .unwrap_or_else(|error| panic!("{command:?} does not run: {error}"));
-    assert!(status.success(), "{command:?} failed: see its words above");
+    assert!(
+        status.success(),
+        "{command:?} failed ({status}): see its words above"
+    );
 }
 
 #[test]

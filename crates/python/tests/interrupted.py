@@ -47,8 +47,8 @@ if __name__ == "__main__":
     with CLUSTERS[engine]() as cluster:
         try:
             do(work, cluster, pathlib.Path(folder))
-            print("finished")
+            print("finished", flush=True)
         except KeyboardInterrupt:
-            print("stopped")
+            print("stopped", flush=True)
         if engine == "here":
             print(len(cluster.processes()), "processes left")
