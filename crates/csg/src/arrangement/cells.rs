@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::control::{Control, Stage};
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
-use crate::program::{Cell, Given, Operand, Pruner, Side, Surface};
+use crate::program::{Cell, Given, Narrowed, Narrower, Program, Pruner, Side, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
 /// share their coordinates to the bit, so that they partition every line.
@@ -42,8 +42,9 @@ const FEW_PLANES: usize = 20;
 /// took next to no plane away: all of them pass near one point.
 const MOST_VAIN_CUTS: u32 = 3;
 
-/// Of blocks with more planes both halves are worked on at once. Tunes speed only.
-const MANY_PLANES: usize = 1000;
+/// Of so many gates in a box, by the number of halvings, both halves are worked on at once.
+/// Tunes speed only.
+const MANY_GATES: usize = 8000;
 
 /// No block is smaller than this share of the scene.
 const MOST_CUTS: u32 = 40;
@@ -58,36 +59,26 @@ pub(super) struct Counts {
 /// Progress is told by boxes of so many cuts.
 const CUTS_TOLD: u32 = 3;
 
-/// Cuts the box around the whole scene.
+/// Cuts the box around a program's whole scene; its surfaces are told as they lie there.
 pub(super) fn cut(
-    surfaces: &[Surface],
+    (program, surfaces): (&Program, &[Surface]),
     given: Option<&Given>,
-    root: &Block,
+    [low, high]: [DVec3; 2],
     control: &Control,
 ) -> Result<(Vec<Block>, Counts), Error> {
-    let mut cutter = Cutter {
+    let cutter = Cutter {
+        program,
         surfaces,
         given,
         control,
         stage: &control.stage(1 << (3 * CUTS_TOLD), 0.0, 0.2),
         // Looks are told by toggling single literals.
         pruner: Pruner::literal_by_literal(),
+        narrower: Narrower::default(),
         blocks: Vec::new(),
         counts: Counts::default(),
     };
-    let mut pruned = Cell::default();
-    cutter.prune(&root.cell, root.low, root.high, &mut pruned);
-    let root = Block {
-        cell: pruned,
-        ..*root
-    };
-    let way = Way {
-        cuts: 0,
-        vain: 0,
-        is_told: true,
-    };
-    cutter.descend(root, way)?;
-    Ok((cutter.blocks, cutter.counts))
+    cutter.cut(low, high)
 }
 
 /// How a block came about.
@@ -102,79 +93,113 @@ struct Way {
 }
 
 struct Cutter<'a> {
+    program: &'a Program,
     surfaces: &'a [Surface],
     given: Option<&'a Given>,
     control: &'a Control,
     stage: &'a Stage<'a>,
     pruner: Pruner,
+    narrower: Narrower,
     blocks: Vec<Block>,
     counts: Counts,
 }
 
 impl Cutter<'_> {
-    fn prune(&mut self, cell: &Cell, low: DVec3, high: DVec3, out: &mut Cell) {
-        let center = 0.5 * (low + high);
-        // Rounded outward: a plane that touches a face matters on both sides.
-        let slack = COORDINATE * (low.abs() + high.abs());
-        let half = 0.5 * (high - low) + slack;
+    fn cut(mut self, low: DVec3, high: DVec3) -> Result<(Vec<Block>, Counts), Error> {
+        let units = 1 << (3 * CUTS_TOLD);
         match self.given {
-            None => cell.prune_into(self.surfaces, center, half, &mut self.pruner, out),
-            Some(given) => {
-                let side = |id: u32| {
-                    let surface = &self.surfaces[id as usize];
-                    if !given.is_cut(id) {
-                        return surface.side_of_box(center, half);
-                    }
-                    // Blocks end there: on neither side it matters any more.
-                    let (axis, at) = coordinate(surface);
-                    let is_below = high[axis] <= at;
-                    if !is_below && low[axis] < at {
-                        Side::Crossing
-                    } else if is_below == (surface.linear[axis] > 0.0) {
-                        Side::Inside
-                    } else {
-                        Side::Outside
-                    }
+            Some(given) => self.halve(given, [low, high], 0, units)?,
+            None => {
+                let mut cell = Cell::default();
+                self.prune(&self.program.root_cell(), low, high, &mut cell);
+                let way = Way {
+                    cuts: 0,
+                    vain: 0,
+                    is_told: true,
                 };
-                cell.prune_by(side, &mut self.pruner, out);
+                self.descend(Block { low, high, cell }, way)?;
             }
         }
+        Ok((self.blocks, self.counts))
+    }
+
+    /// Cuts a box where polyhedra were, the program looked at from its root on: that takes
+    /// the time of the way down, whatever is in the box. Progress is told by so many units.
+    fn halve(
+        &mut self,
+        given: &Given,
+        [low, high]: [DVec3; 2],
+        halvings: u32,
+        units: u64,
+    ) -> Result<(), Error> {
+        self.control.spend(1, 0)?;
+        let surfaces = self.surfaces;
+        let (center, half) = rounded_outward(low, high);
+        let side = |id: u32| {
+            let surface = &surfaces[id as usize];
+            if !given.is_cut(id) {
+                return surface.side_of_box(center, half);
+            }
+            // Blocks end there: on neither side it matters any more.
+            let (axis, at) = coordinate(surface);
+            let is_below = high[axis] <= at;
+            if !is_below && low[axis] < at {
+                Side::Crossing
+            } else if is_below == (surface.linear[axis] > 0.0) {
+                Side::Inside
+            } else {
+                Side::Outside
+            }
+        };
+        let formula = self.program.formula();
+        let mut cell = Cell::default();
+        let is_cut = |id: u32| given.is_cut(id);
+        let narrowed = self.narrower.narrow(formula, side, is_cut, &mut cell);
+        self.counts.visited += 1;
+        let Narrowed::Cut(cut) = narrowed else {
+            self.stage.add(units);
+            if matches!(narrowed, Narrowed::Constant(_)) {
+                self.counts.pruned += 1;
+                return Ok(());
+            }
+            let way = Way {
+                cuts: 0,
+                vain: 0,
+                is_told: false,
+            };
+            return self.descend(Block { low, high, cell }, way);
+        };
+        let (axis, at) = coordinate(&surfaces[cut as usize]);
+        let (mut below, mut above) = ([low, high], [low, high]);
+        (below[1][axis], above[0][axis]) = (at, at);
+        // (Boxes of less than a unit are not told.)
+        let (halvings, units) = (halvings + 1, units / 2);
+        if formula.gates().len() >> halvings < MANY_GATES {
+            self.halve(given, below, halvings, units)?;
+            return self.halve(given, above, halvings, units);
+        }
+        let mut other = Self {
+            pruner: Pruner::literal_by_literal(),
+            narrower: Narrower::default(),
+            blocks: Vec::new(),
+            counts: Counts::default(),
+            ..*self
+        };
+        let halves = rayon::join(
+            || self.halve(given, below, halvings, units),
+            || other.halve(given, above, halvings, units),
+        );
+        self.blocks.append(&mut other.blocks);
+        self.counts.visited += other.counts.visited;
+        self.counts.pruned += other.counts.pruned;
+        halves.0.and(halves.1)
+    }
+
+    fn prune(&mut self, cell: &Cell, low: DVec3, high: DVec3, out: &mut Cell) {
+        let (center, half) = rounded_outward(low, high);
+        cell.prune_into(self.surfaces, center, half, &mut self.pruner, out);
         self.counts.visited += 1;
         self.counts.pruned += u64::from(out.constant().is_some());
-    }
-
-    /// The plane nearest to the formula's root that only parts space.
-    fn cut_of(&self, cell: &Cell) -> Option<u32> {
-        let given = self.given?;
-        let formula = &cell.formula;
-        let gates = formula.gates().iter().rev();
-        let operands = gates.flat_map(|gate| formula.operands_of(gate));
-        let surfaces = operands.filter_map(|&operand| match operand {
-            Operand::Literal(i) => Some(formula.literals()[i as usize].surface),
-            _ => None,
-        });
-        surfaces
-            .map(|position| cell.surfaces[position as usize])
-            .find(|&id| given.is_cut(id))
-    }
-
-    /// Goes on with what of a block is below a coordinate along an axis, or above.
-    fn half(
-        &mut self,
-        block: &Block,
-        (axis, at): (usize, f64),
-        half: usize,
-        way: Way,
-    ) -> Result<(), Error> {
-        let (mut low, mut high) = (block.low, block.high);
-        if half == 0 {
-            high[axis] = at;
-        } else {
-            low[axis] = at;
-        }
-        let mut cell = Cell::default();
-        self.prune(&block.cell, low, high, &mut cell);
-        self.descend(Block { low, high, cell }, way)
     }
 
     fn descend(&mut self, block: Block, way: Way) -> Result<(), Error> {
@@ -186,7 +211,6 @@ impl Cutter<'_> {
         } = way;
         let planes = block.cell.surfaces.len();
         let is_constant = block.cell.constant().is_some();
-        let cut = self.cut_of(&block.cell);
         // Where faces of polyhedra are few, or all pass near one point, is known already.
         let others = match self.given {
             None => planes,
@@ -196,8 +220,7 @@ impl Cutter<'_> {
             }
         };
         let is_last = others <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS;
-        let is_last = cut.is_none() && is_last;
-        if is_told && (cuts == CUTS_TOLD || is_constant || is_last || cut.is_some()) {
+        if is_told && (cuts == CUTS_TOLD || is_constant || is_last) {
             self.stage.add(1 << (3 * (CUTS_TOLD - cuts)));
         }
         if is_constant {
@@ -207,29 +230,6 @@ impl Cutter<'_> {
             let bytes = size_of::<Block>() + block.cell.bytes();
             self.blocks.push(block);
             return self.control.spend(0, bytes as u64);
-        }
-        if let Some(cut) = cut {
-            let cut = coordinate(&self.surfaces[cut as usize]);
-            let is_told = false;
-            let way = Way { is_told, ..way };
-            if planes < MANY_PLANES {
-                self.half(&block, cut, 0, way)?;
-                return self.half(&block, cut, 1, way);
-            }
-            let mut other = Self {
-                pruner: Pruner::literal_by_literal(),
-                blocks: Vec::new(),
-                counts: Counts::default(),
-                ..*self
-            };
-            let halves = rayon::join(
-                || self.half(&block, cut, 0, way),
-                || other.half(&block, cut, 1, way),
-            );
-            self.blocks.append(&mut other.blocks);
-            self.counts.visited += other.counts.visited;
-            self.counts.pruned += other.counts.pruned;
-            return halves.0.and(halves.1);
         }
         let middle = 0.5 * (block.low + block.high);
         for octant in 0..8 {
@@ -253,6 +253,13 @@ impl Cutter<'_> {
         }
         Ok(())
     }
+}
+
+/// The centre and the half extents of a box, rounded outward: a plane that touches a face
+/// matters on both sides.
+fn rounded_outward(low: DVec3, high: DVec3) -> (DVec3, DVec3) {
+    let slack = COORDINATE * (low.abs() + high.abs());
+    (0.5 * (low + high), 0.5 * (high - low) + slack)
 }
 
 /// The axis that a plane is across, and where it crosses that.

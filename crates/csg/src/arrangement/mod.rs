@@ -247,12 +247,12 @@ fn in_blocks<T>(
         relations: &Relations::default(),
         control: task.control,
     };
-    let root = Block {
-        low: -0.5 * task.size - BELOW * longest,
-        high: 0.5 * task.size + ABOVE * longest,
-        cell: task.program.root_cell(),
-    };
-    let (blocks, counts) = cut(&task.surfaces, given.as_ref(), &root, task.control)?;
+    let bounds = [
+        -0.5 * task.size - BELOW * longest,
+        0.5 * task.size + ABOVE * longest,
+    ];
+    let surfaces = (task.program, &task.surfaces[..]);
+    let (blocks, counts) = cut(surfaces, given.as_ref(), bounds, task.control)?;
     report.cells_visited = counts.visited;
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;

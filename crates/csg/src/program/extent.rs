@@ -17,6 +17,7 @@ use glam::DVec3;
 use super::Program;
 use super::cell::{Cell, Pruner};
 use super::formula::{Formula, Operand, Operation};
+use super::narrow::Narrower;
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
 use crate::surface::{Bounds, Side, Surface, half_space_bounds};
@@ -29,6 +30,8 @@ const COARSEST_SLAB: f64 = 1.0 / 4.0;
 /// How many surfaces all attempts at shaving together may look at before the
 /// coarser limit is approached.
 const SHAVING_BUDGET: usize = 4_000_000;
+/// Of so many gates a box of a deep formula is looked at before it is halved.
+const MOST_GATES: usize = 1000;
 /// How often a slab is halved before it counts as not empty.
 const SLAB_LEVELS: usize = 16;
 /// How often the neighbourhood of infinity is halved before a solid that is
@@ -43,7 +46,8 @@ impl Program {
     /// # Errors
     /// [`Error::Unbounded`] if the solid reaches infinitely far.
     pub fn bounds(&self) -> Result<Option<Bounds>, Error> {
-        self.find_bounds(|surfaces, root, loose| Shaver::new(surfaces, root).shave(loose))
+        let is_deep = self.given.is_some();
+        self.find_bounds(|surfaces, root, loose| Shaver::new(surfaces, root, is_deep).shave(loose))
     }
 
     /// A box that encloses the solid, however much too large: a fraction of the
@@ -86,6 +90,10 @@ impl Program {
                 Err(_) => reach,
             };
             current = current.intersected(finite);
+        }
+        if self.given.is_some() {
+            // Boxes around polyhedra are cut with some room.
+            current = current.intersected(reach);
         }
         if current.min.cmpgt(current.max).any() {
             return Ok(None);
@@ -364,19 +372,24 @@ fn surfaces_touching(surfaces: &[Surface], bounds: Bounds, depth: DVec3) -> [Opt
 struct Shaver<'a> {
     surfaces: &'a [Surface],
     root: &'a Cell,
+    /// Whether little of the formula matters in a box, and is found from its root.
+    is_deep: bool,
     levels: Vec<Cell>,
     pruner: Pruner,
-    /// Surfaces looked at so far.
+    narrower: Narrower,
+    /// Surfaces, or gates, looked at so far.
     spent: usize,
 }
 
 impl<'a> Shaver<'a> {
-    fn new(surfaces: &'a [Surface], root: &'a Cell) -> Self {
+    fn new(surfaces: &'a [Surface], root: &'a Cell, is_deep: bool) -> Self {
         Self {
             surfaces,
             root,
+            is_deep,
             levels: Vec::new(),
             pruner: Pruner::default(),
+            narrower: Narrower::default(),
             spent: 0,
         }
     }
@@ -432,19 +445,7 @@ impl<'a> Shaver<'a> {
     fn is_empty(&mut self, bounds: Bounds, levels: usize) -> bool {
         let mut pending = vec![(bounds, 0)];
         while let Some((bounds, level)) = pending.pop() {
-            if self.levels.len() <= level {
-                self.levels.resize_with(level + 1, Cell::default);
-            }
-            let (above, below) = self.levels.split_at_mut(level);
-            let parent = above.last().unwrap_or(self.root);
-            self.spent += parent.surfaces.len();
-            let cell = &mut below[0];
-            // The box of rounded corners, enlarged by what rounding took.
-            // (There is no other side of a comparison.)
-            let slack = 0.5 * COORDINATE * (bounds.min.abs() + bounds.max.abs());
-            let half = 0.5 * bounds.size() + slack;
-            parent.prune_into(self.surfaces, bounds.center(), half, &mut self.pruner, cell);
-            match cell.constant() {
+            match self.constant(bounds, level) {
                 Some(false) => {}
                 None if level < levels => {
                     let axis = bounds.size().max_position();
@@ -459,6 +460,28 @@ impl<'a> Shaver<'a> {
             }
         }
         true
+    }
+
+    /// What the program comes to in a box, one of the last looked at halved so often.
+    fn constant(&mut self, bounds: Bounds, level: usize) -> Option<bool> {
+        // The box of rounded corners, enlarged by what rounding took.
+        // (There is no other side of a comparison.)
+        let slack = 0.5 * COORDINATE * (bounds.min.abs() + bounds.max.abs());
+        let (center, half) = (bounds.center(), 0.5 * bounds.size() + slack);
+        if self.is_deep {
+            let side = |id: u32| self.surfaces[id as usize].side_of_box(center, half);
+            self.spent += MOST_GATES;
+            return self.narrower.constant(&self.root.formula, side, MOST_GATES);
+        }
+        if self.levels.len() <= level {
+            self.levels.resize_with(level + 1, Cell::default);
+        }
+        let (above, below) = self.levels.split_at_mut(level);
+        let parent = above.last().unwrap_or(self.root);
+        self.spent += parent.surfaces.len();
+        let cell = &mut below[0];
+        parent.prune_into(self.surfaces, center, half, &mut self.pruner, cell);
+        cell.constant()
     }
 }
 

@@ -8,6 +8,7 @@ mod formula;
 mod given;
 mod local;
 mod lower;
+mod narrow;
 mod reach;
 mod region;
 mod settle;
@@ -24,6 +25,7 @@ pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
 pub(crate) use given::{Ends, Given};
+pub(crate) use narrow::{Narrowed, Narrower};
 pub(crate) use settle::Settled;
 
 pub use crate::surface::{Bounds, Placement, Side, Surface, SurfaceShape};
@@ -100,10 +102,15 @@ impl Program {
 
     /// Whether `point` lies in the solid: the scalar reference that every
     /// faster path is held against. On the boundary itself either answer may
-    /// come. Costs one evaluation of every surface and gate.
+    /// come. Costs one evaluation of every surface and gate, but of large polyhedra only of
+    /// those that are near.
     #[must_use]
     pub fn contains(&self, point: impl Into<DVec3>) -> bool {
         let point = point.into();
+        if self.given.is_some() {
+            let is_inside = |surface: u32| self.surfaces[surface as usize].value(point) <= 0.0;
+            return Narrower::default().value(&self.formula, is_inside);
+        }
         let inside: Vec<bool> = self
             .surfaces
             .iter()

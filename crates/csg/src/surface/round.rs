@@ -228,10 +228,14 @@ pub(crate) fn gradient(surface: &Surface, round: Option<&Round>, at: DVec3) -> D
 pub(crate) fn facing_cosine(surface: &Surface, round: Option<&Round>, corners: [DVec3; 3]) -> f64 {
     let [p, q, r] = placed(round, corners);
     let gradient = gradient(surface, round, (p + q + r) / 3.0);
-    let normal = (q - p).cross(r - p);
-    let lengths = normal.length_squared() * gradient.length_squared();
+    cosine((q - p).cross(r - p), gradient)
+}
+
+/// Of the angle between two vectors; 0 if one has no length.
+pub(crate) fn cosine(a: DVec3, b: DVec3) -> f64 {
+    let lengths = a.length_squared() * b.length_squared();
     if lengths > 0.0 {
-        normal.dot(gradient) / lengths.sqrt()
+        a.dot(b) / lengths.sqrt()
     } else {
         0.0
     }
@@ -248,11 +252,13 @@ pub(crate) fn facing_range(
 ) -> [f64; 2] {
     let corners @ [p, q, r] = placed(round, corners);
     let normal = (q - p).cross(r - p);
-    let along = corners.map(|at| normal.dot(gradient(surface, round, at)));
-    [
-        along[0].min(along[1]).min(along[2]),
-        along[0].max(along[1]).max(along[2]),
-    ]
+    range(corners.map(|at| normal.dot(gradient(surface, round, at))))
+}
+
+/// The least and the most of three.
+#[inline(always)]
+pub(crate) fn range([a, b, c]: [f64; 3]) -> [f64; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 /// The distance of the origin from a point, a segment or a triangle.

@@ -166,10 +166,11 @@ fn along_gradient(surface: &Surface, shrinkage: Shrinkage, corners: [DVec3; 3]) 
 pub(super) fn is_within(
     surface: &Surface,
     shrinkage: Shrinkage,
-    corners: [DVec3; 3],
+    [p, q, r]: [DVec3; 3],
     distance: f64,
 ) -> bool {
-    let corners = corners.map(|at| Corner::new(surface, at));
+    let corner = |at| Corner::new(surface, at);
+    let corners = [corner(p), corner(q), corner(r)];
     let quarters = quarters(surface, corners.each_ref());
     let along = towards_farthest(&corners, quarters);
     let ratio = Ratio::new(shrinkage, corners.each_ref(), quarters, along);

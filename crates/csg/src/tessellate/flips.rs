@@ -10,9 +10,7 @@ use glam::DVec3;
 
 use super::half_edges::{HalfEdges, next, previous};
 use super::region::{Bend, Region, Way, metric};
-use super::shape::{
-    LEAST_COSINE, faces_out_everywhere, faces_out_in_the_middle, outward_cosine, outward_range,
-};
+use super::shape::{LEAST_COSINE, Sight};
 use crate::numeric::tolerance::NEAR;
 use crate::program::Surface;
 
@@ -69,11 +67,17 @@ fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     let region = mesh.region(half);
     let quad = mesh.quad(half);
     let surface = &mesh.surfaces[region.surface as usize];
-    let at = quad.map(|vertex| mesh.at(vertex));
-    let flips = region.way != Way::Done
-        && ((is_better_flipped(surface, region, at) && leaves_it_unfolded(surface, region, at))
-            || (region.bend == Bend::Single && unwraps(surface, region, at)))
-        && !mesh.are_joined(quad[1], quad[3]);
+    let at = |k: usize| mesh.at(quad[k]);
+    let at = [at(0), at(1), at(2), at(3)];
+    let sight = || Sight::new(surface, region, at);
+    let is_better = if region.way == Way::Done {
+        false
+    } else if is_better_flipped(surface, region, at) {
+        leaves_it_unfolded(&sight(), region.bend)
+    } else {
+        region.bend == Bend::Single && unwraps(&sight())
+    };
+    let flips = is_better && !mesh.are_joined(quad[1], quad[3]);
     if flips {
         mesh.flip(half);
     }
@@ -116,36 +120,41 @@ fn exceeds_half_turn([a, d, b, c]: [DVec3; 4], square: impl Fn(DVec3) -> f64) ->
     c2 + d2 < -NEAR * c2.max(d2)
 }
 
+/// The two triangles beside the edge from a to b, by the places of a, d, b and c, and those that
+/// a flip would make.
+const THERE: [[usize; 3]; 2] = [[0, 2, 3], [2, 0, 1]];
+const MADE: [[usize; 3]; 2] = [[1, 2, 3], [3, 0, 1]];
+
 /// Whether the triangles that a flip would make face the way their surface does, next to all
 /// their points if those that there are do: a flip makes edges longer than a cut does. On
 /// surfaces that bend the same way everywhere, where flips lead to the convex hull, triangles
 /// that are folded may also be flipped into some that are less so: a narrow strip whose sides
 /// are joined askew is unfolded flip by flip.
 #[inline]
-fn leaves_it_unfolded(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4]) -> bool {
-    let [there, made] = [[[a, b, c], [b, a, d]], [[d, b, c], [c, a, d]]];
-    let all = |triangles: [[DVec3; 3]; 2], is: fn(&Surface, &Region, [DVec3; 3]) -> bool| {
-        triangles
-            .iter()
-            .all(|&corners| is(surface, region, corners))
-    };
-    if all(made, faces_out_in_the_middle) {
-        return all(made, faces_out_everywhere) || !all(there, faces_out_everywhere);
+fn leaves_it_unfolded(quad: &Sight<'_, 4>, bend: Bend) -> bool {
+    if MADE.iter().all(|&made| quad.faces_out_in_the_middle(made)) {
+        return bend == Bend::Flat
+            || faces_out_everywhere(quad, MADE)
+            || !faces_out_everywhere(quad, THERE);
     }
-    if region.bend != Bend::Double {
+    if bend != Bend::Double {
         return false;
     }
-    let worst = |triangles: [[DVec3; 3]; 2]| {
-        let [one, other] = triangles.map(|corners| outward_cosine(surface, region, corners));
+    let [before, after] = [THERE, MADE].map(|both| {
+        let [one, other] = both.map(|triangle| quad.cosine(triangle));
         one.min(other)
-    };
-    let before = worst(there);
+    });
     before < LEAST_COSINE
-        && worst(made) > before
+        && after > before
         && !leads_around(
-            there.map(|corners| outward_range(surface, region, corners)),
-            made.map(|corners| outward_range(surface, region, corners)),
+            THERE.map(|triangle| quad.range(triangle)),
+            MADE.map(|triangle| quad.range(triangle)),
         )
+}
+
+#[inline]
+fn faces_out_everywhere(quad: &Sight<'_, 4>, [one, other]: [[usize; 3]; 2]) -> bool {
+    quad.faces_out_everywhere(one) && quad.faces_out_everywhere(other)
 }
 
 /// Whether a flip would lead to the other side of the axis or the centre of a surface that
@@ -162,13 +171,8 @@ fn leads_around(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> bool {
 /// Whether an edge around more than half of a tube, which a chord of less is not told from by
 /// its length, becomes one that is not.
 #[inline]
-fn unwraps(surface: &Surface, region: &Region, [a, d, b, c]: [DVec3; 4]) -> bool {
-    let all = |triangles: [[DVec3; 3]; 2]| {
-        triangles
-            .iter()
-            .all(|&corners| faces_out_everywhere(surface, region, corners))
-    };
-    !all([[a, b, c], [b, a, d]]) && all([[d, b, c], [c, a, d]])
+fn unwraps(quad: &Sight<'_, 4>) -> bool {
+    !faces_out_everywhere(quad, THERE) && faces_out_everywhere(quad, MADE)
 }
 
 #[cfg(test)]
@@ -253,9 +257,9 @@ mod tests {
         };
         let corners = on_rod([(-13.0, 9.0), (90.0, 0.0), (180.0, 0.0), (60.0, 9.0)]);
         assert!(!is_better_flipped(surface, &region, corners));
-        assert!(unwraps(surface, &region, corners));
+        assert!(unwraps(&Sight::new(surface, &region, corners)));
         // Nothing is to be gained where all face out.
         let corners = on_rod([(180.0, 0.0), (240.0, 0.0), (260.0, 9.0), (200.0, 9.0)]);
-        assert!(!unwraps(surface, &region, corners));
+        assert!(!unwraps(&Sight::new(surface, &region, corners)));
     }
 }

@@ -34,7 +34,7 @@ pub(super) fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfac
         let triangles = subdivision
             .triangles
             .iter()
-            .map(|corners| corners.map(&mut place));
+            .map(|&[a, b, c]| [place(a), place(b), place(c)]);
         surfaced.triangles.extend(triangles);
         surfaced.groups.resize(surfaced.triangles.len(), group);
     }
@@ -50,9 +50,8 @@ pub(super) fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfac
         if mesh.is_gone(triangle) || mesh.region(first_of(triangle)).way == Way::Done {
             continue;
         }
-        surfaced
-            .triangles
-            .push(mesh.triangle(triangle).map(&mut place));
+        let [a, b, c] = mesh.triangle(triangle);
+        surfaced.triangles.push([place(a), place(b), place(c)]);
         surfaced.groups.push(mesh.region(first_of(triangle)).group);
     }
     surfaced.positions = positions;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::region::{Bend, Region, Way};
 use crate::numeric::tolerance::FLAT;
 use crate::program::Surface;
-use crate::surface::round::{Round, facing_cosine, facing_range, gradient, placed};
+use crate::surface::round::{Round, cosine, gradient, placed, range};
 
 /// Of the angle between normals, in the middle: far from folded.
 pub(super) const LEAST_COSINE: f64 = 0.2;
@@ -33,60 +33,103 @@ pub(super) fn faces_out(
     agrees(corners[0]) && agrees(corners[1]) && agrees(corners[2])
 }
 
-/// The same with the normal at the triangle's middle alone, which is enough
-/// where triangles are small.
+/// Points as they are looked at, of one face, and the outward gradient at each. Three of them
+/// are a triangle, by their places.
+#[derive(Clone, Copy)]
+pub(super) struct Sight<'a, const N: usize> {
+    region: &'a Region,
+    at: [DVec3; N],
+    outward: [DVec3; N],
+}
+
+impl<'a, const N: usize> Sight<'a, N> {
+    #[inline(always)]
+    pub fn new(surface: &Surface, region: &'a Region, points: [DVec3; N]) -> Self {
+        let round = region.round.as_ref();
+        let (mut at, mut outward) = (points, points);
+        for k in 0..N {
+            at[k] = round.map_or(points[k], |round| round.place(points[k]));
+            outward[k] = region.outward * gradient(surface, round, at[k]);
+        }
+        Self {
+            region,
+            at,
+            outward,
+        }
+    }
+
+    /// Whether a triangle's normal is not far from the outward one at its middle, which is
+    /// enough where triangles are small.
+    #[inline(always)]
+    pub fn faces_out_in_the_middle(&self, corners: [usize; 3]) -> bool {
+        if self.region.way == Way::Done {
+            return true;
+        }
+        let [p, q, r] = corners;
+        let Some(normal) = normal([self.at[p], self.at[q], self.at[r]]) else {
+            return false;
+        };
+        if self.region.bend == Bend::Flat {
+            return normal.dot(self.outward[p]) > 0.0;
+        }
+        agree(normal, self.in_the_middle(corners), LEAST_COSINE)
+    }
+
+    /// The same, and nowhere against it: no edge runs around more than half of a tube, on the
+    /// wrong side of its axis.
+    #[inline(always)]
+    pub fn faces_out_everywhere(&self, corners: [usize; 3]) -> bool {
+        self.faces_out_in_the_middle(corners)
+            && (self.region.bend == Bend::Flat
+                || self.region.way == Way::Done
+                || self.range(corners)[0] >= 0.0)
+    }
+
+    /// The outward gradient at a triangle's middle: a quadric's is linear in the point.
+    #[inline(always)]
+    fn in_the_middle(&self, [p, q, r]: [usize; 3]) -> DVec3 {
+        (self.outward[p] + self.outward[q] + self.outward[r]) / 3.0
+    }
+
+    #[inline(always)]
+    fn normal(&self, [p, q, r]: [usize; 3]) -> DVec3 {
+        (self.at[q] - self.at[p]).cross(self.at[r] - self.at[p])
+    }
+
+    /// How well a triangle faces out at its middle: the cosine of the angle between normals.
+    pub fn cosine(&self, corners: [usize; 3]) -> f64 {
+        cosine(self.normal(corners), self.in_the_middle(corners))
+    }
+
+    /// The least and the most, of all points of a triangle, of how much it faces outward, in
+    /// units of no meaning.
+    #[inline(always)]
+    pub fn range(&self, corners: [usize; 3]) -> [f64; 2] {
+        let normal = self.normal(corners);
+        let [p, q, r] = corners;
+        let along = |k: usize| normal.dot(self.outward[k]);
+        range([along(p), along(q), along(r)])
+    }
+}
+
+/// The same for one triangle by its corners.
 #[inline(always)]
 pub(super) fn faces_out_in_the_middle(
     surface: &Surface,
     region: &Region,
     corners: [DVec3; 3],
 ) -> bool {
-    if region.way == Way::Done {
-        return true;
-    }
-    let round = region.round.as_ref();
-    let corners = placed(round, corners);
-    let Some(normal) = normal(corners) else {
-        return false;
-    };
-    if region.bend == Bend::Flat {
-        return region.outward * normal.dot(surface.linear) > 0.0;
-    }
-    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-    agree(
-        normal,
-        region.outward * gradient(surface, round, middle),
-        LEAST_COSINE,
-    )
+    Sight::new(surface, region, corners).faces_out_in_the_middle([0, 1, 2])
 }
 
-/// How well a triangle faces out at its middle: the cosine of the angle between normals.
-pub(super) fn outward_cosine(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> f64 {
-    region.outward * facing_cosine(surface, region.round.as_ref(), corners)
-}
-
-/// The same, and nowhere against it: no edge runs around more than half of a tube, on the
-/// wrong side of its axis.
+/// The same for one triangle by its corners.
 #[inline(always)]
 pub(super) fn faces_out_everywhere(
     surface: &Surface,
     region: &Region,
     corners: [DVec3; 3],
 ) -> bool {
-    faces_out_in_the_middle(surface, region, corners)
-        && (region.way == Way::Done || outward_range(surface, region, corners)[0] >= 0.0)
-}
-
-/// The least and the most, of all points of a triangle, of how much it faces outward, in
-/// units of no meaning.
-#[inline(always)]
-pub(super) fn outward_range(surface: &Surface, region: &Region, corners: [DVec3; 3]) -> [f64; 2] {
-    let [least, most] = facing_range(surface, region.round.as_ref(), corners);
-    if region.outward > 0.0 {
-        [least, most]
-    } else {
-        [-most, -least]
-    }
+    Sight::new(surface, region, corners).faces_out_everywhere([0, 1, 2])
 }
 
 /// Whether a triangle that has an area faces into the solid.

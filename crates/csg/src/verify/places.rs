@@ -66,10 +66,15 @@ pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<
 
 /// Whether points behind places, and before them, are in the solid.
 fn sides(program: &Program, places: &[Place], distance: f64) -> Vec<[bool; 2]> {
+    let beside = |place: &Place, sign: f64| place.at + sign * distance * place.normal;
+    if program.given().is_some() {
+        let sides = |place: &Place| [-1.0, 1.0].map(|sign| program.contains(beside(place, sign)));
+        return places.iter().map(sides).collect();
+    }
     let mut tape = Tape::new(program.formula(), program.surfaces().len());
     for (number, place) in (0..).zip(places) {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
-            let point = place.at + sign * distance * place.normal;
+            let point = beside(place, sign);
             for (index, surface) in (0..).zip(program.surfaces()) {
                 tape.set(index, surface.value(point) <= 0.0);
             }

@@ -26,6 +26,13 @@ impl Ray {
         point[self.axis] = t;
         point
     }
+
+    /// The part between two places as a box without width: its centre and half extents.
+    pub fn part(&self, [low, high]: [f64; 2]) -> (DVec3, DVec3) {
+        let mut half = DVec3::ZERO;
+        half[self.axis] = 0.5 * (high - low);
+        (self.at(low.midpoint(high)), half)
+    }
 }
 
 /// A root of a surface along a ray costs about as much as so many triangles, times the

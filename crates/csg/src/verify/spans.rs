@@ -1,10 +1,8 @@
 //! The parts of rays in a program's solid: the roots of its surfaces, and the formula
 //! between them, for 64 pieces at once.
 
-use glam::DVec3;
-
 use super::rays::{Lattice, Ray};
-use crate::program::{Bounds, Cell, Formula, Program, Pruner, Surface};
+use crate::program::{Bounds, Cell, Formula, Narrower, Program, Pruner, Surface};
 
 /// A part of a ray in the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,23 +23,33 @@ const MOST_HALVINGS: u32 = 30;
 
 /// The parts of rays in a solid within bounds: disjoint, ray by ray, ascending.
 pub(super) fn along(program: &Program, lattice: &Lattice, bounds: &Bounds) -> Vec<Span> {
-    let root = program.root_cell();
-    let is_many = root.surfaces.len() > MANY_SURFACES;
-    let mut walk = Walk {
-        surfaces: program.surfaces(),
-        pruner: Pruner::default(),
-        found: Vec::new(),
-    };
-    let mut tape = Tape::new(&root.formula, root.surfaces.len());
-    for (ray, line) in (0..).zip((0..lattice.len()).map(|number| lattice.ray(number))) {
-        let ends = [bounds.min[line.axis], bounds.max[line.axis]];
-        if is_many {
-            walk.descend(&root, (ray, &line), ends, 0);
-        } else {
-            tape.add_all(&root, program.surfaces(), (ray, &line), ends);
+    let rays = (0..).zip((0..lattice.len()).map(|number| lattice.ray(number)));
+    let ends = |line: &Ray| [bounds.min[line.axis], bounds.max[line.axis]];
+    if program.given().is_none() {
+        let root = program.root_cell();
+        if root.surfaces.len() <= MANY_SURFACES {
+            let mut tape = Tape::new(&root.formula, root.surfaces.len());
+            for (ray, line) in rays {
+                tape.add_all(&root, program.surfaces(), (ray, &line), ends(&line));
+            }
+            return tape.finish();
         }
+        let mut walk = Walk::new(program.surfaces());
+        for (ray, line) in rays {
+            walk.descend(&root, (ray, &line), ends(&line), 0);
+        }
+        return walk.found;
     }
-    if is_many { walk.found } else { tape.finish() }
+    let mut walk = Walk::new(program.surfaces());
+    let mut narrower = Narrower::default();
+    let mut cell = Cell::default();
+    for (ray, line) in rays {
+        let (center, half) = line.part(ends(&line));
+        let side = |id: u32| program.surfaces()[id as usize].side_of_box(center, half);
+        narrower.prune(program.formula(), side, &mut cell);
+        walk.descend(&cell, (ray, &line), ends(&line), 0);
+    }
+    walk.found
 }
 
 /// A walk along rays.
@@ -51,14 +59,20 @@ struct Walk<'a> {
     found: Vec<Span>,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    fn new(surfaces: &'a [Surface]) -> Self {
+        Self {
+            surfaces,
+            pruner: Pruner::default(),
+            found: Vec::new(),
+        }
+    }
+
     fn descend(&mut self, cell: &Cell, line: (u32, &Ray), ends: [f64; 2], halvings: u32) {
         let [low, high] = ends;
         let middle = low.midpoint(high);
-        let mut half = DVec3::ZERO;
-        half[line.1.axis] = 0.5 * (high - low);
+        let (center, half) = line.1.part(ends);
         let mut pruned = Cell::default();
-        let center = line.1.at(middle);
         cell.prune_into(self.surfaces, center, half, &mut self.pruner, &mut pruned);
         match pruned.constant() {
             Some(false) => {}

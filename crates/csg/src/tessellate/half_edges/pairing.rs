@@ -21,13 +21,15 @@ pub(super) struct Half {
 
 impl Half {
     /// The half-edges of a triangle.
+    #[inline(always)]
     pub fn of_triangle([a, b, c]: [u32; 3], region: u32) -> [Self; 4] {
-        [a, b, c, NONE].map(|origin| Self {
+        let leaving = |origin| Self {
             origin,
             twin: NONE,
             piece: NONE,
             region,
-        })
+        };
+        [leaving(a), leaving(b), leaving(c), leaving(NONE)]
     }
 }
 
