@@ -164,6 +164,7 @@ export class Drawing {
     const ends = new Float32Array(2 * model.edgeOf.length);
     model.edgeOf.forEach((edge, k) => ends.fill(edge, 2 * k, 2 * k + 2));
     edges.setAttribute("face", new BufferAttribute(ends, 1));
+    edges.setIndex(new BufferAttribute(Uint32Array.from(ends.keys()), 1));
     this.faceMesh = new Mesh(faces, this.faceMaterial);
     this.edgeLines = new LineSegments(edges, this.edgeMaterial);
     this.stencilMeshes = this.stencils.map((material) => new Mesh(faces, material));
@@ -181,7 +182,7 @@ export class Drawing {
     this.pickEdges = new LineSegments(edges, this.pickMaterials[1]);
     this.pickScene.add(this.pickFaces, this.pickEdges);
     for (const object of [...this.group.children, ...this.pickScene.children]) object.frustumCulled = false;
-    this.hidden = new Set([...this.hidden].filter((face) => face < model.faces.length));
+    this.hidden = new Set();
     this.picks = [];
     this.states.value.dispose();
     this.states.value = stateTexture(model.faces.length);
@@ -202,6 +203,17 @@ export class Drawing {
     this.hidden = hidden;
     this.dimensions.of(this.model, hidden);
     this.#paint();
+    // Edges are shown where a face beside them is.
+    const { edgeFaces, edgeOf } = this.model;
+    const { index } = this.edgeLines.geometry;
+    let count = 0;
+    edgeOf.forEach((edge, k) => {
+      if (hidden.has(edgeFaces[2 * edge]) && hidden.has(edgeFaces[2 * edge + 1])) return;
+      index.array.set([2 * k, 2 * k + 1], count);
+      count += 2;
+    });
+    index.needsUpdate = true;
+    this.edgeLines.geometry.setDrawRange(0, count);
   }
 
   /** Edges and faces, on or off. */
