@@ -17,8 +17,9 @@ const GAP = 6;
 const HEIGHT = 14;
 /** What goes less than this to the side, of its length, is steep; what goes less than this to the eye is seen from its side. */
 const STEEP = 0.3;
-/** The least length, in pixels, of a line that is drawn. */
+/** The least length of a line that is drawn: in pixels, and as a part of what it would be if it were seen from its side. */
 const SHORTEST = 8;
+const FLATTEST = 0.15;
 const FONT = `600 ${HEIGHT}px system-ui, sans-serif`;
 /** In so many rows it is tried to lay a dimension out where no other one is in its way. */
 const ROWS = 9;
@@ -363,7 +364,7 @@ export class Dimensions {
       ({ rank: dimension.kind === "distance" ? 0 : 1, value: dimension.value, text: textOf(dimension, this.unit), color: 1, inRow: this.#inRow(dimension, picture) }));
     // (The sides of a narrow angle may meet far away.)
     const reach = 4 * this.box[0].distanceTo(this.box[1]);
-    this.drawn = [...sizes, ...measured].filter(({ inRow }) => inRow(0).segments[0].length() < reach);
+    this.drawn = [...sizes, ...measured].filter(({ inRow }) => inRow?.(0).segments[0].length() < reach);
     // Distances come first, short ones nearer to the model; sizes are beyond all others.
     const strokes = [];
     for (const one of this.drawn.toSorted((a, b) => a.rank - b.rank || (a.value ?? 0) - (b.value ?? 0))) {
@@ -385,13 +386,16 @@ export class Dimensions {
     this.#write(picture);
   }
 
-  /** What lays something that is measured out in a row. */
+  /** What lays something that is measured out in a row; nothing for a distance at whose end one looks. */
   #inRow(dimension, picture) {
     const { kind, value } = dimension;
     const place = (point) => new Vector3(...point).sub(this.center);
     switch (kind) {
       case "distance": {
         const ends = dimension.ends.map(place);
+        const along = ends[1].clone().sub(ends[0]);
+        const middle = at(ends[0], along, 0.5);
+        if (length(picture.direction(middle, along.normalize())) < FLATTEST) return null;
         return (row) => ofDistance(ends, this.box, picture, row);
       }
       case "angle": {
