@@ -12,6 +12,8 @@ import look from "./look.json";
 const WIDTH = 1024;
 /** Milliseconds that a frame may take while the camera moves. */
 const BUDGET = 33;
+/** The pixels a side of a frame in motion, of all, by how coarse it is. */
+const PIXELS = [1, 1, 1 / 2, 1 / 3];
 /** Half of the window around the pointer in which edges are looked for, in pixels. */
 const REACH = 6;
 
@@ -271,9 +273,9 @@ export class Drawing {
     }
   }
 
-  /** How coarse frames in motion are: 0 with all triangles, 1 and so on with fewer and fewer. */
+  /** How coarse frames in motion are: 0 with all triangles, 1 and so on with fewer and fewer, and with fewer pixels. */
   get coarseness() {
-    const most = this.simplifiedFaces?.length ?? 0;
+    const most = this.simplifiedFaces?.length ? PIXELS.length - 1 : 0;
     // (The cut draws them three times.)
     return Math.min(most, this.isCut && 3 * this.cost > BUDGET ? Math.max(1, this.step) : this.step);
   }
@@ -281,7 +283,7 @@ export class Drawing {
   /** Draws a frame; `isMoving` if another follows soon. */
   draw(camera, isMoving = false) {
     const coarseness = isMoving ? this.coarseness : 0;
-    const simplified = this.simplifiedFaces?.[coarseness - 1];
+    const simplified = this.simplifiedFaces?.[Math.min(coarseness, this.simplifiedFaces.length) - 1];
     for (const mesh of this.model ? [this.faceMesh, ...this.stencilMeshes] : []) {
       mesh.geometry = simplified ?? this.pickFaces.geometry;
     }
@@ -290,8 +292,7 @@ export class Drawing {
       const isHeavy = simplified && this.model.edgeOf.length > simplified.index.count / 3;
       this.edgeLines.visible = this.showsEdges && !isHeavy;
     }
-    // The coarsest have half as many pixels a side.
-    const ratio = window.devicePixelRatio * (coarseness > 1 ? 0.5 : 1);
+    const ratio = window.devicePixelRatio * PIXELS[coarseness];
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(look.lamp_up * camera.position.length()));
     const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
@@ -321,7 +322,7 @@ export class Drawing {
     // (It has waited for the one before.)
     const isSlow = end - Math.max(start, this.lastEnd) > BUDGET;
     this.lastEnd = end;
-    if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, this.simplifiedFaces.length);
+    if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, PIXELS.length - 1);
     this.wasSlow = isSlow && !this.wasSlow;
   }
 

@@ -149,7 +149,9 @@ function mass() {
   if (!account || !(density >= 0)) return;
   // From grams a cubic centimetre, which is a millionth of a cubic metre.
   const factor = density * (100 * account.metres) ** 3;
-  const error = account.volume_error === null ? "" : ` ± ${(factor * account.volume_error).toExponential(0)}`;
+  // (Rounded up.)
+  const bound = (error) => (error + 0.5 * 10 ** Math.floor(Math.log10(error))).toExponential(0);
+  const error = account.volume_error ? ` ± ${bound(factor * account.volume_error)}` : "";
   const digits = account.volume_error ? Math.min(15, Math.max(1, Math.floor(Math.log10(Math.abs(account.volume) / account.volume_error)))) : 9;
   byId("mass").textContent = `Mass ${Number((factor * account.volume).toPrecision(digits))}${error} g`;
 }
