@@ -72,6 +72,16 @@ pub(crate) fn check_streams(outputs: &[PathBuf], json: Option<&Path>) -> Result<
     Ok(())
 }
 
+/// Refuses an output in a folder that is not there, before any work is done for it.
+pub(crate) fn check_folder(path: &Path) -> Result<(), Failure> {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => std::fs::metadata(folder)
+            .map_err(|error| Failure::output(&path.display().to_string(), error))
+            .map(|_| ()),
+        _ => Ok(()),
+    }
+}
+
 /// Writes the mesh to a file by its extension, or to standard output.
 pub(crate) fn write_mesh(
     path: &Path,

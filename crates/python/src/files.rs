@@ -1,7 +1,7 @@
 //! Files: meshes and scenes, in and out.
 
 use std::ffi::CString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::{BoundaryOptions, Program, Repairs, Solid};
 use io::scene::{ReadOptions, Scene};
@@ -21,10 +21,35 @@ pub(crate) fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(load, module)?)?;
     module.add_function(wrap_pyfunction!(read_solid, module)?)?;
     module.add_function(wrap_pyfunction!(load_mesh, module)?)?;
-    module.add_function(wrap_pyfunction!(from_csg, module)?)
+    module.add_function(wrap_pyfunction!(from_csg, module)?)?;
+    module.add_function(wrap_pyfunction!(check_name, module)?)?;
+    module.add_function(wrap_pyfunction!(write_file, module)?)
 }
 
-fn is_scene(path: &std::path::Path) -> bool {
+/// Refuses names of which a mesh is no file, or a solid.
+#[pyfunction]
+#[pyo3(name = "_check_name")]
+fn check_name(path: PathBuf, is_of_solid: bool) -> PyResult<()> {
+    if is_of_solid && (is_scene(&path) || io::step::is_step(&path)) {
+        return Ok(());
+    }
+    MeshFormat::from_path(&path).map_err(of_file).map(|_| ())
+}
+
+/// Writes a file, whole or not at all.
+#[pyfunction]
+#[pyo3(name = "_write_file")]
+fn write_file(py: Python<'_>, path: PathBuf, data: Vec<u8>) -> PyResult<()> {
+    wait_out(py, move || whole(&path, &data))?.map_err(of_file)
+}
+
+fn whole(path: &Path, data: &[u8]) -> Result<(), io::Error> {
+    let mut file = io::AtomicFile::create(path)?;
+    std::io::Write::write_all(&mut file, data)?;
+    file.commit()
+}
+
+fn is_scene(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| extension.eq_ignore_ascii_case("csg"))
 }
@@ -150,12 +175,7 @@ impl PySolid {
                 )));
             }
             let text = self.to_csg(py)?;
-            return wait_out(py, move || {
-                let mut file = io::AtomicFile::create(&path)?;
-                std::io::Write::write_all(&mut file, text.as_bytes())?;
-                file.commit()
-            })?
-            .map_err(of_file);
+            return wait_out(py, move || whole(&path, text.as_bytes()))?.map_err(of_file);
         }
         if io::step::is_step(&path) {
             return self.save_step(py, path, options);

@@ -48,9 +48,11 @@ fn shard<'py>(
         wait_out(py, move || write_shard_file(path, &slab))?.map_err(of_file)?;
         return Ok(None);
     }
-    let mut bytes = Vec::new();
-    write_shard(&slab, &mut bytes).map_err(of_file)?;
-    Ok(Some(PyBytes::new(py, &bytes)))
+    let bytes = wait_out(py, move || {
+        let mut bytes = Vec::new();
+        write_shard(&slab, &mut bytes).map(|()| bytes)
+    })?;
+    Ok(Some(PyBytes::new(py, &bytes.map_err(of_file)?)))
 }
 
 /// The mesh of shards, in a file or in memory.

@@ -1,9 +1,11 @@
 """A program that tests stop: minutes of work by the engine that is named first, a mesh or a table of
-variants as named second, in the folder that is named third. It says "begun" once some of the work
+variants (one of which does not stop by itself, if it is called so) as named second, in the folder that
+is named third. It says "begun" once some of the work
 is done or under way, and how it ended."""
 
 import pathlib
 import sys
+import time
 
 import scenes
 from test_distributed import Cluster, dask_cluster, here, ray_cluster
@@ -16,6 +18,18 @@ CLUSTERS = {"here": here, "dask": dask_cluster, "ray": ray_cluster}
 def minutes_of_work(begun: str) -> st.Solid:
     pathlib.Path(begun).touch()
     return scenes.cheese(10_000)
+
+
+def stubborn(begun: str) -> st.Solid:
+    """Does not stop, in the middle of a file."""
+    path = pathlib.Path(begun)
+    with path.with_name(f".unfinished-{path.name}").open("w"):
+        path.touch()
+        while True:
+            try:
+                time.sleep(60)
+            except BaseException:
+                pass
 
 
 def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:
@@ -32,7 +46,7 @@ def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:
     else:
         table = {"begun": [str(folder / f"begun-{row}") for row in range(1, 9)]}
         st.distributed.sweep(
-            minutes_of_work,
+            stubborn if work == "stubborn" else minutes_of_work,
             table,
             client=cluster.client,
             rows_at_once=1,

@@ -198,40 +198,110 @@ def test_wrong_options_are_told_at_once() -> None:
         (ValueError, "draft", {"cells": 9, "draft": True}),
         (ValueError, "feature edges", {"cells": 9, "feature_edges": 30}),
         (ValueError, "shards is 0", {"cells": 9, "shards": 0}),
+        (ValueError, "threads is 100000: give a whole number from 1 to 1024", {"cells": 9, "threads": 100_000}),
+        (st.FileError, "no mesh format has this extension", {"cells": 9, "out": "a.xyz"}),
+        (FileNotFoundError, "out is 'nowhere/a.ply': there is no folder 'nowhere'", {"cells": 9, "out": "nowhere/a.ply"}),
+        (FileNotFoundError, "folder is 'nowhere'", {"cells": 9, "folder": "nowhere"}),
         (TypeError, "client: int is none", {"cells": 9, "client": 7}),
         (TypeError, "unexpected keyword", {"cells": 9, "size": 7}),
     ]
     for kind, said, options in wrong:
         with pytest.raises(kind, match=said):
             st.distributed.mesh(cube, **options)
+    bore = {"bore": [1]}
     with ThreadPoolExecutor(1) as client:
-        faulty: list[tuple[str, Any, dict[str, Any]]] = [
-            ("differ in length", {"bore": [1], "bolts": [1, 2]}, {}),
-            ("other columns", [{"bore": 1}, {"bolts": 1}], {}),
-            ("'volume' is one of those", {"volume": [1]}, {}),
-            (r"put \{row\}", {"bore": [1]}, {"write": "a.stl"}),
-            (r"\{hole\} is no variable", {"bore": [1]}, {"write": "{hole}.stl"}),
-            ("a .csv or a .parquet", {"bore": [1]}, {"out": "a.txt"}),
+        faulty: list[tuple[type[Exception], str, Any, dict[str, Any]]] = [
+            (ValueError, "differ in length", {"bore": [1], "bolts": [1, 2]}, {}),
+            (ValueError, "other columns", [{"bore": 1}, {"bolts": 1}], {}),
+            (ValueError, "'volume' is one of those", {"volume": [1]}, {}),
+            (TypeError, "column 'bore' is a int", {"bore": 5}, {}),
+            (TypeError, "row 1 of the table is a int", [5], {}),
+            (TypeError, "table is a int", 5, {}),
+            (ValueError, r"put \{row\}", bore, {"write": "a.stl"}),
+            (ValueError, r"\{hole\} is no variable", bore, {"write": "{hole}.stl"}),
+            (ValueError, r"write is 'a-\{row.stl': expected '\}'", bore, {"write": "a-{row.stl"}),
+            (ValueError, "only names of variables", bore, {"write": "{bore:.2f}.stl"}),
+            (ValueError, "rows 1 and 2 would have one file '3.stl'", {"bore": [3, 3]}, {"write": "{bore}.stl"}),
+            (st.FileError, "no mesh format", bore, {"write": "{row}.xyz"}),
+            (ValueError, "a .csv or a .parquet", bore, {"out": "a.txt"}),
+            (FileNotFoundError, "there is no folder 'nowhere'", bore, {"out": "nowhere/a.csv"}),
+            (ValueError, "cannot be a .parquet file", {"bore": [0.1, "wide"]}, {"out": "a.parquet"}),
+            (TypeError, "unexpected keyword argument 'size'", bore, {"size": 7}),
+            (ValueError, "a tolerance of -1", bore, {"tolerance": -1}),
+            (ValueError, "rows_at_once is 'all'", bore, {"rows_at_once": "all"}),
         ]
-        for said, table, options in faulty:
-            with pytest.raises(ValueError, match=said):
+        for kind, said, table, options in faulty:
+            with pytest.raises(kind, match=said):
                 st.distributed.sweep(flange, table, client=client, **options)
+        with pytest.raises(TypeError, match="model is a str: give a function"):
+            st.distributed.sweep("flange", bore, client=client)  # type: ignore[arg-type]
+
+
+def test_wrong_tables_are_told_at_once(tmp_path: pathlib.Path) -> None:
+    table = tmp_path / "table.csv"
+    for text, said in {
+        "bore,bolts\n0.3\n": "row 1 has 1 values, and there are 2 columns",
+        "bore\n0.3\n0.3,4\n": "row 2 has 2 values, and there are 1 columns",
+        "bore,bore\n0.3,4\n": "two columns are called 'bore'",
+    }.items():
+        table.write_text(text)
+        with pytest.raises(ValueError, match=said):
+            st.distributed.sweep(flange, table)
+
+
+def test_a_table_is_written_as_parquet(tmp_path: pathlib.Path) -> None:
+    parquet: Any = importlib.import_module("pyarrow.parquet")
+    variants: dict[str, list[Any]] = {"bore": [0.3, -1.0, 0.25], "bolts": [3, 4, 6], "note": ["a", "b", "c"]}
+    written = []
+    with ThreadPoolExecutor(2) as client:
+        for some in (1, 3):
+            out = tmp_path / f"{some}.parquet"
+            rows = st.distributed.sweep(
+                flange, variants, client=client, out=out, rows_at_once=some
+            )
+            written.append(out.read_bytes())
+            assert parquet.read_table(out).to_pylist() == rows
+    assert rows[1]["volume"] is None and rows[2]["volume"] > 0
+    assert written[0] == written[1]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["1.parquet", "3.parquet"]
+
+
+def test_many_workers_may_die_one_after_another(tmp_path: pathlib.Path) -> None:
+    notes = [str(tmp_path / str(row)) for row in range(12)]
+    bolts = [5 if row % 2 else 4 for row in range(12)]
+    table: dict[str, list[Any]] = {"bore": [0.3] * 12, "bolts": bolts, "note": notes}
+    rows = st.distributed.sweep(flange, table, rows_at_once=1)
+    assert [row["error"] for row in rows] == [""] * 12
+    assert len(list(tmp_path.iterdir())) == 6
 
 
 def test_a_table_of_a_file_and_files_of_variants(tmp_path: pathlib.Path) -> None:
     table = tmp_path / "table.csv"
-    table.write_text(f"bore, bolts, note\n0.3, 6, {tmp_path}\n0.25, 8, {tmp_path}\n")
+    # (As a spreadsheet writes it, and with a comment.)
+    table.write_text(
+        f"\ufeffbore, bolts, note\n# Variants\n0.3, 6, {tmp_path}\n0.25, 8, {tmp_path}\n",
+        encoding="utf-8",
+    )
     with ThreadPoolExecutor(2) as client:
         rows = st.distributed.sweep(
             flange,
             table,
             client=client,
-            write=[f"{tmp_path}/{{row}}-{{bolts}}.step", f"{tmp_path}/{{row}}.stl"],
+            write=[
+                f"{tmp_path}/{{row}}-{{bolts}}.step",
+                f"{tmp_path}/{{row}}.stl",
+                f"{tmp_path}/{{note}}-{{row}}.csg",
+            ],
             out=tmp_path / "out.csv",
             tolerance=0.01,
+            unit="cm",
         )
+    assert [row["error"] for row in rows] == ["", ""]
+    assert "SI_UNIT(.CENTI.,.METRE.)" in (tmp_path / "1-6.step").read_text()
     assert [row["bolts"] for row in rows] == [6, 8]
     assert (tmp_path / "1-6.step").exists() and (tmp_path / "2-8.step").exists()
+    # A value names no other folder.
+    assert (tmp_path / f"{str(tmp_path).replace('/', '_')}-1.csg").exists()
     mesh = st.load_mesh(tmp_path / "2.stl")
     assert mesh.volume == pytest.approx(rows[1]["volume"], rel=0.02)
     with (tmp_path / "out.csv").open(newline="") as file:

@@ -1,6 +1,7 @@
 """Ctrl-C while workers work: it stops soon, and leaves neither processes nor halves of files."""
 
 import contextlib
+import itertools
 import os
 import pathlib
 import signal
@@ -53,8 +54,10 @@ def is_gone(group: int) -> bool:
     return False
 
 
-@pytest.mark.parametrize("work", ["mesh", "sweep"])
-@pytest.mark.parametrize("engine", ["here", "dask", "ray"])
+@pytest.mark.parametrize(
+    ("engine", "work"),
+    [*itertools.product(["here", "dask", "ray"], ["mesh", "sweep"]), ("here", "stubborn")],
+)
 def test_ctrl_c_stops_workers(engine: str, work: str, tmp_path: pathlib.Path) -> None:
     with begun(engine, work, tmp_path) as child:
         if engine == "here":

@@ -13,6 +13,7 @@
 //! | `simplified` | as `corners`, for each entry of the count: fewer and fewer triangles, to be drawn while the camera moves; of a mesh of no more than 200,000 none |
 //! | `segments` | 6 × f32: two points, about `center` |
 //! | `segment_edges` | f32, the number of the edge |
+//! | `edge_faces` | 2 × u32, the numbers of the faces on its sides, 2³² − 1 if it has none there |
 //! | `vertices` | 3 × f32, about `center` |
 
 use std::iter;
@@ -137,6 +138,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
     let extents = extents(shown, &of_triangles, heads.len());
     let drawn = Triangles::of(mesh, center, &of_triangles);
     let lines = Lines::of(shown);
+    let edge_faces = edge_faces(shown, &of_triangles);
     let vertices: Vec<[f32; 3]> = match &shown.brep {
         Some(brep) => brep
             .vertices()
@@ -172,7 +174,7 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
             .chain(&drawn.simplified)
             .flatten()
     };
-    let words = floats + drawn.normals.len() + corners().count();
+    let words = floats + drawn.normals.len() + corners().count() + 2 * edge_faces.len();
     let bytes = 4 + text.len() + 48 * extents.len() + 4 * words;
     let mut out = Vec::with_capacity(bytes);
     out.extend((text.len() as u32).to_le_bytes());
@@ -192,6 +194,8 @@ pub(crate) fn pack(shown: &Shown) -> Vec<u8> {
             .flat_map(|x| x.to_le_bytes()),
     );
     out.extend(lines.of.iter().flat_map(|x| x.to_le_bytes()));
+    let sides = edge_faces.iter().flatten();
+    out.extend(sides.flat_map(|face| face.to_le_bytes()));
     out.extend(vertices.iter().flatten().flat_map(|x| x.to_le_bytes()));
     out
 }
@@ -231,6 +235,31 @@ fn faces_of(shown: &Shown, parts: &mut Parts) -> (Vec<FaceHead>, Vec<u32>) {
     let mut of = shown.mesh.triangle_surfaces.clone();
     of.resize(shown.mesh.triangles.len(), faces::NONE);
     (heads, of)
+}
+
+/// The faces on the sides of each edge.
+fn edge_faces(shown: &Shown, of_triangles: &[u32]) -> Vec<[u32; 2]> {
+    if let Some(brep) = &shown.brep {
+        let faces = brep.edges().map(|edge| edge.faces());
+        let numbers = faces.map(|sides| sides.map(|face| face.id().index() as u32));
+        return numbers.collect();
+    }
+    // By the first chord of each, in the triangles that have it.
+    let mesh = &shown.mesh;
+    let mut sides = vec![[faces::NONE; 2]; mesh.feature_edges.len()];
+    let chords = mesh.feature_edges.iter().enumerate();
+    let chords = chords.filter_map(|(k, chain)| Some(((*chain.first()?, *chain.get(1)?), k)));
+    let known: FxHashMap<(u32, u32), usize> = chords.collect();
+    for (&[a, b, c], &face) in mesh.triangles.iter().zip(of_triangles) {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            for (ends, side) in [((from, to), 0), ((to, from), 1)] {
+                if let Some(&edge) = known.get(&ends) {
+                    sides[edge][side] = face;
+                }
+            }
+        }
+    }
+    sides
 }
 
 /// The box around each of so many faces: of the exact boundary's to rounding.

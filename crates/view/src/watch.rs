@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver};
 use std::thread;
 use std::time::Duration;
 
@@ -30,19 +30,16 @@ pub(crate) fn watch(file: &Path, desk: &Arc<Desk>) -> notify::Result<Recommended
     })?;
     watcher.watch(&folder, RecursiveMode::NonRecursive)?;
     let desk = Arc::clone(desk);
-    thread::spawn(move || {
-        while events.recv().is_ok() {
-            loop {
-                match events.recv_timeout(QUIET) {
-                    Ok(()) => {}
-                    Err(RecvTimeoutError::Timeout) => break,
-                    Err(RecvTimeoutError::Disconnected) => return,
-                }
-            }
-            desk.wish(Wish::Changed);
-        }
-    });
+    thread::spawn(move || debounced(&events, || desk.wish(Wish::Changed)));
     Ok(watcher)
+}
+
+/// Tells once of events that follow each other soon, until there can be no more.
+fn debounced(events: &Receiver<()>, mut tell: impl FnMut()) {
+    while events.recv().is_ok() {
+        while events.recv_timeout(QUIET).is_ok() {}
+        tell();
+    }
 }
 
 /// Whether it is the file, or one that the file names.
@@ -58,4 +55,26 @@ fn matters(path: &Path, file: &PathBuf) -> bool {
         .flatten();
     text.zip(name)
         .is_some_and(|(text, name)| text.contains(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_save_is_told_once() {
+        let (events, received) = mpsc::channel();
+        let (teller, told) = mpsc::channel();
+        // (All there before anybody listens.)
+        (0..3).for_each(|_| events.send(()).expect("a listener"));
+        thread::scope(|scope| {
+            scope.spawn(move || debounced(&received, || teller.send(()).expect("a counter")));
+            told.recv().expect("the first save");
+            assert!(told.recv_timeout(2 * QUIET).is_err());
+            events.send(()).expect("a listener");
+            told.recv().expect("the second save");
+            drop(events);
+        });
+        assert!(told.try_recv().is_err());
+    }
 }

@@ -1,5 +1,6 @@
 //! `sweep`: a table of variants, one row a model, to one table of measures, and files.
 
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -95,6 +96,8 @@ pub(crate) fn run(
     for name in &options.write {
         check_name(name, &names)?;
     }
+    table.check_files(&options.write)?;
+    output::check_folder(&options.output)?;
     let rows = options.shard.rows(table.rows.len());
     progress.stage("sweeping");
     let (done, count) = (AtomicUsize::new(0), rows.len().max(1));
@@ -102,9 +105,7 @@ pub(crate) fn run(
     let made: Vec<Row> = rows
         .into_par_iter()
         .map(|index| {
-            let values = &table.rows[index];
-            let variables = table.names.iter().cloned().zip(values.iter().cloned());
-            let row = Row::of(index + 1, &variables.collect::<Vec<_>>(), model, options);
+            let row = Row::of(index + 1, &table.variables(index), model, options);
             tell((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / count as f64);
             row
         })
@@ -178,6 +179,28 @@ impl Table {
         });
         let rows = rows.collect::<Result<_, Failure>>()?;
         Ok(Self { names, rows })
+    }
+
+    fn variables(&self, index: usize) -> Vec<Variable> {
+        let values = self.rows[index].iter().cloned();
+        self.names.iter().cloned().zip(values).collect()
+    }
+
+    /// Refuses names of files that are the same for two rows.
+    fn check_files(&self, names: &[String]) -> Result<(), Failure> {
+        let mut rows = HashMap::new();
+        for index in 0..self.rows.len() {
+            let variables = self.variables(index);
+            for name in names {
+                let file = named(name, index + 1, &variables);
+                if let Some(other) = rows.insert(file.clone(), index + 1) {
+                    let context = format!("rows {other} and {} would have one file", index + 1);
+                    let cause = format!("{file}: put {{row}} into its name");
+                    return Err(Failure::new(exit_codes::USAGE, context, cause));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -328,7 +351,8 @@ fn named(name: &str, number: usize, variables: &[Variable]) -> String {
                         c
                     }
                 };
-                filled.extend(value.chars().map(safe));
+                let is_folder = value.chars().all(|c| c == '.');
+                filled.extend(value.chars().map(|c| if is_folder { '_' } else { safe(c) }));
             }
             // (Writing to a string cannot fail.)
             None => {
@@ -351,6 +375,8 @@ mod tests {
             named("out/{row}-{bore}.stl", 3, &variables),
             "out/3-.._0.5.stl"
         );
+        let variables = [("bore".to_owned(), "..".to_owned())];
+        assert_eq!(named("{bore}/{row}.stl", 3, &variables), "__/3.stl");
         assert!(check_name("{row}.stl", &[]).is_ok());
         assert!(check_name("part.stl", &[]).is_err());
         assert!(check_name("{hole}.stl", &["bore"]).is_err());

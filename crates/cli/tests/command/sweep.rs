@@ -78,7 +78,10 @@ fn rows_are_measured_and_the_same_in_any_number_of_parts() {
 fn wrong_tables_and_names_are_told() {
     let folder = folder();
     fs::write(folder.file("taken.csv"), "volume\n1\n").expect("a file");
+    fs::write(folder.file("twice.csv"), "model\nin.csg\nbox.csg\nin.csg\n").expect("a file");
     fs::write(folder.file("ragged.csv"), "model,a\nin.csg\n").expect("a file");
+    let output = failed(&folder.run("sweep table.csv -o nowhere/out.csv"), 5);
+    assert!(output.contains("nowhere/out.csv"), "{output}");
     for (arguments, code, words) in [
         ("sweep no.csv -o out.csv", 3, "no.csv"),
         ("sweep taken.csv -o out.csv", 3, "`volume`"),
@@ -90,6 +93,11 @@ fn wrong_tables_and_names_are_told() {
             "model, note",
         ),
         ("sweep table.csv -o out.csv --write {row}.dwg", 2, ".glb"),
+        (
+            "sweep twice.csv -o out.csv --write {model}.stl",
+            2,
+            "rows 1 and 3 would have one file",
+        ),
         ("sweep table.csv -o out.csv --shard 3/2", 2, "1/4"),
     ] {
         let message = failed(&folder.run(arguments), code);

@@ -41,14 +41,17 @@ impl fmt::Display for Bounded {
         if !(error > 0.0 && error.is_finite()) {
             return write!(f, "{value}");
         }
-        let power = elementary::log10(error).floor();
+        let rounded_at = |power| (error / elementary::pow(10f64, power)).ceil();
+        let mut power = elementary::log10(error).floor();
+        if rounded_at(power) >= 10.0 {
+            power += 1.0;
+        }
+        let rounded = rounded_at(power);
         let decimals = (-power).clamp(0.0, 17.0) as usize;
-        let unit = elementary::pow(10f64, power);
-        let rounded = (error / unit).ceil();
         let bound = if power < -4.0 {
             format!("{rounded}e{power}")
         } else {
-            format!("{:.decimals$}", rounded * unit)
+            format!("{:.decimals$}", rounded * elementary::pow(10f64, power))
         };
         // Nothing has no sign.
         let value = if value.abs() < error { 0.0 } else { value };
@@ -70,6 +73,8 @@ mod tests {
         assert_eq!(told(4.56789, 0.0123), "4.57 ± 0.02");
         assert_eq!(told(1234.567, 37.0), "1235 ± 40");
         assert_eq!(told(-1e-17, 3e-13), "0.0000000000000 ± 3e-13");
+        assert_eq!(told(1.0, 9.6e-14), "1.0000000000000 ± 1e-13");
+        assert_eq!(told(1.0, 0.96), "1 ± 1");
         assert_eq!(told(2.5, f64::INFINITY), "2.5");
         assert_eq!(told(0.0, 0.0), "0");
     }

@@ -12,7 +12,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-# How often what was lost with its worker is done once more.
+# How often what was lost with its worker is done once more; of processes of this machine, how often
+# all begin again without anything having been done.
 RETRIES = 3
 # Items per worker that are under way at a time: results that nobody has fetched take memory.
 AHEAD = 2
@@ -223,7 +224,20 @@ def _watch(lifeline: Any) -> None:
     if main is not None and hasattr(signal, "pthread_kill"):
         signal.pthread_kill(main, signal.SIGTERM)
         time.sleep(GRACE)
+    _put_away()
     os._exit(1)
+
+
+def _put_away() -> None:
+    """Removes files that this process has not written to their end, where the system tells which."""
+    import os
+
+    with contextlib.suppress(OSError):
+        for number in os.listdir("/proc/self/fd"):
+            with contextlib.suppress(OSError):
+                path = os.readlink(f"/proc/self/fd/{number}")
+                if os.path.basename(path).startswith(".unfinished-"):
+                    os.remove(path)
 
 
 def _call_here(function: Callable[..., Any], item: tuple[Any, ...]) -> Any:
@@ -293,6 +307,7 @@ class Processes(Pool):
                     try:
                         for at, result in super().run(function, shared, list(left.values())):
                             del left[places[at]]
+                            failures = 0
                             yield places[at], result
                     except BaseException:
                         # (Before the executor waits for them.)

@@ -30,7 +30,8 @@ __version__: str
 __all__ = [
     "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
     "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "__version__",
-    "_merge", "_profile", "_shard", "_solid", "_surface", "capsule", "chamfered_cuboid", "chamfered_cylinder",
+    "_check_name", "_merge", "_profile", "_shard", "_solid", "_surface", "_write_file",
+    "capsule", "chamfered_cuboid", "chamfered_cylinder",
     "circle", "cone", "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid",
     "cuboid_between", "cylinder", "difference", "dodecahedron", "ellipse", "ellipsoid",
     "elliptic_cylinder", "empty", "empty_profile", "from_csg", "frustum", "gear",
@@ -589,6 +590,8 @@ def _merge(
     check: bool,
     progress: Callable[[float], object] | None,
 ) -> Mesh | None: ...
+def _check_name(path: _Path, is_of_solid: bool) -> None: ...
+def _write_file(path: _Path, data: bytes) -> None: ...
 def _solid(bytes: bytes) -> Solid: ...
 def _profile(bytes: bytes) -> Profile: ...
 def _surface(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ._stereotomy import _write_file
+
 # Type checkers know the name; `typing` itself would be most of the time that an import takes.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -34,8 +36,7 @@ class View:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a page that needs no other file."""
         head = '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>Stereotomy</title>'
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(f"{head}<body>{self._html}</body></html>")
+        _write_file(path, f"{head}<body>{self._html}</body></html>".encode())
 
     def __repr__(self) -> str:
         return f"<View of {len(self._html) / 1e3:.0f} kB>"
@@ -112,8 +113,14 @@ def _page(mesh: Mesh, picture: Picture) -> View:
     return View(page, png)
 
 
+def _check_size(size: tuple[int, int]) -> None:
+    if min(size) < 1:
+        raise ValueError(f"view: size is {size}: give numbers of pixels from 1")
+
+
 def mesh_view(self: Mesh, size: tuple[int, int] = (640, 480)) -> View:
     """A view that turns; a picture alone, if there are more than 20,000 triangles."""
+    _check_size(size)
     return _page(self, self.render(size=size))
 
 
@@ -128,6 +135,7 @@ def solid_view(self: Solid, size: tuple[int, int] = (640, 480)) -> View:
     bounds = self.bounds()
     if bounds is None:
         raise ValueError("there is nothing to show: the solid is empty")
+    _check_size(size)
     pixel = max(high - low for low, high in zip(*bounds, strict=True)) / max(size)
     mesh = self.mesh(tolerance=pixel / 4, feature_edges=30)
     picture = mesh.render(size=size)

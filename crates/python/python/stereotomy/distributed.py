@@ -29,7 +29,7 @@ import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from . import _engines
-from ._stereotomy import Solid, _merge, _shard
+from ._stereotomy import Solid, _check_name, _merge, _shard, _write_file
 from ._stereotomy import empty as _empty
 
 # Type checkers know the names; `typing` itself would be most of the time that an import takes.
@@ -47,6 +47,8 @@ __all__ = ["mesh", "sweep"]
 
 # Parts of the work for each worker: some are done sooner than others.
 _PARTS = 4
+# The most threads of a worker.
+_THREADS = 1024
 # The share of the work that is done when all shards are there.
 _MADE = 0.9
 
@@ -88,9 +90,13 @@ def mesh(
 
     if not isinstance(solid, Solid):
         raise TypeError(f"mesh: solid is a {type(solid).__name__}: give a Solid")
-    for name, value in (("shards", shards), ("threads", threads)):
-        if value is not None and not (isinstance(value, int) and 1 <= value < 2**32):
-            raise ValueError(f"mesh: {name} is {value!r}: give a whole number from 1")
+    _check_count("mesh: shards", shards, 2**32 - 1)
+    _check_count("mesh: threads", threads, _THREADS)
+    if out is not None:
+        _check_name(out, False)
+        _check_folder("mesh: out", out, os.path.dirname(out))
+    if folder is not None:
+        _check_folder("mesh: folder", folder, folder)
     given: dict[str, Any] = dict(options)
     progress = given.pop("progress", None)
     normals, check = given.pop("normals", True), given.pop("check", True)
@@ -118,6 +124,16 @@ def mesh(
                 progress(_MADE + (1 - _MADE) * share)
 
         return _merge(paths, out, normals, check, merged)
+
+
+def _check_count(name: str, value: object, most: int) -> None:
+    if value is not None and not (isinstance(value, int) and 1 <= value <= most):
+        raise ValueError(f"{name} is {value!r}: give a whole number from 1 to {most}")
+
+
+def _check_folder(name: str, path: object, folder: str | os.PathLike[str]) -> None:
+    if not os.path.isdir(folder or "."):
+        raise FileNotFoundError(f"{name} is {str(path)!r}: there is no folder {str(folder)!r}")
 
 
 _MEASURES = (
@@ -161,15 +177,16 @@ def sweep(
     >>> rows[2]["error"]
     'ValueError: infinite_cylinder(radius=-1.0): a radius is -1: it must be positive and finite'
     """
+    if not callable(model):
+        raise TypeError(f"sweep: model is a {type(model).__name__}: give a function")
     given: dict[str, Any] = dict(options)
     progress = given.pop("progress", None)
+    # What is wrong with the options is told here, of nothing.
+    _empty().mesh(**given)
     rows = _rows(table)
-    if rows_at_once is not None and rows_at_once < 1:
-        raise ValueError(f"sweep: rows_at_once is {rows_at_once!r}: give a whole number from 1")
+    _check_count("sweep: rows_at_once", rows_at_once, 2**32 - 1)
     names = (write,) if isinstance(write, str) else tuple(write)
-    known = {"row", *(rows[0] if rows else ())}
-    for name in names:
-        _check_name(name, known)
+    _check_files(names, rows)
     taken = sorted({"row", "files", "error", *_MEASURES} & set(rows[0] if rows else ()))
     if taken:
         raise ValueError(
@@ -177,7 +194,7 @@ def sweep(
             "give it another name"
         )
     if out is not None:
-        _check_table(out)
+        _check_table(out, rows)
     engine = _engines.engine(client)
     some = rows_at_once or max(1, min(256, -(-len(rows) // (_PARTS * engine.workers))))
     items = [(first + 1, rows[first : first + some]) for first in range(0, len(rows), some)]
@@ -190,7 +207,8 @@ def sweep(
                 progress(len(made) / len(items))
     result = [row for at in range(len(items)) for row in made[at]]
     if out is not None:
-        _write_table(out, result)
+        is_parquet = os.fspath(out).lower().endswith(".parquet")
+        _write_file(out, _parquet(result) if is_parquet else _csv(result))
     return result
 
 
@@ -217,19 +235,31 @@ def _pickled(shared: object, client: object) -> bytes:
 def _rows(table: _Table) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]]
     if isinstance(table, Mapping):
+        for name, column in table.items():
+            if isinstance(column, str) or not isinstance(column, Iterable):
+                raise TypeError(
+                    f"sweep: the table's column {name!r} is a {type(column).__name__}: give a list"
+                )
         columns: dict[str, list[Any]] = {str(name): list(column) for name, column in table.items()}
         lengths = {name: len(values) for name, values in columns.items()}
         if len(set(lengths.values())) > 1:
             raise ValueError(f"sweep: the table's columns differ in length: {lengths}")
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
     elif isinstance(table, (str, os.PathLike)):
-        import csv
-
-        with open(table, newline="", encoding="utf-8") as file:
-            read = csv.DictReader(file, skipinitialspace=True)
-            rows = [{name: _value(text) for name, text in row.items()} for row in read]
+        rows = _read(table)
+    elif isinstance(table, Iterable):
+        rows = []
+        for number, row in enumerate(table, 1):
+            if not isinstance(row, Mapping):
+                raise TypeError(
+                    f"sweep: row {number} of the table is a {type(row).__name__}: give a mapping"
+                )
+            rows.append(dict(row))
     else:
-        rows = [dict(row) for row in table]
+        raise TypeError(
+            f"sweep: table is a {type(table).__name__}: give a mapping of columns, rows as "
+            "mappings, or the name of a .csv file"
+        )
     for number, row in enumerate(rows, 1):
         if set(row) != set(rows[0]):
             raise ValueError(f"sweep: row {number} of the table has other columns than row 1")
@@ -249,19 +279,67 @@ def _value(text: str) -> int | float | str:
     return text
 
 
-def _check_name(name: str, known: set[str]) -> None:
+def _read(path: str | os.PathLike[str]) -> list[dict[str, Any]]:
+    """The rows of a .csv file, as `csg sweep` reads them."""
+    import csv
+
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        lines = csv.reader(line for line in file if not line.startswith("#"))
+        cells = [[cell.strip() for cell in line] for line in lines if line]
+    names, values = (cells[0], cells[1:]) if cells else ([], [])
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"sweep: {os.fspath(path)}: two columns are called {name!r}")
+    for number, row in enumerate(values, 1):
+        if len(row) != len(names):
+            raise ValueError(
+                f"sweep: {os.fspath(path)}: row {number} has {len(row)} values, "
+                f"and there are {len(names)} columns"
+            )
+    return [dict(zip(names, map(_value, row), strict=True)) for row in values]
+
+
+def _check_files(names: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+    """Refuses names of files that cannot be, or are the same for several rows."""
     import string
 
-    fields = {field for _, field, _, _ in string.Formatter().parse(name) if field is not None}
-    if not fields:
-        raise ValueError(
-            f"sweep: all variants would have one file {name!r}: put {{row}} into it"
-        )
-    if fields - known:
-        raise ValueError(
-            f"sweep: {{{min(fields - known)}}} is no variable of the table: it has "
-            + ", ".join(sorted(known))
-        )
+    known = {"row", *(rows[0] if rows else ())}
+    for name in names:
+        try:
+            parts = list(string.Formatter().parse(name))
+        except ValueError as error:
+            raise ValueError(f"sweep: write is {name!r}: {error}") from None
+        fields = {field for _, field, _, _ in parts if field is not None}
+        if any(spec or conversion for _, _, spec, conversion in parts):
+            raise ValueError(f"sweep: write is {name!r}: only names of variables go into braces")
+        if not fields:
+            raise ValueError(
+                f"sweep: all variants would have one file {name!r}: put {{row}} into it"
+            )
+        if fields - known:
+            raise ValueError(
+                f"sweep: {{{min(fields - known)}}} is no variable of the table: it has "
+                + ", ".join(sorted(known))
+            )
+        _check_name(name, True)
+    of: dict[str, int] = {}
+    for number, row in enumerate(rows, 1):
+        for file in _files(names, number, row):
+            if file in of:
+                raise ValueError(
+                    f"sweep: rows {of[file]} and {number} would have one file {file!r}: "
+                    "put {row} into its name"
+                )
+            of[file] = number
+
+
+def _files(names: Sequence[str], number: int, row: dict[str, Any]) -> list[str]:
+    """The files of a row. A value must not name another folder."""
+    safe = {}
+    for name, value in row.items():
+        text = str(value).replace("/", "_").replace("\\", "_")
+        safe[name] = text if text.strip(".") else "_" * len(text)
+    return [name.format(**safe, row=number) for name in names]
 
 
 def _measure_rows(
@@ -290,15 +368,12 @@ def _measured(
             raise TypeError(f"the model gave a {type(solid).__name__}, not a Solid")
         measure = solid.measure()
         numbers = (measure.volume, measure.volume_error, measure.area, *(measure.centroid or ()))
-        # A value must not name another folder.
-        safe = {
-            name: str(value).replace("/", "_").replace("\\", "_") for name, value in row.items()
-        }
-        files = [name.format(**safe, row=number) for name in names]
+        files = _files(names, number, row)
         for file in files:
-            is_step = file.lower().endswith((".step", ".stp"))
-            given: dict[str, Any] = {} if is_step else options
-            solid.save(file, **given)
+            # What is not meshed takes none of them, but for a STEP file's unit.
+            ending = os.path.splitext(file)[1].lower()
+            fitting = {".csg": set[str](), ".step": {"unit"}, ".stp": {"unit"}}.get(ending, set(options))
+            solid.save(file, **{name: options[name] for name in fitting & set(options)})
         made |= dict(zip(_MEASURES, numbers))
         made["files"] = " ".join(files)
     except Exception as error:
@@ -306,42 +381,41 @@ def _measured(
     return made
 
 
-def _check_table(path: str | os.PathLike[str]) -> None:
-    import importlib
-
-    ending = os.path.splitext(os.fspath(path))[1].lower()
+def _check_table(path: str | os.PathLike[str], rows: Sequence[dict[str, Any]]) -> None:
+    path = os.fspath(path)
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in (".csv", ".parquet"):
+        raise ValueError(f"sweep: out is {path!r}: give a .csv or a .parquet file")
+    _check_folder("sweep: out", path, os.path.dirname(path))
     if ending == ".parquet":
         try:
-            importlib.import_module("pyarrow.parquet")
+            _parquet(rows)
         except ModuleNotFoundError:
             raise ModuleNotFoundError(
                 "pyarrow is not installed: pip install pyarrow, or give a .csv file",
                 name="pyarrow",
             ) from None
-    elif ending != ".csv":
-        raise ValueError(f"sweep: out is {os.fspath(path)!r}: give a .csv or a .parquet file")
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"sweep: the table cannot be a .parquet file: {error}") from None
 
 
-def _write_table(path: str | os.PathLike[str], rows: list[dict[str, Any]]) -> None:
-    """The table, whole or not at all."""
+def _parquet(rows: Sequence[dict[str, Any]]) -> bytes:
     import importlib
+    import io
 
-    path = os.fspath(path)
-    unfinished = f"{path}.unfinished-{os.getpid()}"
-    try:
-        if path.lower().endswith(".parquet"):
-            pyarrow = importlib.import_module("pyarrow")
-            parquet = importlib.import_module("pyarrow.parquet")
-            parquet.write_table(pyarrow.Table.from_pylist(rows), unfinished)
-        else:
-            import csv
+    pyarrow = importlib.import_module("pyarrow")
+    parquet = importlib.import_module("pyarrow.parquet")
+    data = io.BytesIO()
+    parquet.write_table(pyarrow.Table.from_pylist(list(rows)), data)
+    return data.getvalue()
 
-            with open(unfinished, "w", newline="", encoding="utf-8") as file:
-                writer = csv.DictWriter(file, list(rows[0]) if rows else ["row"], lineterminator="\n")
-                writer.writeheader()
-                writer.writerows(rows)
-        os.replace(unfinished, path)
-    except BaseException:
-        if os.path.exists(unfinished):
-            os.remove(unfinished)
-        raise
+
+def _csv(rows: Sequence[dict[str, Any]]) -> bytes:
+    import csv
+    import io
+
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]) if rows else ["row"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue().encode()

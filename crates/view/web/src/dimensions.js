@@ -6,25 +6,32 @@ import {
   SRGBColorSpace, Sprite, SpriteMaterial, Vector3,
 } from "three";
 
-/** In pixels: how far lines are from the model, those of its size beyond the others; how long arrows are, and
- * how high numbers. */
+/** In pixels: how far lines are from the model, those of its size beyond the others, and from one another; how long
+ * arrows are, and how high numbers. */
 const OUTER = 50;
 const INNER = 24;
+const ROW = 24;
 const ARROW = 10;
 /** How far from what is measured the lines begin that lead to a dimension, and how far beyond it they end. */
 const GAP = 6;
 const HEIGHT = 14;
-/** What goes less than this to the side, of its length, is steep. */
+/** What goes less than this to the side, of its length, is steep; what goes less than this to the eye is seen from its side. */
 const STEEP = 0.3;
-/** The least length, in pixels, of a line that is drawn. */
+/** The least length of a line that is drawn: in pixels, and as a part of what it would be if it were seen from its side. */
 const SHORTEST = 8;
+const FLATTEST = 0.15;
 const FONT = `600 ${HEIGHT}px system-ui, sans-serif`;
+/** In so many rows it is tried to lay a dimension out where no other one is in its way. */
+const ROWS = 9;
 /** How many pixels of a number's texture are one of the page. */
 const FINE = 2;
 /** An arc is of so many chords. */
 const CHORDS = 24;
 /** The radius of an angle's arc. */
 const ARC = 90;
+/** Where a diameter is told: to the right and upwards, or as far around from there as a row says. */
+const SLANT = 1.08;
+const AROUND = 0.6;
 /** The colours of sizes, which are those of drawings, and of what is picked or kept. */
 const COLORS = { light: ["#2a5caa", "#a33b00"], dark: ["#8fbcff", "#ffb877"] };
 
@@ -81,7 +88,25 @@ class Picture {
   }
 }
 
+/** How wide numbers are, with some room. */
+const pen = document.createElement("canvas").getContext("2d");
+pen.font = FONT;
+const widthOf = (text) => Math.ceil(pen.measureText(text).width) + 8;
+
 const length = ([x, y]) => Math.hypot(x, y);
+const cross = ([ax, ay], [bx, by], [cx, cy]) => (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+
+/** How far apart two segments are in the picture. */
+function apart([a, b], [c, d]) {
+  if (cross(a, b, c) * cross(a, b, d) < 0 && cross(c, d, a) * cross(c, d, b) < 0) return 0;
+  const toSegment = (p, [q, r]) => {
+    const [x, y] = [r[0] - q[0], r[1] - q[1]];
+    const share = Math.min(1, Math.max(0, ((p[0] - q[0]) * x + (p[1] - q[1]) * y) / (x * x + y * y || 1)));
+    return Math.hypot(q[0] + share * x - p[0], q[1] + share * y - p[1]);
+  };
+  return Math.min(...[a, b].map((p) => toSegment(p, [c, d])), ...[c, d].map((p) => toSegment(p, [a, b])));
+}
+
 const at = (from, along, by) => from.clone().addScaledVector(along, by);
 
 /** What is drawn of a dimension: segments, and where its number is and how it is turned. */
@@ -89,7 +114,27 @@ class Layout {
   constructor(picture) {
     this.picture = picture;
     this.segments = [];
+    /** The segments that others keep away from. */
+    this.kept = [];
     this.label = null;
+  }
+
+  /** What others keep away from: segments in the picture, and how far from each. */
+  strokes(text) {
+    const { place, turn, side } = this.label;
+    const half = widthOf(text) / 2;
+    const [x, y] = this.picture.seen(place);
+    const [across, down] = [Math.cos(turn), -Math.sin(turn)].map((part) => (half - HEIGHT / 2) * part);
+    const middle = x + side * half;
+    const number = { ends: [[middle - across, y - down], [middle + across, y + down]], off: HEIGHT / 2 };
+    const lines = this.kept.map((both) => {
+      const [a, b] = both.map((end) => this.picture.seen(end));
+      // (They may meet where they end.)
+      const inset = Math.min(0.5, 4 / (Math.hypot(b[0] - a[0], b[1] - a[1]) || 1));
+      const part = (share) => [0, 1].map((k) => a[k] + share * (b[k] - a[k]));
+      return { ends: [part(inset), part(1 - inset)], off: 1 };
+    });
+    return [number, ...lines];
   }
 
   line(from, to) {
@@ -113,6 +158,7 @@ class Layout {
     // Where there is no room between them, arrows point inwards.
     const isInside = long > 3 * ARROW;
     this.line(from, to);
+    this.kept.push([from, to]);
     for (const [tip, sign] of [[from, -1], [to, 1]]) {
       this.arrow(tip, along.clone().multiplyScalar(isInside ? sign : -sign));
       if (!isInside) this.line(tip, at(tip, along, sign * 2 * ARROW * picture.pixel(tip)));
@@ -173,15 +219,20 @@ function ofBox([low, high], picture) {
       if (!best || rank > best.rank) best = { rank, ends, way };
     }
     if (!best) continue;
-    const layout = new Layout(picture);
-    layout.beside(best.ends, best.way, 0, OUTER);
-    sizes.push({ axis, layout });
+    sizes.push({
+      axis,
+      inRow: (row) => {
+        const layout = new Layout(picture);
+        layout.beside(best.ends, best.way, 0, OUTER + row * ROW);
+        return layout;
+      },
+    });
   }
   return sizes;
 }
 
 /** A distance beside the model's box, or where it is if that is far. */
-function ofDistance(ends, [low, high], picture) {
+function ofDistance(ends, [low, high], picture, row) {
   const layout = new Layout(picture);
   const along = ends[1].clone().sub(ends[0]);
   const size = along.length();
@@ -205,40 +256,47 @@ function ofDistance(ends, [low, high], picture) {
     }
   }
   const reach = Math.max(2 * size, 0.3 * high.distanceTo(low));
-  if (best && best.room <= reach) layout.beside(ends, best, best.room, INNER);
+  if (best && best.room <= reach) layout.beside(ends, best, best.room, INNER + row * ROW);
   else layout.measure(...ends);
   return layout;
 }
 
 /** The diameter of a circle, or of a sphere if it has no axis: at its end that is nearer. */
-function ofCircle(centers, axis, radius, picture) {
+function ofCircle(centers, axis, radius, picture, row) {
   const layout = new Layout(picture);
   const center = centers.length > 1 && centers[1].clone().sub(centers[0]).dot(picture.toEye(centers[0])) > 0 ? centers[1] : centers[0];
-  // To the right and upwards.
-  const out = picture.across([Math.cos(1.08), -Math.sin(1.08)]);
+  const slant = SLANT + row * AROUND;
+  const across = picture.across([Math.cos(slant), -Math.sin(slant)]);
+  const out = across.clone();
   if (axis) out.addScaledVector(axis, -out.dot(axis));
   if (out.length() < 1e-3) out.copy(picture.right);
   out.normalize();
   const rim = at(center, out, radius);
-  const [x, y] = picture.direction(rim, out);
-  const end = at(rim, out, 1.5 * INNER * picture.pixel(rim) / Math.max(0.3, Math.hypot(x, y)));
+  // Away from the centre; of a circle that is seen from its side out of its plane.
+  const way = axis && Math.abs(axis.dot(picture.toEye(center))) < STEEP ? across : out;
+  const [x, y] = picture.direction(rim, way);
+  const end = at(rim, way, 1.5 * INNER * picture.pixel(rim) / Math.max(0.3, Math.hypot(x, y)));
   layout.line(rim, end);
-  layout.arrow(rim, out.clone().negate());
+  layout.kept.push([rim, end]);
+  layout.arrow(rim, way.clone().negate());
   const side = x < 0 ? -1 : 1;
   layout.label = { place: at(end, picture.right, side * 4 * picture.pixel(end)), turn: 0, side };
   return layout;
 }
 
-function ofAngle(vertex, [one, other], picture) {
+function ofAngle(vertex, [one, other], picture, row) {
   const layout = new Layout(picture);
   const pixel = picture.pixel(vertex);
-  const radius = ARC * pixel;
+  const radius = (ARC + row * ROW) * pixel;
   const angle = one.angleTo(other);
   const off = other.clone().addScaledVector(one, -other.dot(one)).normalize();
   const direction = (share) => one.clone().multiplyScalar(Math.cos(share * angle)).addScaledVector(off, Math.sin(share * angle));
   const tangent = (share) => off.clone().multiplyScalar(Math.cos(share * angle)).addScaledVector(one, -Math.sin(share * angle));
   for (const side of [one, other]) layout.line(vertex, at(vertex, side, 1.15 * radius));
-  for (let k = 0; k < CHORDS; k++) layout.line(at(vertex, direction(k / CHORDS), radius), at(vertex, direction((k + 1) / CHORDS), radius));
+  const arc = Array.from({ length: CHORDS + 1 }, (_, k) => at(vertex, direction(k / CHORDS), radius));
+  for (let k = 0; k < CHORDS; k++) layout.line(arc[k], arc[k + 1]);
+  const third = CHORDS / 3;
+  for (let k = 0; k < CHORDS; k += third) layout.kept.push([arc[k], arc[k + third]]);
   layout.arrow(at(vertex, one, radius), tangent(0).negate());
   layout.arrow(at(vertex, other, radius), tangent(1));
   const [x, y] = picture.direction(vertex, direction(0.5));
@@ -299,21 +357,22 @@ export class Dimensions {
     this.drawn = [];
     if (!this.group.visible) return;
     const picture = new Picture(camera, width, height);
-    const place = (point) => new Vector3(...point).sub(this.center);
     const box = this.box.map((end) => end.toArray());
-    for (const { axis, layout } of ofBox(box, picture)) {
-      if (this.sizes[axis] > 0) this.#add(textOf({ kind: "distance", value: this.sizes[axis] }, this.unit), layout, 0);
-    }
+    const sizes = ofBox(box, picture).filter(({ axis }) => this.sizes[axis] > 0).map(({ axis, inRow }) =>
+      ({ rank: 2, text: textOf({ kind: "distance", value: this.sizes[axis] }, this.unit), color: 0, inRow }));
+    const measured = this.measured.map((dimension) =>
+      ({ rank: dimension.kind === "distance" ? 0 : 1, value: dimension.value, text: textOf(dimension, this.unit), color: 1, inRow: this.#inRow(dimension, picture) }));
+    // (The sides of a narrow angle may meet far away.)
     const reach = 4 * this.box[0].distanceTo(this.box[1]);
-    for (const dimension of this.measured) {
-      const { kind, value } = dimension;
-      let layout = null;
-      if (kind === "distance") layout = ofDistance(dimension.ends.map(place), this.box, picture);
-      else if (kind === "angle") layout = ofAngle(place(dimension.at), dimension.along.map((side) => new Vector3(...side)), picture);
-      else if (kind === "circle") layout = ofCircle(dimension.centers.map(place), new Vector3(...dimension.axis), value, picture);
-      else if (kind === "sphere") layout = ofCircle([place(dimension.center)], null, value, picture);
-      // (The sides of a narrow angle may meet far away.)
-      if (layout && layout.segments[0].length() < reach) this.#add(textOf(dimension, this.unit), layout, 1);
+    this.drawn = [...sizes, ...measured].filter(({ inRow }) => inRow?.(0).segments[0].length() < reach);
+    // Distances come first, short ones nearer to the model; sizes are beyond all others.
+    const strokes = [];
+    for (const one of this.drawn.toSorted((a, b) => a.rank - b.rank || (a.value ?? 0) - (b.value ?? 0))) {
+      const tried = Array.from({ length: ROWS }, (_, row) => one.inRow(row)).map((layout) => ({ layout, own: layout.strokes(one.text) }));
+      const isFree = ({ own }) => own.every((a) => strokes.every((b) => apart(a.ends, b.ends) >= a.off + b.off));
+      const { layout, own } = tried.find(isFree) ?? tried[0];
+      strokes.push(...own);
+      Object.assign(one, { layout, seen: picture.seen(layout.label.place) });
     }
     this.lines.forEach((both, k) => {
       const points = this.drawn.flatMap(({ layout, color }) => (color === k ? layout.segments : []));
@@ -327,8 +386,31 @@ export class Dimensions {
     this.#write(picture);
   }
 
-  #add(text, layout, color) {
-    this.drawn.push({ text, layout, color, seen: layout.picture.seen(layout.label.place) });
+  /** What lays something that is measured out in a row; nothing for a distance at whose end one looks. */
+  #inRow(dimension, picture) {
+    const { kind, value } = dimension;
+    const place = (point) => new Vector3(...point).sub(this.center);
+    switch (kind) {
+      case "distance": {
+        const ends = dimension.ends.map(place);
+        const along = ends[1].clone().sub(ends[0]);
+        const middle = at(ends[0], along, 0.5);
+        if (length(picture.direction(middle, along.normalize())) < FLATTEST) return null;
+        return (row) => ofDistance(ends, this.box, picture, row);
+      }
+      case "angle": {
+        const [vertex, along] = [place(dimension.at), dimension.along.map((side) => new Vector3(...side))];
+        return (row) => ofAngle(vertex, along, picture, row);
+      }
+      case "circle": {
+        const [centers, axis] = [dimension.centers.map(place), new Vector3(...dimension.axis)];
+        return (row) => ofCircle(centers, axis, value, picture, row);
+      }
+      case "sphere": {
+        const centers = [place(dimension.center)];
+        return (row) => ofCircle(centers, null, value, picture, row);
+      }
+    }
   }
 
   /** The numbers. */
@@ -354,8 +436,7 @@ export class Dimensions {
 
   #label(text, color) {
     const context = document.createElement("canvas").getContext("2d");
-    context.font = FONT;
-    const [width, height] = [Math.ceil(context.measureText(text).width) + 8, HEIGHT + 8];
+    const [width, height] = [widthOf(text), HEIGHT + 8];
     Object.assign(context.canvas, { width: FINE * width, height: FINE * height });
     context.scale(FINE, FINE);
     Object.assign(context, {

@@ -12,6 +12,8 @@ import look from "./look.json";
 const WIDTH = 1024;
 /** Milliseconds that a frame may take while the camera moves. */
 const BUDGET = 33;
+/** The pixels a side of a frame in motion, of all, by how coarse it is. */
+const PIXELS = [1, 1, 1 / 2, 1 / 3];
 /** Half of the window around the pointer in which edges are looked for, in pixels. */
 const REACH = 6;
 
@@ -164,6 +166,7 @@ export class Drawing {
     const ends = new Float32Array(2 * model.edgeOf.length);
     model.edgeOf.forEach((edge, k) => ends.fill(edge, 2 * k, 2 * k + 2));
     edges.setAttribute("face", new BufferAttribute(ends, 1));
+    edges.setIndex(new BufferAttribute(Uint32Array.from(ends.keys()), 1));
     this.faceMesh = new Mesh(faces, this.faceMaterial);
     this.edgeLines = new LineSegments(edges, this.edgeMaterial);
     this.stencilMeshes = this.stencils.map((material) => new Mesh(faces, material));
@@ -181,7 +184,7 @@ export class Drawing {
     this.pickEdges = new LineSegments(edges, this.pickMaterials[1]);
     this.pickScene.add(this.pickFaces, this.pickEdges);
     for (const object of [...this.group.children, ...this.pickScene.children]) object.frustumCulled = false;
-    this.hidden = new Set([...this.hidden].filter((face) => face < model.faces.length));
+    this.hidden = new Set();
     this.picks = [];
     this.states.value.dispose();
     this.states.value = stateTexture(model.faces.length);
@@ -202,6 +205,17 @@ export class Drawing {
     this.hidden = hidden;
     this.dimensions.of(this.model, hidden);
     this.#paint();
+    // Edges are shown where a face beside them is.
+    const { edgeFaces, edgeOf } = this.model;
+    const { index } = this.edgeLines.geometry;
+    let count = 0;
+    edgeOf.forEach((edge, k) => {
+      if (hidden.has(edgeFaces[2 * edge]) && hidden.has(edgeFaces[2 * edge + 1])) return;
+      index.array.set([2 * k, 2 * k + 1], count);
+      count += 2;
+    });
+    index.needsUpdate = true;
+    this.edgeLines.geometry.setDrawRange(0, count);
   }
 
   /** Edges and faces, on or off. */
@@ -259,9 +273,9 @@ export class Drawing {
     }
   }
 
-  /** How coarse frames in motion are: 0 with all triangles, 1 and so on with fewer and fewer. */
+  /** How coarse frames in motion are: 0 with all triangles, 1 and so on with fewer and fewer, and with fewer pixels. */
   get coarseness() {
-    const most = this.simplifiedFaces?.length ?? 0;
+    const most = this.simplifiedFaces?.length ? PIXELS.length - 1 : 0;
     // (The cut draws them three times.)
     return Math.min(most, this.isCut && 3 * this.cost > BUDGET ? Math.max(1, this.step) : this.step);
   }
@@ -269,7 +283,7 @@ export class Drawing {
   /** Draws a frame; `isMoving` if another follows soon. */
   draw(camera, isMoving = false) {
     const coarseness = isMoving ? this.coarseness : 0;
-    const simplified = this.simplifiedFaces?.[coarseness - 1];
+    const simplified = this.simplifiedFaces?.[Math.min(coarseness, this.simplifiedFaces.length) - 1];
     for (const mesh of this.model ? [this.faceMesh, ...this.stencilMeshes] : []) {
       mesh.geometry = simplified ?? this.pickFaces.geometry;
     }
@@ -278,8 +292,7 @@ export class Drawing {
       const isHeavy = simplified && this.model.edgeOf.length > simplified.index.count / 3;
       this.edgeLines.visible = this.showsEdges && !isHeavy;
     }
-    // The coarsest have half as many pixels a side.
-    const ratio = window.devicePixelRatio * (coarseness > 1 ? 0.5 : 1);
+    const ratio = window.devicePixelRatio * PIXELS[coarseness];
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.lights[1].position.copy(camera.position).add(camera.up.clone().multiplyScalar(look.lamp_up * camera.position.length()));
     const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
@@ -309,7 +322,7 @@ export class Drawing {
     // (It has waited for the one before.)
     const isSlow = end - Math.max(start, this.lastEnd) > BUDGET;
     this.lastEnd = end;
-    if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, this.simplifiedFaces.length);
+    if (isSlow && this.wasSlow && model === this.model) this.step = Math.min(this.coarseness + 1, PIXELS.length - 1);
     this.wasSlow = isSlow && !this.wasSlow;
   }
 

@@ -9,7 +9,7 @@ export async function instance(compiled, published) {
   const imports = { host };
   for (const { module, name } of WebAssembly.Module.imports(compiled)) {
     // Parts of libraries that ask a browser for random numbers, which nothing here needs.
-    (imports[module] ??= {})[name] ??= () => { throw new Error(`${name} is not there`); };
+    (imports[module] ??= {})[name] ??= () => { throw new ReferenceError(`${name} is not there`); };
   }
   const made = await WebAssembly.instantiate(compiled, imports);
   const { reserve, ask, answer, answer_length: length } = made.exports;

@@ -7,10 +7,19 @@ const byId = (id) => document.getElementById(id);
 const canvas = byId("canvas");
 /** Who makes models and knows about them: a program that serves the page, or a worker. */
 let server;
-const renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, preserveDrawingBuffer: true });
+const renderer = rendering();
 const drawing = new Drawing(renderer);
 // (`answers` counts what was said of picks.)
 const state = { answers: 0, model: null, account: null, picks: [], measured: [], kept: [], counts: "", cut: { isCut: false, axis: "y", share: 0, isTurned: true } };
+
+function rendering() {
+  try {
+    return new WebGLRenderer({ canvas, antialias: true, stencil: true, preserveDrawingBuffer: true });
+  } catch (error) {
+    problem({ message: `This browser cannot draw in 3D (it needs WebGL 2): ${error.message}` });
+    throw error;
+  }
+}
 
 // Drawing, once for all that changed since the last frame.
 /** Milliseconds without a move of the camera until all triangles are drawn again. */
@@ -87,7 +96,7 @@ async function load() {
     if (model.is_coarse) continue;
     await measureAgain();
     const account = await server.account().catch(() => null);
-    if (account?.revision === state.model.revision) tell(account);
+    if (!account || account.revision === state.model.revision) tell(account);
   }
   isLoading = false;
 }
@@ -115,24 +124,34 @@ function show(model) {
   cut();
   picks([]);
   byId("picked").replaceChildren(element("p", { textContent: "Nothing yet." }));
+  measuresAreOld(true);
   byId("warnings").replaceChildren(...model.warnings.map((textContent) => element("li", { textContent })));
   changed();
 }
 
+/** Whether measures and report are of a model that was shown before. */
+function measuresAreOld(areOld) {
+  for (const id of ["measures", "report"]) byId(id).setAttribute("aria-busy", String(areOld));
+}
+
 function tell(account) {
   state.account = account;
-  rows(byId("measures"), account.measures);
-  rows(byId("report"), account.report);
+  rows(byId("measures"), account?.measures ?? [{ label: "", text: "They could not be told." }]);
+  rows(byId("report"), account?.report ?? []);
+  measuresAreOld(false);
   mass();
 }
 
 function mass() {
   const { account } = state;
-  const density = Number(byId("density").value);
+  const density = byId("density").valueAsNumber;
+  byId("mass").textContent = "";
   if (!account || !(density >= 0)) return;
   // From grams a cubic centimetre, which is a millionth of a cubic metre.
   const factor = density * (100 * account.metres) ** 3;
-  const error = account.volume_error === null ? "" : ` ± ${(factor * account.volume_error).toExponential(0)}`;
+  // (Rounded up.)
+  const bound = (error) => (error + 0.5 * 10 ** Math.floor(Math.log10(error))).toExponential(0);
+  const error = account.volume_error ? ` ± ${bound(factor * account.volume_error)}` : "";
   const digits = account.volume_error ? Math.min(15, Math.max(1, Math.floor(Math.log10(Math.abs(account.volume) / account.volume_error)))) : 9;
   byId("mass").textContent = `Mass ${Number((factor * account.volume).toPrecision(digits))}${error} g`;
 }
@@ -210,7 +229,7 @@ async function say(pick, isSecond) {
       return titles[k] ? [element("h3", { textContent: titles[k] }), table] : [table];
     }));
   } catch (error) {
-    box.replaceChildren(element("p", { textContent: `It could not be told: ${error.message}` }));
+    if (state.picks === list) box.replaceChildren(element("p", { textContent: `It could not be told: ${error.message}` }));
   }
 }
 
@@ -312,7 +331,7 @@ byId("cut-axis").onchange = ({ target }) => { state.cut.axis = target.value; cut
 byId("cut-at").oninput = ({ target }) => { state.cut.share = Number(target.value); cut(); };
 byId("cut-turn").onclick = () => { state.cut.isTurned = !state.cut.isTurned; cut(); };
 canvas.addEventListener("pointerdown", (event) => {
-  if (!event.altKey || !state.cut.isCut) return;
+  if (!event.altKey || !state.cut.isCut || !state.model) return;
   event.stopImmediatePropagation();
   pressed = null;
   canvas.setPointerCapture(event.pointerId);
@@ -329,7 +348,7 @@ canvas.addEventListener("pointerdown", (event) => {
     cut();
   };
   canvas.addEventListener("pointermove", move);
-  canvas.addEventListener("pointerup", () => canvas.removeEventListener("pointermove", move), { once: true });
+  canvas.addEventListener("lostpointercapture", () => canvas.removeEventListener("pointermove", move), { once: true });
 }, { capture: true });
 
 // The bar.
@@ -379,7 +398,7 @@ byId("download").onchange = async ({ target }) => {
   }
 };
 
-// Keys, wherever no field takes them.
+// Keys, wherever nothing else takes them: a field, or what Enter presses.
 const turnBy = Math.PI / 36;
 const keys = {
   1: () => cameras.look("front"), 2: () => cameras.look("back"), 3: () => cameras.look("right"),
@@ -393,12 +412,14 @@ const keys = {
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const { target } = event;
-  if (target !== canvas && target.closest?.("input, select, button, summary, textarea")) return;
-  const arrow = arrows[event.key];
+  const takes = event.key === "Enter" ? "input, select, textarea, button, summary" : "input:not([type=checkbox]), select, textarea";
+  if (event.target.closest?.(takes)) return;
+  // (With the shift key or its lock letters are others.)
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const arrow = arrows[key];
   if (arrow && event.shiftKey) cameras.move(-0.05 * arrow[0], -0.05 * arrow[1]);
   else if (arrow) cameras.turn(turnBy * arrow[0], -turnBy * arrow[1]);
-  else if (keys[event.key]) keys[event.key]();
+  else if (keys[key]) keys[key]();
   else return;
   event.preventDefault();
 });

@@ -53,16 +53,16 @@ export class Tree {
   }
 
   show(model) {
-    const names = (part) => (part ? part.name : "");
     const before = new Set([...this.hidden].map((face) => this.#key(face)));
     this.model = model;
     this.faces = model.parts.map(() => []);
     model.faces.forEach((face, k) => this.faces[face.part].push(k));
     // What was hidden stays so, by its part's name and its place among the part's faces.
     this.places = new Map();
-    this.faces.forEach((faces, part) => faces.forEach((face, k) => this.places.set(face, `${names(model.parts[part])}\n${k}`)));
+    this.faces.forEach((faces, part) => faces.forEach((face, k) => this.places.set(face, `${model.parts[part].name}\n${k}`)));
     this.hidden = new Set([...model.faces.keys()].filter((face) => before.has(this.#key(face))));
-    byId("parts").replaceChildren(...model.parts.map((part, k) => this.#part(part, k)));
+    const opened = new Set([...byId("parts").querySelectorAll("details[open]")].map(({ dataset }) => dataset.part));
+    byId("parts").replaceChildren(...model.parts.map((part, k) => this.#part(part, k, opened)));
     this.#hide(this.hidden);
   }
 
@@ -70,9 +70,9 @@ export class Tree {
     return this.places?.get(face);
   }
 
-  #part({ name }, k) {
+  #part({ name }, k, opened) {
     const faces = this.faces[k];
-    const details = element("details", {},
+    const details = element("details", { open: opened.has(name), "data-part": name },
       element("summary", {}, this.#line(name, `${faces.length} ${faces.length === 1 ? "face" : "faces"}`, faces)));
     details.ontoggle = () => {
       if (!details.open || details.querySelector("ul")) return;
@@ -101,7 +101,8 @@ export class Tree {
     const only = element("button", { type: "button", textContent: "Only", "aria-label": `Show only ${name}` });
     only.onclick = (event) => {
       event.preventDefault();
-      this.#hide(new Set([...this.model.faces.keys()].filter((face) => !faces.includes(face))));
+      const shown = new Set(faces);
+      this.#hide(new Set([...this.model.faces.keys()].filter((face) => !shown.has(face))));
     };
     const label = count ? element("span", { textContent: name }) : element("button", { type: "button", className: "named", textContent: name });
     return element("span", {}, box, label, element("small", { textContent: count }), only);

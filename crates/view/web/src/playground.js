@@ -13,6 +13,10 @@ class Playground {
   #drawn = null;
   #status = { revision: 0, is_working: false, problem: null, parameters: [], values: {} };
   #told = () => {};
+  /** Counts what was drawn by all workers: one that has begun anew counts from the start. */
+  #revision = 0;
+  #worker = null;
+  #gone = new Error("another model is made");
 
   listen(told) {
     this.#told = told;
@@ -20,7 +24,7 @@ class Playground {
 
   /** Makes another model; what was being done for the one before is given up. */
   async make(text) {
-    if (this.#status.is_working) this.#end();
+    if (this.#status.is_working) this.#end(this.#gone);
     this.#say({ is_working: true });
     try {
       const problem = JSON.parse(new TextDecoder().decode(await this.#ask({ ask: "make", text })));
@@ -31,12 +35,11 @@ class Playground {
   }
 
   async scene() {
-    // (A worker that has begun anew counts from the start.)
-    return this.#drawn && { ...unpack(this.#drawn), revision: this.revision };
+    return this.#drawn && { ...unpack(this.#drawn), revision: this.#revision };
   }
 
   async account() {
-    return { ...(await this.#json({ ask: "account" })), revision: this.revision };
+    return { ...(await this.#json({ ask: "account" })), revision: this.#revision };
   }
 
   describe(_, pick) {
@@ -51,8 +54,6 @@ class Playground {
     return new Blob([await this.#ask({ ask: "file", format })]);
   }
 
-  #gone = new Error("another model is made");
-
   #say(changes) {
     this.#status = { ...this.#status, ...changes };
     this.#told(this.#status);
@@ -62,39 +63,42 @@ class Playground {
     return JSON.parse(new TextDecoder().decode(await this.#ask(question)));
   }
 
-  async #ask(question) {
-    this.worker ??= await this.#begin();
+  #ask(question) {
     return new Promise((done, fail) => {
-      this.#asked.set(++this.#count, { done, fail });
-      this.worker.postMessage({ id: this.#count, question });
+      const id = ++this.#count;
+      this.#asked.set(id, { done, fail });
+      this.#worker ??= this.#begin();
+      this.#worker.then((worker) => worker.postMessage({ id, question }), (error) => this.#end(error));
     });
   }
 
   async #begin() {
+    const compiled = await this.#compiled;
     const worker = new Worker("worker.js", { type: "module" });
-    worker.onmessage = ({ data: { drawn, id, answer, problem } }) => {
+    worker.onerror = () => this.#end(new Error("the page's worker.js does not run"));
+    worker.onmessage = ({ data: { drawn, id, answer, problem, isBroken } }) => {
       if (drawn) {
         this.#drawn = drawn;
-        this.#say({ revision: ++this.revision });
+        this.#say({ revision: ++this.#revision });
         return;
       }
+      // What has broken off does not answer again.
+      if (isBroken) return this.#end(new Error(`the work broke off: ${problem}`));
       const { done, fail } = this.#asked.get(id);
       this.#asked.delete(id);
       if (answer) done(answer);
       else fail(new Error(problem));
-      // What has trapped does not answer again.
-      if (problem?.includes("unreachable")) this.#end();
     };
-    worker.postMessage({ compiled: await this.#compiled });
+    worker.postMessage({ compiled });
     return worker;
   }
 
-  revision = 0;
-
-  #end() {
-    this.worker?.terminate();
-    this.worker = null;
-    for (const { fail } of this.#asked.values()) fail(this.#gone);
+  /** Gives up all that is asked; what is asked next begins another worker. */
+  #end(why) {
+    // (Nor is heard what it had sent before.)
+    this.#worker?.then((worker) => Object.assign(worker, { onmessage: null }).terminate(), () => {});
+    this.#worker = null;
+    for (const { fail } of this.#asked.values()) fail(why);
     this.#asked.clear();
   }
 }

@@ -21,6 +21,7 @@ export function unpack(bytes) {
     simplifiedCorners: simplified.map((count) => take(Uint32Array, 3 * count)),
     segments: take(Float32Array, 6 * segments),
     edgeOf: take(Float32Array, segments),
+    edgeFaces: take(Uint32Array, 2 * head.edges.length),
     vertices: take(Float32Array, 3 * vertices),
   };
 }

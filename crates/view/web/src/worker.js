@@ -11,6 +11,7 @@ self.onmessage = async ({ data: { compiled, id, question } }) => {
     const answer = (await ready)(question);
     self.postMessage({ id, answer }, [answer]);
   } catch (error) {
-    self.postMessage({ id, problem: error.message });
+    // (What the module says itself is an `Error`; all others are how it breaks off.)
+    self.postMessage({ id, problem: error.message, isBroken: error.constructor !== Error });
   }
 };

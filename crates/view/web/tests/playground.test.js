@@ -29,6 +29,15 @@ test("a scene is edited, shown, asked, and saved", async () => {
     const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
     const mistakes = [];
     page.on("pageerror", (error) => mistakes.push(String(error)));
+    await page.addInitScript(() => {
+      globalThis.workers = [];
+      globalThis.Worker = class extends Worker {
+        constructor(...all) {
+          super(...all);
+          workers.push(this);
+        }
+      };
+    });
     await page.goto(`http://127.0.0.1:${server.address().port}/`);
     const told = (volume) => page.waitForFunction((exact) =>
       Math.abs(Number.parseFloat(document.querySelector("#measures td")?.textContent) - exact) < 1e-9, volume);
@@ -51,6 +60,17 @@ test("a scene is edited, shown, asked, and saved", async () => {
     await problem.waitFor({ state: "hidden" });
     const [download] = await Promise.all([page.waitForEvent("download"), page.getByLabel("Download a file").selectOption("step")]);
     assert.match(String(await readFile(await download.path())), /SPHERICAL_SURFACE/);
+    // A worker that breaks off is replaced; one that cannot be had is told.
+    assert.equal(await page.evaluate(() => workers.length), 1);
+    await page.evaluate(() => workers[0].onmessage({ data: { id: 0, problem: "unreachable", isBroken: true } }));
+    await page.route("**/worker.js", (route) => route.abort());
+    await text.fill("sphere(r = 3);");
+    await problem.getByText("worker.js does not run").waitFor();
+    await page.unroute("**/worker.js");
+    await text.fill("sphere(r = 1);");
+    await told(4 / 3 * Math.PI);
+    await problem.waitFor({ state: "hidden" });
+    assert.equal(await page.evaluate(() => workers.length), 3);
     if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
     assert.deepEqual(mistakes, []);
   } finally {

@@ -93,6 +93,8 @@ test("a plate is shown, turns, and says what is clicked", async () => {
   await page.locator("#density").fill("7.85");
   const mass = number((await page.locator("#mass").innerText()).replace("Mass ", ""));
   assert.ok(Math.abs(mass - 7.85e-3 * volume(3, 4)) < 1e-9, String(mass));
+  await page.locator("#density").fill("-1");
+  assert.equal(await page.locator("#mass").innerText(), "");
 
   // Dragging and keys turn it; keys turn it back.
   const first = await picture(page);
@@ -208,7 +210,7 @@ test("a slider makes the model again", async () => {
 });
 
 test("parts are hidden, the plane cuts, edges and faces go", async () => {
-  const { page, mistakes } = await opened("cut.csg", PLATE);
+  const { page, file, mistakes } = await opened("cut.csg", PLATE);
   await page.locator("#canvas").focus();
   await page.keyboard.press("5");
   const seen = async (point) => (await click(page, point)).replaceAll(/\s+/g, " ");
@@ -216,7 +218,12 @@ test("parts are hidden, the plane cuts, edges and faces go", async () => {
   // Without the block the bores' walls are left; from above they are not seen face on.
   await page.getByLabel("Show only cylinder").click();
   assert.match(await seen([0, 0, 2.5]), /Nothing/);
+  // Nor are the block's edges and corners, but for those that it has in common with them.
+  assert.match(await seen([20, 0, 2.5]), /Nothing/);
+  assert.match(await seen([20, 10, 2.5]), /Nothing/);
+  assert.match(await seen([-15, 0, 2.5]), /circle/);
   await page.getByRole("button", { name: "Show all" }).click();
+  assert.match(await seen([20, 10, 2.5]), /at 20, 10, 2.5/);
   assert.match(await seen([0, 0, 2.5]), /normal 0, 0, 1/);
   // The bottom is seen where what is above is cut away.
   const cleared = async () => {
@@ -253,8 +260,22 @@ test("parts are hidden, the plane cuts, edges and faces go", async () => {
   await page.getByRole("button", { name: "Edges" }).click();
   assert.ok((await cleared()) !== whole);
   await page.getByRole("button", { name: "Edges" }).click();
+  // Keys do what they do beside a button, too, in capitals as well; the button has what presses it.
   await page.getByRole("button", { name: "Faces" }).click();
   assert.match(await seen([0, 0, 2.5]), /Nothing/);
+  await page.getByRole("button", { name: "Faces" }).focus();
+  await page.keyboard.press("A");
+  assert.match(await seen([0, 0, 2.5]), /normal 0, 0, 1/);
+  await page.getByRole("button", { name: "Faces" }).focus();
+  await page.keyboard.press("Enter");
+  assert.match(await seen([0, 0, 2.5]), /Nothing/);
+  // Of another model the same parts are open and hidden.
+  await page.getByText("cylinder2 faces").click();
+  await page.getByRole("button", { name: "cylinder, radius 3", exact: true }).waitFor();
+  await page.getByLabel("Show cuboid").uncheck();
+  await writeFile(file, plate(3.5, 4));
+  await page.getByRole("button", { name: "cylinder, radius 3.5", exact: true }).waitFor();
+  assert.equal(await page.getByLabel("Show cuboid").isChecked(), false);
   assert.deepEqual(mistakes, []);
   await page.close();
 });
@@ -368,6 +389,60 @@ test("what is picked is drawn, and stays if it is kept", async () => {
   await page.waitForFunction(() => stereotomy.drawing.dimensions.drawn[0]?.text === "10 mm");
   assert.deepEqual(await drawn(page), ["10 mm", "20 mm", "30 mm"]);
   assert.equal(await page.getByText("Kept dimensions").isVisible(), false);
+  assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("dimensions that are kept are in rows", async () => {
+  const third = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cylinder(h = 10, r1 = 2, r2 = 2, center = true); }";
+  const { page, mistakes } = await opened("rows.csg", PLATE.replace(/\}\n$/, `${third} }`));
+  await page.locator("#canvas").focus();
+  for (const key of "5df") await page.keyboard.press(key);
+  const rims = [[-15, 0, 2.5], [-2, 0, 2.5], [8, 0, 2.5]];
+  for (const [one, other] of [[0, 1], [1, 2], [0, 2]]) {
+    await click(page, rims[one]);
+    await click(page, rims[other], ["Control"]);
+    await page.getByRole("button", { name: "Keep distance, centre to centre" }).click();
+  }
+  for (const rim of rims) {
+    await click(page, rim);
+    await page.getByRole("button", { name: "Keep radius" }).click();
+  }
+  await page.locator("#canvas").focus();
+  await page.keyboard.press("Escape");
+  // (Its height is not seen from above.)
+  assert.equal((await drawn(page)).length, 8);
+  /** Where each number is, how it lies, and how large it is; and the lines' own places, from above. */
+  const laidOut = () => page.evaluate(() => stereotomy.drawing.dimensions.drawn.map(({ text, color, seen: [x, y], layout: { label, segments } }) => {
+    const { width, height } = [...stereotomy.drawing.dimensions.labels].find(([key]) => key.endsWith(` ${color} ${text}`))[1].userData;
+    return { text, turn: label.turn, width: width - 8, height: height - 8, x: x + label.side * width / 2, y, line: segments[4]?.y };
+  }));
+  const isOn = (number, [x, y]) => {
+    const [cos, sin] = [Math.cos(number.turn), -Math.sin(number.turn)];
+    const [dx, dy] = [x - number.x, y - number.y];
+    return Math.abs(dx * cos + dy * sin) < number.width / 2 && Math.abs(dy * cos - dx * sin) < number.height / 2;
+  };
+  for (const key of ["5", "0", "1", "3", "ArrowUp", "ArrowLeft", "p"]) {
+    await page.keyboard.press(key);
+    await picture(page);
+    const numbers = await laidOut();
+    // (Distances at whose ends one looks are not drawn.)
+    assert.equal(numbers.length, { 5: 8, 1: 8, 3: 5, 0: 9 }[key] ?? numbers.length);
+    for (const one of numbers) {
+      const along = Array.from({ length: 21 }, (_, k) => (k - 10) / 20 * one.width);
+      for (const other of numbers) {
+        const met = other !== one && along.some((off) => isOn(other, [one.x + off * Math.cos(one.turn), one.y - off * Math.sin(one.turn)]));
+        assert.ok(!met, `${key}: ${one.text} is on ${other.text}`);
+      }
+    }
+  }
+  // From above: the two short ones in one row, the long one below, and the size below that.
+  for (const key of "5pf") await page.keyboard.press(key);
+  await picture(page);
+  const numbers = await laidOut();
+  const [short, other, long, whole] = ["12 mm", "12 mm", "24 mm", "40 mm"].map((name, k) =>
+    numbers.filter(({ text }) => text === name)[k === 1 ? 1 : 0].line);
+  assert.ok(short === other && short > long && long > whole, JSON.stringify(numbers));
   assert.deepEqual(mistakes, []);
   await page.close();
 });
@@ -541,7 +616,7 @@ test("a million triangles turn without any being sent to the graphics card again
     const fewer = state.model.simplifiedCorners.map((corners) => corners.length / 3);
     // On a fast machine, on slower ones, and when the camera has come to rest.
     const turns = [];
-    for (const step of [0, 1, 2]) turns.push(await turn(step));
+    for (const step of [0, 1, 2, 3]) turns.push(await turn(step));
     const whole = canvas.clientWidth;
     // All of them again, as soon as the last frame in motion is done and nothing has moved for a while.
     const rested = async () => {
@@ -561,23 +636,41 @@ test("a million triangles turn without any being sent to the graphics card again
     };
     for (const cost of [100, 10, 100, 100, 10, 10, 100, 100, 100, 100]) await draw(cost);
     delete performance.now;
-    await turn(2);
+    await turn(3);
     return { triangles, fewer, turns, whole, rest, steps, again: await rested(), sent };
   });
   if (process.env.SHOT) console.log(JSON.stringify(turned));
   const { triangles, fewer, turns, whole, rest, steps, again, sent } = turned;
   assert.ok(triangles > 1e6, String(triangles));
   assert.ok(fewer.length === 2 && fewer[0] > 2e4 && fewer[0] <= 1e5 && fewer[1] > 2e3 && fewer[1] <= 1e4, String(fewer));
-  assert.deepEqual(turns.map((one) => one.triangles), [triangles, ...fewer]);
-  // The coarsest with half as many pixels a side.
-  assert.deepEqual(turns.map((one) => one.width), [whole, whole, Math.floor(whole / 2)]);
+  assert.deepEqual(turns.map((one) => one.triangles), [triangles, ...fewer, fewer[1]]);
+  // The coarsest with half as many pixels a side, or a third.
+  assert.deepEqual(turns.map((one) => one.width), [1, 1, 2, 3].map((part) => Math.floor(whole / part)));
   for (const end of [rest, again]) assert.deepEqual(end, { triangles, width: whole });
-  assert.deepEqual(steps, [0, 0, 0, 1, 1, 1, 1, 2, 2, 2]);
+  assert.deepEqual(steps, [0, 0, 0, 1, 1, 1, 1, 2, 2, 3]);
   // Faces and edges, each in one.
   assert.ok(turns.every(({ calls }) => calls <= 2), JSON.stringify(turns));
   // (The numbers of the fewer ones go there once.)
   assert.ok(sent <= 2, `${sent} buffers sent`);
   assert.deepEqual(mistakes, []);
+  await page.close();
+});
+
+test("a browser without WebGL says so", async () => {
+  const file = join(folder, "no-webgl.csg");
+  await writeFile(file, PLATE);
+  const address = await served(process.env.CSG, ["view", file, "--no-open"]);
+  const page = await browser.newPage();
+  await page.addInitScript(() => {
+    const { getContext } = HTMLCanvasElement.prototype;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...more);
+    };
+  });
+  await page.goto(address);
+  await page.getByRole("alert").getByText("cannot draw in 3D").waitFor();
+  // What the program drew is there.
+  assert.equal(await page.locator(".first:visible").count(), 1);
   await page.close();
 });
 
