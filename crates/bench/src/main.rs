@@ -11,6 +11,7 @@ mod error;
 mod field;
 mod figure;
 mod files;
+mod imports;
 #[path = "../../../tests/judge/mod.rs"]
 mod judge;
 mod measure;
@@ -54,6 +55,8 @@ enum Question {
     Memory(memory::Options),
     /// How long from a file to a picture, by a process just started?
     Cold(cold::Options),
+    /// How long does it take to read large meshes as solids, and to cut them?
+    Imports(imports::Options),
 }
 
 fn main() {
@@ -67,5 +70,6 @@ fn main() {
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
         Question::Cold(options) => cold::run(&options),
+        Question::Imports(options) => imports::run(&options),
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::control::{Control, Stage};
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
-use crate::program::{Cell, Given, Narrowed, Narrower, Program, Pruner, Side, Surface};
+use crate::program::{Cell, Crown, Given, Narrowed, Narrower, Program, Pruner, Side, Surface};
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
 /// share their coordinates to the bit, so that they partition every line.
@@ -42,9 +42,10 @@ const FEW_PLANES: usize = 20;
 /// took next to no plane away: all of them pass near one point.
 const MOST_VAIN_CUTS: u32 = 3;
 
-/// Of so many gates in a box, by the number of halvings, both halves are worked on at once.
-/// Tunes speed only.
+/// Of formulas of more gates both halves of a box are worked on at once, if it was not halved
+/// more often. Tunes speed only.
 const MANY_GATES: usize = 8000;
+const FEW_HALVINGS: u32 = 14;
 
 /// No block is smaller than this share of the scene.
 const MOST_CUTS: u32 = 40;
@@ -108,7 +109,10 @@ impl Cutter<'_> {
     fn cut(mut self, low: DVec3, high: DVec3) -> Result<(Vec<Block>, Counts), Error> {
         let units = 1 << (3 * CUTS_TOLD);
         match self.given {
-            Some(given) => self.halve(given, [low, high], 0, units)?,
+            Some(given) => {
+                let crown = Crown::of(self.program.formula());
+                self.halve((given, &crown), [low, high], 0, units)?;
+            }
             None => {
                 let mut cell = Cell::default();
                 self.prune(&self.program.root_cell(), low, high, &mut cell);
@@ -123,11 +127,12 @@ impl Cutter<'_> {
         Ok((self.blocks, self.counts))
     }
 
-    /// Cuts a box where polyhedra were, the program looked at from its root on: that takes
-    /// the time of the way down, whatever is in the box. Progress is told by so many units.
+    /// Cuts a box where polyhedra were, of which no more is looked at than what is above the
+    /// next cuts: that takes no longer the more there is in the box. Progress is told by so
+    /// many units.
     fn halve(
         &mut self,
-        given: &Given,
+        (given, crown): (&Given, &Crown),
         [low, high]: [DVec3; 2],
         halvings: u32,
         units: u64,
@@ -154,9 +159,11 @@ impl Cutter<'_> {
         let formula = self.program.formula();
         let mut cell = Cell::default();
         let is_cut = |id: u32| given.is_cut(id);
-        let narrowed = self.narrower.narrow(formula, side, is_cut, &mut cell);
+        let narrowed = self
+            .narrower
+            .narrow(formula, crown, side, is_cut, &mut cell);
         self.counts.visited += 1;
-        let Narrowed::Cut(cut) = narrowed else {
+        let Narrowed::Cut(cut, crown) = &narrowed else {
             self.stage.add(units);
             if matches!(narrowed, Narrowed::Constant(_)) {
                 self.counts.pruned += 1;
@@ -169,14 +176,14 @@ impl Cutter<'_> {
             };
             return self.descend(Block { low, high, cell }, way);
         };
-        let (axis, at) = coordinate(&surfaces[cut as usize]);
+        let (axis, at) = coordinate(&surfaces[*cut as usize]);
         let (mut below, mut above) = ([low, high], [low, high]);
         (below[1][axis], above[0][axis]) = (at, at);
         // (Boxes of less than a unit are not told.)
         let (halvings, units) = (halvings + 1, units / 2);
-        if formula.gates().len() >> halvings < MANY_GATES {
-            self.halve(given, below, halvings, units)?;
-            return self.halve(given, above, halvings, units);
+        if formula.gates().len() < MANY_GATES || halvings > FEW_HALVINGS {
+            self.halve((given, crown), below, halvings, units)?;
+            return self.halve((given, crown), above, halvings, units);
         }
         let mut other = Self {
             pruner: Pruner::literal_by_literal(),
@@ -186,8 +193,8 @@ impl Cutter<'_> {
             ..*self
         };
         let halves = rayon::join(
-            || self.halve(given, below, halvings, units),
-            || other.halve(given, above, halvings, units),
+            || self.halve((given, crown), below, halvings, units),
+            || other.halve((given, crown), above, halvings, units),
         );
         self.blocks.append(&mut other.blocks);
         self.counts.visited += other.counts.visited;

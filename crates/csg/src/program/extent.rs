@@ -77,7 +77,13 @@ impl Program {
             min: self.reach.min - origin,
             max: self.reach.max - origin,
         };
-        let mut current = literal_bounds(&surfaces, &self.formula);
+        // Polyhedra bound themselves, and their formulas are long.
+        let is_known = self.given.is_some() && reach.is_finite();
+        let mut current = if is_known {
+            reach
+        } else {
+            literal_bounds(&surfaces, &self.formula)
+        };
         if !current.is_finite() {
             let extent = |s: &Surface| {
                 s.anchor.abs().max_element() + s.constant.abs().sqrt() + s.extent_of_slope()
@@ -90,10 +96,6 @@ impl Program {
                 Err(_) => reach,
             };
             current = current.intersected(finite);
-        }
-        if self.given.is_some() {
-            // Boxes around polyhedra are cut with some room.
-            current = current.intersected(reach);
         }
         if current.min.cmpgt(current.max).any() {
             return Ok(None);

@@ -25,7 +25,7 @@ pub(crate) use cell::Reach;
 pub use cell::{Cell, Pruner};
 pub(crate) use changes::Changes;
 pub(crate) use given::{Ends, Given};
-pub(crate) use narrow::{Narrowed, Narrower};
+pub(crate) use narrow::{Crown, Narrowed, Narrower};
 pub(crate) use settle::Settled;
 
 pub use crate::surface::{Bounds, Placement, Side, Surface, SurfaceShape};
@@ -109,7 +109,7 @@ impl Program {
         let point = point.into();
         if self.given.is_some() {
             let is_inside = |surface: u32| self.surfaces[surface as usize].value(point) <= 0.0;
-            return Narrower::default().value(&self.formula, is_inside);
+            return Narrower::default().evaluate(&self.formula, is_inside);
         }
         let inside: Vec<bool> = self
             .surfaces

@@ -4,17 +4,58 @@
 use rustc_hash::FxHashMap;
 
 use super::cell::Cell;
-use super::formula::{Formula, Gate, Literal, Operand};
+use super::formula::{Formula, Gate, Literal, Operand, Operation};
 use crate::surface::Side;
 
 /// What a formula comes to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Narrowed {
     Constant(bool),
-    /// There are surfaces left at which it is to be cut: that which is nearest to its root.
-    Cut(u32),
+    /// There are surfaces left at which it is to be cut: that which is nearest to its root,
+    /// and what is above the gates with these.
+    Cut(u32, Crown),
     /// It was written to the cell.
     Varying,
+}
+
+/// The gates next to the root of what is left of a formula, whose operands below them are
+/// those of the whole one. They are numbered after these.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Crown {
+    gates: Vec<Gate>,
+    operands: Vec<Operand>,
+    root: Operand,
+}
+
+impl Crown {
+    /// Of a formula of which nothing is known yet.
+    pub const fn of(formula: &Formula) -> Self {
+        Self {
+            gates: Vec::new(),
+            operands: Vec::new(),
+            root: formula.root,
+        }
+    }
+}
+
+/// A formula with a crown.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    formula: &'a Formula,
+    crown: &'a Crown,
+}
+
+impl<'a> View<'a> {
+    #[inline]
+    fn gate(&self, gate: u32) -> (Operation, &'a [Operand]) {
+        let own = self.formula.gates.len();
+        let (gate, operands) = match (gate as usize).checked_sub(own) {
+            None => (&self.formula.gates[gate as usize], &self.formula.operands),
+            Some(gate) => (&self.crown.gates[gate], &self.crown.operands),
+        };
+        let operands = &operands[gate.start as usize..gate.end as usize];
+        (gate.operation, operands)
+    }
 }
 
 /// What a gate comes to.
@@ -85,32 +126,35 @@ fn literal(formula: &Formula, side: impl Fn(u32) -> Side) -> impl Fn(u32) -> Ope
 }
 
 impl Narrower {
-    /// Shortens a formula over a program's surfaces by the sides of a box that these are on,
-    /// literal by literal. Gates with a literal of a surface at which the box is to be cut are
-    /// not looked into.
+    /// Shortens a formula over a program's surfaces, of which the crown is left in a box around
+    /// this one, by the sides of the box that these are on, literal by literal. Gates with a
+    /// literal of a surface at which the box is to be cut are not looked into.
     pub fn narrow(
         &mut self,
         formula: &Formula,
+        crown: &Crown,
         side: impl Fn(u32) -> Side,
         is_cut: impl Fn(u32) -> bool,
         out: &mut Cell,
     ) -> Narrowed {
         let literal = literal(formula, side);
-        let root = match self.root(formula, &literal, is_cut) {
+        let view = View { formula, crown };
+        let root = match self.root(view, &literal, is_cut) {
             Some(Operand::Constant(value)) => return Narrowed::Constant(value),
             Some(root) => root,
-            None => formula.root,
+            None => crown.root,
         };
-        if let Some(cut) = self.find_live(formula, root, &literal) {
-            return Narrowed::Cut(cut);
+        if let Some(cut) = self.find_live(view, root, &literal) {
+            return Narrowed::Cut(cut, self.crown(view, root, &literal));
         }
-        self.write(formula, root, &literal, out);
+        self.write(view, root, &literal, out);
         Narrowed::Varying
     }
 
     /// The same without cuts: as [`Cell::prune_by`], of whatever comes of it.
     pub fn prune(&mut self, formula: &Formula, side: impl Fn(u32) -> Side, out: &mut Cell) {
-        if let Narrowed::Constant(value) = self.narrow(formula, side, |_| false, out) {
+        let crown = Crown::of(formula);
+        if let Narrowed::Constant(value) = self.narrow(formula, &crown, side, |_| false, out) {
             *out = Cell::default();
             out.formula.root = Operand::Constant(value);
         }
@@ -124,7 +168,8 @@ impl Narrower {
         most: usize,
     ) -> Option<bool> {
         self.most = most;
-        let root = self.root(formula, literal(formula, side), |_| false);
+        let crown = &Crown::of(formula);
+        let root = self.root(View { formula, crown }, literal(formula, side), |_| false);
         self.most = usize::MAX;
         match root? {
             Operand::Constant(value) => Some(value),
@@ -133,7 +178,7 @@ impl Narrower {
     }
 
     /// The value where every surface is on one side.
-    pub fn value(&mut self, formula: &Formula, is_inside: impl Fn(u32) -> bool) -> bool {
+    pub fn evaluate(&mut self, formula: &Formula, is_inside: impl Fn(u32) -> bool) -> bool {
         let side = |surface| {
             if is_inside(surface) {
                 Side::Inside
@@ -147,15 +192,15 @@ impl Narrower {
     /// What the formula comes to; none if too many gates would have to be looked at.
     fn root(
         &mut self,
-        formula: &Formula,
+        view: View<'_>,
         literal: impl Fn(u32) -> Operand,
         is_cut: impl Fn(u32) -> bool,
     ) -> Option<Operand> {
         self.values.clear();
-        match formula.root {
+        match view.crown.root {
             Operand::Literal(i) => Some(literal(i)),
             Operand::Gate(gate) => {
-                self.look_into(formula, gate, literal, is_cut);
+                self.look_into(view, gate, literal, is_cut);
                 self.values.get(&gate).map(|value| value.operand)
             }
             constant => Some(constant),
@@ -165,25 +210,24 @@ impl Narrower {
     /// Finds what a gate comes to, and those that this takes.
     fn look_into(
         &mut self,
-        formula: &Formula,
+        view: View<'_>,
         gate: u32,
         literal: impl Fn(u32) -> Operand,
         is_cut: impl Fn(u32) -> bool,
     ) {
         self.visits.clear();
-        self.begin(formula, gate, &literal, &is_cut);
+        self.begin(view, gate, &literal, &is_cut);
         'visits: while let Some(mut visit) = self.visits.pop() {
             if self.values.len() > self.most {
                 return;
             }
-            let gate = formula.gates[visit.gate as usize];
-            let absorbing = gate.operation.absorbing();
-            while visit.next < gate.end {
-                let operand = formula.operands[visit.next as usize];
+            let (operation, operands) = view.gate(visit.gate);
+            let absorbing = operation.absorbing();
+            for &operand in &operands[visit.next as usize..] {
                 if let Operand::Gate(below) = operand {
                     let Some(value) = self.values.get(&below) else {
                         self.visits.push(visit);
-                        self.begin(formula, below, &literal, &is_cut);
+                        self.begin(view, below, &literal, &is_cut);
                         continue 'visits;
                     };
                     match value.operand {
@@ -212,20 +256,16 @@ impl Narrower {
     /// Looks at a gate's literals, and goes on with its gates only if these do not tell.
     fn begin(
         &mut self,
-        formula: &Formula,
+        view: View<'_>,
         gate: u32,
         literal: impl Fn(u32) -> Operand,
         is_cut: impl Fn(u32) -> bool,
     ) {
-        let Gate {
-            operation,
-            start: next,
-            ..
-        } = formula.gates[gate as usize];
+        let (operation, operands) = view.gate(gate);
         let absorbing = operation.absorbing();
         let (mut kept, mut only) = (0, Operand::Constant(!absorbing));
         let mut cut = None;
-        for &operand in formula.operands_of(&formula.gates[gate as usize]) {
+        for &operand in operands {
             let operand = match operand {
                 Operand::Gate(_) => continue,
                 Operand::Literal(i) => literal(i),
@@ -237,7 +277,7 @@ impl Narrower {
                     return;
                 }
                 Operand::Literal(i) => {
-                    let surface = formula.literals[i as usize].surface;
+                    let surface = view.formula.literals[i as usize].surface;
                     if cut.is_none() && is_cut(surface) {
                         cut = Some(surface);
                     }
@@ -254,16 +294,26 @@ impl Narrower {
         }
         self.visits.push(Visit {
             gate,
-            next,
+            next: 0,
             kept,
             only,
         });
     }
 
+    /// What an operand of a gate that was looked into comes to.
+    #[inline]
+    fn value(&self, operand: Operand, literal: impl Fn(u32) -> Operand) -> Operand {
+        match operand {
+            Operand::Literal(i) => literal(i),
+            Operand::Gate(below) => self.values[&below].operand,
+            constant @ Operand::Constant(_) => constant,
+        }
+    }
+
     /// Finds the gates and literals that are left, or the cut nearest to the root.
     fn find_live(
         &mut self,
-        formula: &Formula,
+        view: View<'_>,
         root: Operand,
         literal: impl Fn(u32) -> Operand,
     ) -> Option<u32> {
@@ -288,37 +338,62 @@ impl Narrower {
                 continue;
             }
             self.gates.push(gate);
-            for &operand in formula.operands_of(&formula.gates[gate as usize]) {
-                match operand {
-                    Operand::Literal(i) => {
-                        if let Operand::Literal(i) = literal(i) {
-                            self.literals.push(i);
-                        }
-                    }
-                    Operand::Gate(below) => match self.values[&below].operand {
-                        Operand::Literal(i) => self.literals.push(i),
-                        Operand::Gate(below) => self.pending.push(below),
-                        Operand::Constant(_) => {}
-                    },
+            let (_, operands) = view.gate(gate);
+            for &operand in operands {
+                match self.value(operand, &literal) {
+                    Operand::Literal(i) => self.literals.push(i),
+                    Operand::Gate(below) => self.pending.push(below),
                     Operand::Constant(_) => {}
                 }
             }
         }
+        self.gates.sort_unstable();
         nearest.map(|(_, cut)| cut)
+    }
+
+    /// The gates that are left above those that were not looked into.
+    fn crown(&self, view: View<'_>, root: Operand, literal: impl Fn(u32) -> Operand) -> Crown {
+        let first = view.formula.gates.len() as u32;
+        let renumbered = |operand| match operand {
+            Operand::Gate(gate) => {
+                let place = self.gates.binary_search(&gate);
+                Operand::Gate(place.map_or(gate, |place| first + place as u32))
+            }
+            other => other,
+        };
+        let mut crown = Crown {
+            gates: Vec::with_capacity(self.gates.len()),
+            operands: Vec::new(),
+            root: renumbered(root),
+        };
+        for &gate in &self.gates {
+            let (operation, operands) = view.gate(gate);
+            let start = crown.operands.len() as u32;
+            let operands = operands
+                .iter()
+                .map(|&operand| self.value(operand, &literal));
+            let varying = operands.filter(|operand| !matches!(operand, Operand::Constant(_)));
+            crown.operands.extend(varying.map(renumbered));
+            crown.gates.push(Gate {
+                operation,
+                start,
+                end: crown.operands.len() as u32,
+            });
+        }
+        crown
     }
 
     /// Writes what is left, in the order of the whole formula.
     fn write(
         &mut self,
-        formula: &Formula,
+        view: View<'_>,
         root: Operand,
         literal: impl Fn(u32) -> Operand,
         out: &mut Cell,
     ) {
-        self.gates.sort_unstable();
         self.literals.sort_unstable();
         self.literals.dedup();
-        let surface_of = |i: &u32| formula.literals[*i as usize].surface;
+        let surface_of = |i: &u32| view.formula.literals[*i as usize].surface;
         let place = |list: &[u32], item: u32| {
             let place = list.partition_point(|&other| other < item);
             place as u32
@@ -336,7 +411,7 @@ impl Narrower {
             .literals
             .extend(self.literals.iter().map(|i| Literal {
                 surface: place(surfaces, surface_of(i)),
-                ..formula.literals[*i as usize]
+                ..view.formula.literals[*i as usize]
             }));
         let renumbered = |operand| match operand {
             Operand::Constant(_) => operand,
@@ -346,22 +421,18 @@ impl Narrower {
         written.gates.clear();
         written.operands.clear();
         for &gate in &self.gates {
-            let gate = formula.gates[gate as usize];
+            let (operation, operands) = view.gate(gate);
             let start = written.operands.len() as u32;
-            for &operand in formula.operands_of(&gate) {
-                let operand = match operand {
-                    Operand::Literal(i) => literal(i),
-                    Operand::Gate(below) => self.values[&below].operand,
-                    constant => constant,
-                };
+            for &operand in operands {
+                let operand = self.value(operand, &literal);
                 if !matches!(operand, Operand::Constant(_)) {
                     written.operands.push(renumbered(operand));
                 }
             }
             written.gates.push(Gate {
+                operation,
                 start,
                 end: written.operands.len() as u32,
-                ..gate
             });
         }
         written.root = renumbered(root);
@@ -372,7 +443,6 @@ impl Narrower {
 mod tests {
     use super::*;
     use crate::program::Pruner;
-    use crate::program::formula::Operation;
     use crate::random::Random;
 
     /// A formula of gates of some earlier ones and literals of so many surfaces.
@@ -410,7 +480,7 @@ mod tests {
         let mut seeds = Random(5);
         let mut narrower = Narrower::default();
         let mut pruner = Pruner::literal_by_literal();
-        let (mut constant, mut varying) = (0, 0);
+        let (mut constant, mut varying, mut cuts) = (0, 0, 0);
         for _ in 0..3000 {
             let surfaces = 12;
             let formula = random(&mut seeds, surfaces);
@@ -425,7 +495,8 @@ mod tests {
             let (mut pruned, mut narrowed) = (Cell::default(), Cell::default());
             whole.restrict_into(&sides, &mut pruner, &mut pruned);
             let side = |surface: u32| sides[surface as usize];
-            let found = narrower.narrow(&whole.formula, side, |_| false, &mut narrowed);
+            let crown = Crown::of(&whole.formula);
+            let found = narrower.narrow(&whole.formula, &crown, side, |_| false, &mut narrowed);
             match pruned.constant() {
                 Some(value) => {
                     assert_eq!(found, Narrowed::Constant(value));
@@ -438,18 +509,43 @@ mod tests {
                     varying += 1;
                 }
             }
-            // A cut that is told is left, and none is told only where none is.
-            let is_cut = |surface: u32| surface < 3;
-            let cut = narrower.narrow(&whole.formula, side, is_cut, &mut narrowed);
-            match cut {
-                Narrowed::Cut(cut) => assert!(is_cut(cut) && side(cut) == Side::Crossing),
-                other => assert_eq!(other, found),
-            }
             let inside = sides.iter().map(|&side| side == Side::Inside);
             let inside: Vec<bool> = inside.collect();
-            let value = narrower.value(&whole.formula, |surface| inside[surface as usize]);
+            let value = narrower.evaluate(&whole.formula, |surface| inside[surface as usize]);
             assert_eq!(value, whole.formula.evaluate(&inside));
+            // A cut that is told is left, and none is told only where none is. Where all are
+            // on one side, the crown tells as much as the whole formula.
+            let is_cut = |surface: u32| surface < 3;
+            let cut = narrower.narrow(&whole.formula, &crown, side, is_cut, &mut narrowed);
+            let Narrowed::Cut(cut, crown) = cut else {
+                assert_eq!(cut, found);
+                continue;
+            };
+            assert!(is_cut(cut) && side(cut) == Side::Crossing);
+            cuts += 1;
+            let decided = |surface: u32| match side(surface) {
+                Side::Crossing if is_cut(surface) => Side::Inside,
+                side => side,
+            };
+            let known: Vec<Side> = (0..surfaces).map(decided).collect();
+            whole.restrict_into(&known, &mut pruner, &mut pruned);
+            let below = narrower.narrow(&whole.formula, &crown, decided, is_cut, &mut narrowed);
+            match pruned.constant() {
+                Some(value) => assert_eq!(below, Narrowed::Constant(value)),
+                None => {
+                    assert_eq!(below, Narrowed::Varying);
+                    assert_eq!(narrowed.surfaces, pruned.surfaces);
+                    assert_eq!(narrowed.formula.literals, pruned.formula.literals);
+                    for assignment in 0..1 << narrowed.surfaces.len() {
+                        let is_inside = |k: usize| assignment >> k & 1 == 1;
+                        let inside: Vec<bool> =
+                            (0..narrowed.surfaces.len()).map(is_inside).collect();
+                        let values = [&narrowed, &pruned].map(|c| c.formula.evaluate(&inside));
+                        assert_eq!(values[0], values[1]);
+                    }
+                }
+            }
         }
-        assert!(constant > 500 && varying > 500, "{constant}, {varying}");
+        assert!(constant > 500 && varying > 500 && cuts > 500);
     }
 }

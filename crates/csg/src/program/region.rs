@@ -11,7 +11,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::numeric::tolerance::COORDINATE;
-use crate::solid::partition::{Facet, Tree};
+use crate::solid::partition::{Facet, Part, Tree};
 
 /// So few faces in a box are not worth another cut. Tunes speed only.
 const FEW_FACES: usize = 8;
@@ -61,48 +61,54 @@ pub(super) struct Partition {
 impl Partition {
     /// Of the faces of a closed polyhedron, as convex facets of any number.
     pub fn new(facets: Vec<Facet>) -> Self {
+        let bounds: Vec<[DVec3; 2]> = facets.iter().map(|f| bounds(&f.corners)).collect();
         let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        let [min, max] = facets.iter().fold(none, |[min, max], facet| {
-            let [low, high] = bounds(&facet.points);
-            [min.min(low), max.max(high)]
+        let [min, max] = bounds.iter().fold(none, |[min, max], [low, high]| {
+            [min.min(*low), max.max(*high)]
         });
         let longest = (max - min).max_element();
         let (low, high) = (min - BELOW * longest, max + ABOVE * longest);
         let far = min.abs().max(max.abs()).max_element();
         let off = facets.iter().flat_map(|facet| {
             let plane = facet.plane;
-            let corners = facet.whole.iter();
+            let corners = facet.corners.iter();
             corners.map(move |&p| (plane.normal.dot(p) - plane.offset).abs())
         });
+        let slack = 4.0 * off.fold(COORDINATE * (far + longest), f64::max);
+        let parts = (0..facets.len() as u32).map(Part::all_of).collect();
         let cutter = Cutter {
-            slack: 4.0 * off.fold(COORDINATE * (far + longest), f64::max),
+            facets,
+            bounds,
+            slack,
         };
-        let root = cutter.halve(facets, [low, high], 0, 0);
+        let root = cutter.halve(parts, [low, high], 0, 0);
         Self {
             low,
             high,
-            slack: cutter.slack,
+            slack,
             root,
         }
     }
 }
 
 struct Cutter {
+    facets: Vec<Facet>,
+    /// The box around each.
+    bounds: Vec<[DVec3; 2]>,
     /// Points nearer to a plane are on it: as far as corners are off the planes of their
     /// own faces, and some more.
     slack: f64,
 }
 
 impl Cutter {
-    fn halve(&self, facets: Vec<Facet>, [low, high]: [DVec3; 2], cuts: u32, vain: u32) -> Halved {
-        if is_few(&facets) || cuts == MOST_CUTS || vain == MOST_VAIN_CUTS {
-            return Halved::Faces(self.tree(facets, 0.5 * (low + high)));
+    fn halve(&self, parts: Vec<Part>, [low, high]: [DVec3; 2], cuts: u32, vain: u32) -> Halved {
+        if self.is_few(&parts) || cuts == MOST_CUTS || vain == MOST_VAIN_CUTS {
+            return Halved::Faces(self.tree(&parts, 0.5 * (low + high)));
         }
         let middle = 0.5 * (low + high);
-        let axis = best_axis(&facets, middle, high - low);
+        let axis = self.best_axis(&parts, middle, high - low);
         let at = middle[axis];
-        let whole = facets.len();
-        let mut parts = [Vec::new(), Vec::new()];
+        let whole = parts.len();
         // What an empty half is, before its faces are gone.
         let halves = [0, 1].map(|half| {
             let (mut low, mut high) = (low, high);
@@ -115,27 +121,30 @@ impl Cutter {
         });
         let is_in = [-1.0, 1.0].map(|sign| {
             let beyond = |p: &DVec3| sign * (p[axis] - at) > 0.0;
-            facets.iter().any(|facet| facet.points.iter().any(beyond))
+            parts
+                .iter()
+                .any(|part| part.corners(&self.facets).iter().any(beyond))
         });
         let constants = [0, 1].map(|half| {
             let [low, high] = halves[half];
-            (!is_in[half]).then(|| is_inside(&facets, 0.5 * (low + high)))
+            (!is_in[half]).then(|| self.is_inside(&parts, 0.5 * (low + high)))
         });
-        for facet in facets {
-            part(facet, axis, at, &mut parts);
+        let mut sides = [Vec::new(), Vec::new()];
+        for part in parts {
+            self.part(part, axis, at, &mut sides);
         }
-        let vain = |part: &[Facet]| {
-            if 10 * part.len() > 9 * whole {
+        let vain = |side: &[Part]| {
+            if 10 * side.len() > 9 * whole {
                 vain + 1
             } else {
                 0
             }
         };
-        let [below, above] = parts;
+        let [below, above] = sides;
         let vains = [vain(&below), vain(&above)];
-        let halve = |part: Vec<Facet>, half: usize| match constants[half] {
+        let halve = |side: Vec<Part>, half: usize| match constants[half] {
             Some(constant) => Halved::Constant(constant),
-            None => self.halve(part, halves[half], cuts + 1, vains[half]),
+            None => self.halve(side, halves[half], cuts + 1, vains[half]),
         };
         let (below, above) = if whole > AT_ONCE {
             rayon::join(|| halve(below, 0), || halve(above, 1))
@@ -145,15 +154,133 @@ impl Cutter {
         Halved::Cut(axis, at, Box::new([below, above]))
     }
 
+    fn bounds(&self, part: &Part) -> [DVec3; 2] {
+        if part.is_whole() {
+            return self.bounds[part.facet as usize];
+        }
+        bounds(part.corners(&self.facets))
+    }
+
     /// The tree of facets, about a point near them.
-    fn tree(&self, mut facets: Vec<Facet>, center: DVec3) -> Tree {
-        for facet in &mut facets {
+    fn tree(&self, parts: &[Part], center: DVec3) -> Tree {
+        let facets = parts.iter().map(|part| {
+            let mut facet = self.facets[part.facet as usize].clone();
             facet.plane.offset -= facet.plane.normal.dot(center);
-            for point in facet.points.iter_mut().chain(&mut facet.whole) {
-                *point -= center;
+            for corner in &mut facet.corners {
+                *corner -= center;
+            }
+            facet
+        });
+        let facets: Vec<Facet> = facets.collect();
+        let parts = (0..).zip(parts).map(|(k, part)| part.moved(k, -center));
+        Tree::of_parts(&facets, parts.collect(), self.slack)
+    }
+
+    /// Whether facets are on few planes.
+    fn is_few(&self, parts: &[Part]) -> bool {
+        let mut faces: SmallVec<[u32; FEW_FACES]> = SmallVec::new();
+        parts.iter().all(|part| {
+            let face = self.facets[part.facet as usize].face;
+            faces.contains(&face) || {
+                faces.push(face);
+                faces.len() <= FEW_FACES
+            }
+        })
+    }
+
+    /// The axis across which a cut in the middle leaves fewest facets on both sides; of those
+    /// that are about as good the one along which the box is longest.
+    fn best_axis(&self, parts: &[Part], middle: DVec3, size: DVec3) -> usize {
+        let mut counts = [0_usize; 3];
+        for part in parts {
+            let [low, high] = self.bounds(part);
+            for (axis, count) in counts.iter_mut().enumerate() {
+                *count +=
+                    usize::from(low[axis] < middle[axis]) + usize::from(high[axis] > middle[axis]);
             }
         }
-        Tree::of(facets, self.slack)
+        let least = counts.into_iter().min().unwrap_or(0);
+        let is_good = |axis: &usize| 10 * counts[*axis] <= 11 * least + 20;
+        let good = (0..3).filter(is_good);
+        good.max_by(|&a, &b| size[a].total_cmp(&size[b]))
+            .unwrap_or(0)
+    }
+
+    /// Adds what of a facet is below a coordinate along an axis, and what is above.
+    fn part(&self, part: Part, axis: usize, at: f64, sides: &mut [Vec<Part>; 2]) {
+        let [low, high] = self.bounds(&part);
+        if high[axis] <= at {
+            sides[0].push(part);
+            return;
+        }
+        if low[axis] >= at {
+            sides[1].push(part);
+            return;
+        }
+        let corners = part.corners(&self.facets);
+        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
+            let mut left: SmallVec<[DVec3; 8]> = SmallVec::new();
+            let following = corners.iter().cycle().skip(1);
+            for (&p, &q) in corners.iter().zip(following) {
+                let [to_p, to_q] = [p, q].map(|point| sign * (point[axis] - at));
+                if to_p <= 0.0 {
+                    left.push(p);
+                }
+                if (to_p < 0.0 && to_q > 0.0) || (to_p > 0.0 && to_q < 0.0) {
+                    let mut crossing = p.lerp(q, to_p / (to_p - to_q));
+                    crossing[axis] = at;
+                    left.push(crossing);
+                }
+            }
+            if left.len() >= 3 {
+                side.push(part.cut(&left));
+            }
+        }
+    }
+
+    /// Whether a point of a box, off all faces, is inside, by the facets in the box: by the
+    /// side of the first that is met on the way to the middle of one of them.
+    fn is_inside(&self, parts: &[Part], point: DVec3) -> bool {
+        /// How many are aimed at.
+        const AIMS: usize = 8;
+        /// A facet met at less than this share of the way apart from another may be its
+        /// neighbour, met at their edge.
+        const CLEARLY: f64 = 1e-6;
+        let mut best: Option<(f64, bool)> = None;
+        for aim in parts.iter().step_by(parts.len().div_ceil(AIMS)) {
+            let corners = aim.corners(&self.facets);
+            let target = corners.iter().sum::<DVec3>() / corners.len() as f64;
+            let way = target - point;
+            let mut hits: SmallVec<[(f64, f64); 8]> = SmallVec::new();
+            for part in parts {
+                let normal = self.facets[part.facet as usize].plane.normal;
+                let corners = part.corners(&self.facets);
+                let slope = normal.dot(way);
+                let to_plane = normal.dot(corners[0] - point);
+                let share = to_plane / slope;
+                if slope != 0.0
+                    && (0.0..=1.0 + CLEARLY).contains(&share)
+                    && holds(normal, corners, point + share * way)
+                {
+                    hits.push((share, slope));
+                }
+            }
+            hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            let Some(&(share, slope)) = hits.first() else {
+                continue;
+            };
+            let near = hits.iter().take_while(|hit| hit.0 - share <= CLEARLY);
+            let is_clear = near.clone().all(|hit| (hit.1 > 0.0) == (slope > 0.0));
+            let steepness = if is_clear {
+                slope.abs() / way.length()
+            } else {
+                0.0
+            };
+            if best.is_none_or(|(best, _)| steepness > best) {
+                best = Some((steepness, slope > 0.0));
+            }
+        }
+        best.is_some_and(|(_, is_inside)| is_inside)
     }
 }
 
@@ -164,117 +291,10 @@ fn bounds(points: &[DVec3]) -> [DVec3; 2] {
         .fold(none, |[low, high], &p| [low.min(p), high.max(p)])
 }
 
-/// Whether facets are on few planes.
-fn is_few(facets: &[Facet]) -> bool {
-    let mut faces: SmallVec<[u32; FEW_FACES]> = SmallVec::new();
-    facets.iter().all(|facet| {
-        faces.contains(&facet.face) || {
-            faces.push(facet.face);
-            faces.len() <= FEW_FACES
-        }
-    })
-}
-
-/// The axis across which a cut in the middle leaves fewest facets on both sides; of those
-/// that are about as good the one along which the box is longest.
-fn best_axis(facets: &[Facet], middle: DVec3, size: DVec3) -> usize {
-    let mut counts = [0_usize; 3];
-    for facet in facets {
-        let [low, high] = bounds(&facet.points);
-        for (axis, count) in counts.iter_mut().enumerate() {
-            *count +=
-                usize::from(low[axis] < middle[axis]) + usize::from(high[axis] > middle[axis]);
-        }
-    }
-    let least = counts.into_iter().min().unwrap_or(0);
-    let is_good = |axis: &usize| 10 * counts[*axis] <= 11 * least + 20;
-    let good = (0..3).filter(is_good);
-    good.max_by(|&a, &b| size[a].total_cmp(&size[b]))
-        .unwrap_or(0)
-}
-
-/// Adds what of a facet is below a coordinate along an axis, and what is above.
-fn part(facet: Facet, axis: usize, at: f64, parts: &mut [Vec<Facet>; 2]) {
-    let [low, high] = bounds(&facet.points);
-    if high[axis] <= at {
-        parts[0].push(facet);
-        return;
-    }
-    if low[axis] >= at {
-        parts[1].push(facet);
-        return;
-    }
-    for (part, sign) in parts.iter_mut().zip([1.0, -1.0]) {
-        let mut points = SmallVec::new();
-        let following = facet.points.iter().cycle().skip(1);
-        for (&p, &q) in facet.points.iter().zip(following) {
-            let [to_p, to_q] = [p, q].map(|point| sign * (point[axis] - at));
-            if to_p <= 0.0 {
-                points.push(p);
-            }
-            if (to_p < 0.0 && to_q > 0.0) || (to_p > 0.0 && to_q < 0.0) {
-                let mut crossing = p.lerp(q, to_p / (to_p - to_q));
-                crossing[axis] = at;
-                points.push(crossing);
-            }
-        }
-        if points.len() >= 3 {
-            part.push(Facet {
-                points,
-                whole: facet.whole.clone(),
-                ..facet
-            });
-        }
-    }
-}
-
-/// Whether a point of a box, off all faces, is inside, by the facets in the box: by the
-/// side of the first that is met on the way to the middle of one of them.
-fn is_inside(facets: &[Facet], point: DVec3) -> bool {
-    /// How many are aimed at.
-    const AIMS: usize = 8;
-    /// A facet met at less than this share of the way apart from another may be its
-    /// neighbour, met at their edge.
-    const CLEARLY: f64 = 1e-6;
-    let mut best: Option<(f64, bool)> = None;
-    for aim in facets.iter().step_by(facets.len().div_ceil(AIMS)) {
-        let target = aim.points.iter().sum::<DVec3>() / aim.points.len() as f64;
-        let way = target - point;
-        let mut hits: SmallVec<[(f64, f64); 8]> = SmallVec::new();
-        for facet in facets {
-            let slope = facet.plane.normal.dot(way);
-            let to_plane = facet.plane.normal.dot(facet.points[0] - point);
-            let share = to_plane / slope;
-            if slope != 0.0
-                && (0.0..=1.0 + CLEARLY).contains(&share)
-                && holds(facet, point + share * way)
-            {
-                hits.push((share, slope));
-            }
-        }
-        hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let Some(&(share, slope)) = hits.first() else {
-            continue;
-        };
-        let near = hits.iter().take_while(|hit| hit.0 - share <= CLEARLY);
-        let is_clear = near.clone().all(|hit| (hit.1 > 0.0) == (slope > 0.0));
-        let steepness = if is_clear {
-            slope.abs() / way.length()
-        } else {
-            0.0
-        };
-        if best.is_none_or(|(best, _)| steepness > best) {
-            best = Some((steepness, slope > 0.0));
-        }
-    }
-    best.is_some_and(|(_, is_inside)| is_inside)
-}
-
 /// Whether a point of the plane of a facet is in it, or on its rim but for rounding.
-fn holds(facet: &Facet, point: DVec3) -> bool {
-    let normal = facet.plane.normal;
-    let following = facet.points.iter().cycle().skip(1);
-    facet.points.iter().zip(following).all(|(&p, &q)| {
+fn holds(normal: DVec3, corners: &[DVec3], point: DVec3) -> bool {
+    let following = corners.iter().cycle().skip(1);
+    corners.iter().zip(following).all(|(&p, &q)| {
         let side = q - p;
         let off = normal.cross(side).dot(point - p);
         off >= -1e-9 * side.length() * ((point - p).length() + side.length())

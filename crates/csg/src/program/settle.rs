@@ -191,11 +191,16 @@ impl Program {
             return Ok(None);
         }
         let mut formula = self.formula.clone();
-        for literal in &mut formula.literals {
-            let (surface, is_flipped) = in_place[literal.surface as usize];
-            literal.surface = surface;
-            literal.outside ^= is_flipped;
-        }
+        let literals = formula.literals.iter_mut();
+        let is_changed: Vec<bool> = literals
+            .map(|literal| {
+                let before = literal.surface;
+                let (surface, is_flipped) = in_place[before as usize];
+                literal.surface = surface;
+                literal.outside ^= is_flipped;
+                surface != before
+            })
+            .collect();
         // Edges and vertices of faces that were moved are elsewhere.
         let is_in_place = |id: u32| {
             let id = id as usize;
@@ -208,7 +213,7 @@ impl Program {
         Ok(Some(Settled {
             program: Self {
                 surfaces,
-                formula: simplified(&formula)?,
+                formula: simplified(&formula, &is_changed)?,
                 origins: self.origins.clone(),
                 reach: self.reach.grown(moved),
                 given: given.map(Arc::new),

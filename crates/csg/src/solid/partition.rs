@@ -9,16 +9,56 @@ use super::tree::Solid;
 /// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
 
-/// A face, or what cuts have left of it.
+/// A face, or a convex part of one.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet {
     /// The same for all on one plane.
     pub face: u32,
     /// With a unit normal.
     pub plane: Plane,
-    pub points: SmallVec<[DVec3; 6]>,
-    /// Its corners before any cut.
-    pub whole: SmallVec<[DVec3; 3]>,
+    pub corners: SmallVec<[DVec3; 3]>,
+}
+
+/// What cuts have left of a facet.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub facet: u32,
+    /// Its corners; none if it is all of it.
+    left: Option<Box<[DVec3]>>,
+}
+
+impl Part {
+    pub const fn all_of(facet: u32) -> Self {
+        Self { facet, left: None }
+    }
+
+    /// What of it another cut leaves.
+    pub fn cut(&self, left: &[DVec3]) -> Self {
+        Self {
+            facet: self.facet,
+            left: Some(left.into()),
+        }
+    }
+
+    pub const fn is_whole(&self) -> bool {
+        self.left.is_none()
+    }
+
+    pub fn corners<'a>(&'a self, facets: &'a [Facet]) -> &'a [DVec3] {
+        match &self.left {
+            None => &facets[self.facet as usize].corners,
+            Some(left) => left,
+        }
+    }
+
+    /// The same of another facet, its corners elsewhere.
+    pub fn moved(&self, facet: u32, by: DVec3) -> Self {
+        let moved = |left: &[DVec3]| left.iter().map(|&p| p + by).collect();
+        Self {
+            facet,
+            left: self.left.as_deref().map(moved),
+        }
+    }
 }
 
 /// A node, and whether what is before its plane is meant.
@@ -48,14 +88,20 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// The tree of the faces of a closed polyhedron, or of those in a box; points
-    /// nearer to a plane than `slack` are on it.
-    pub(crate) fn of(facets: Vec<Facet>, slack: f64) -> Self {
+    /// The tree of the faces of a closed polyhedron; points nearer to a plane than `slack`
+    /// are on it.
+    pub(crate) fn of(facets: &[Facet], slack: f64) -> Self {
+        let all = (0..facets.len() as u32).map(Part::all_of);
+        Self::of_parts(facets, all.collect(), slack)
+    }
+
+    /// The same of what is left of faces in a box.
+    pub(crate) fn of_parts(facets: &[Facet], parts: Vec<Part>, slack: f64) -> Self {
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
-        let mut pending: Vec<(Vec<Facet>, Option<Place>)> = vec![(facets, None)];
-        while let Some((facets, above)) = pending.pop() {
-            let cut_by = best(&facets, slack);
+        let mut pending: Vec<(Vec<Part>, Option<Place>)> = vec![(parts, None)];
+        while let Some((parts, above)) = pending.pop() {
+            let cut_by = best(facets, &parts, slack);
             if let Some((parent, is_front)) = above {
                 let child = match cut_by {
                     Some(_) => Child::Node(nodes.len()),
@@ -72,7 +118,7 @@ impl Tree {
             let Some((face, plane)) = cut_by else {
                 continue;
             };
-            let (front, back) = cut(facets, (face, &plane), slack);
+            let (front, back) = cut(facets, parts, (face, &plane), slack);
             let index = nodes.len();
             nodes.push(Node {
                 face,
@@ -144,10 +190,11 @@ fn distance(plane: &Plane, point: DVec3) -> f64 {
     plane.normal.dot(point) - plane.offset
 }
 
-/// Whether a facet has points before and behind a plane: by its corners before any cut
-/// where these tell, as what is left of it may be smaller than rounding. It is on the plane
-/// only as a whole.
-fn sides(facet: &Facet, (face, plane): (u32, &Plane), slack: f64) -> (bool, bool) {
+/// Whether what is left of a facet has points before and behind a plane: by the corners of
+/// all of it where these tell, as what is left may be smaller than rounding. It is on the
+/// plane only as a whole.
+fn sides(facets: &[Facet], part: &Part, (face, plane): (u32, &Plane), slack: f64) -> (bool, bool) {
+    let facet = &facets[part.facet as usize];
     if facet.face == face {
         return (false, false);
     }
@@ -159,11 +206,11 @@ fn sides(facet: &Facet, (face, plane): (u32, &Plane), slack: f64) -> (bool, bool
         })
     };
     let flags = |(low, high): (f64, f64)| (high > slack, low < -slack);
-    let whole = flags(range(&facet.whole));
+    let whole = flags(range(&facet.corners));
     if whole != (true, true) {
         return whole;
     }
-    let (low, high) = range(&facet.points);
+    let (low, high) = range(part.corners(facets));
     match flags((low, high)) {
         (false, false) => (high > -low, high <= -low),
         sides => sides,
@@ -172,12 +219,12 @@ fn sides(facet: &Facet, (face, plane): (u32, &Plane), slack: f64) -> (bool, bool
 
 /// The plane that cuts fewest facets and, of several such, has most on one
 /// side: a plane of the convex hull first.
-fn best(facets: &[Facet], slack: f64) -> Option<(u32, Plane)> {
-    let step = facets.len().div_ceil(CANDIDATES).max(1);
+fn best(facets: &[Facet], parts: &[Part], slack: f64) -> Option<(u32, Plane)> {
+    let step = parts.len().div_ceil(CANDIDATES).max(1);
     let cost = |(face, plane): &(u32, Plane)| {
         let (mut front, mut back, mut both) = (0, 0, 0);
-        for facet in facets {
-            match sides(facet, (*face, plane), slack) {
+        for part in parts {
+            match sides(facets, part, (*face, plane), slack) {
                 (true, true) => both += 1,
                 (true, false) => front += 1,
                 (false, true) => back += 1,
@@ -186,32 +233,33 @@ fn best(facets: &[Facet], slack: f64) -> Option<(u32, Plane)> {
         }
         8 * both + front.min(back)
     };
-    let candidates = facets
-        .iter()
-        .step_by(step)
-        .map(|facet| (facet.face, facet.plane));
+    let candidates = parts.iter().step_by(step).map(|part| {
+        let facet = &facets[part.facet as usize];
+        (facet.face, facet.plane)
+    });
     candidates.min_by_key(cost)
 }
 
-/// The facets before and behind a plane; those on it are done with.
-fn cut(facets: Vec<Facet>, by: (u32, &Plane), slack: f64) -> (Vec<Facet>, Vec<Facet>) {
+/// What is left of facets before and behind a plane; those on it are done with.
+fn cut(
+    facets: &[Facet],
+    parts: Vec<Part>,
+    by: (u32, &Plane),
+    slack: f64,
+) -> (Vec<Part>, Vec<Part>) {
     let (mut front, mut back) = (Vec::new(), Vec::new());
-    for facet in facets {
-        match sides(&facet, by, slack) {
+    for part in parts {
+        match sides(facets, &part, by, slack) {
             (true, true) => {
                 for (list, sign) in [(&mut front, 1.0), (&mut back, -1.0)] {
-                    let points = clipped(&facet.points, by.1, sign, slack);
-                    if points.len() >= 3 {
-                        list.push(Facet {
-                            points,
-                            whole: facet.whole.clone(),
-                            ..facet
-                        });
+                    let left = clipped(part.corners(facets), by.1, sign, slack);
+                    if left.len() >= 3 {
+                        list.push(part.cut(&left));
                     }
                 }
             }
-            (true, false) => front.push(facet),
-            (false, true) => back.push(facet),
+            (true, false) => front.push(part),
+            (false, true) => back.push(part),
             (false, false) => {}
         }
     }

@@ -278,11 +278,11 @@ impl Faces {
             Some(Facet {
                 face,
                 plane,
-                whole: points.as_slice().into(),
-                points: points.into(),
+                corners: points.into(),
             })
         });
-        Tree::of(facets.collect(), SAME_FACE * self.size)
+        let facets: Vec<Facet> = facets.collect();
+        Tree::of(&facets, SAME_FACE * self.size)
     }
 }
 

@@ -132,15 +132,14 @@ fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -
                     facets.push(Facet {
                         face: facets.len() as u32,
                         plane,
-                        points: points.into_iter().collect(),
-                        whole: points.into(),
+                        corners: points.into(),
                     });
                 }
             }
         }
     }
     Solid::intersection([
-        Tree::of(facets, SAME_FACE * size).solid(),
+        Tree::of(&facets, SAME_FACE * size).solid(),
         Solid::half_space_through(low.z * DVec3::Z, -DVec3::Z),
         Solid::half_space_through(high.z * DVec3::Z, DVec3::Z),
     ])

@@ -244,23 +244,37 @@ impl Builder {
     }
 }
 
-/// A formula whose literals have come to name other surfaces, simplified anew.
-pub(crate) fn simplified(formula: &Formula) -> Result<Formula, Error> {
+/// A formula some of whose literals have come to name other surfaces, with what they are in
+/// simplified anew.
+pub(crate) fn simplified(formula: &Formula, is_changed: &[bool]) -> Result<Formula, Error> {
     let mut builder = Builder::default();
     for &literal in &formula.literals {
         builder.literal(literal)?;
     }
-    let mut values: Vec<Operand> = Vec::with_capacity(formula.gates.len());
-    let value = |operand: Operand, values: &[Operand]| match operand {
+    // Of each gate, and whether it may have changed.
+    let mut values: Vec<(Operand, bool)> = Vec::with_capacity(formula.gates.len());
+    let value = |operand: Operand, values: &[(Operand, bool)]| match operand {
         Operand::Gate(gate) => values[gate as usize],
-        other => other,
+        Operand::Literal(literal) => (operand, is_changed[literal as usize]),
+        constant @ Operand::Constant(_) => (constant, false),
     };
+    let mut operands = Vec::new();
     for gate in &formula.gates {
-        let operands = formula.operands_of(gate).iter();
-        let operands: Vec<Operand> = operands.map(|&o| value(o, &values)).collect();
-        values.push(builder.combine(gate.operation, operands)?);
+        operands.clear();
+        let mut changes = false;
+        for &operand in formula.operands_of(gate) {
+            let (operand, is_changed) = value(operand, &values);
+            operands.push(operand);
+            changes |= is_changed;
+        }
+        let operand = if changes {
+            builder.combine(gate.operation, operands.clone())?
+        } else {
+            builder.gate(gate.operation, &operands)?
+        };
+        values.push((operand, changes));
     }
-    builder.formula.root = value(formula.root, &values);
+    builder.formula.root = value(formula.root, &values).0;
     Ok(compact(&builder.formula))
 }
 

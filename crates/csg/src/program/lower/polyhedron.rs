@@ -89,8 +89,7 @@ impl Lowering<'_> {
             facets.push(Facet {
                 face: 2 * surface + u32::from(flipped),
                 plane: Plane::through(anchor, normal),
-                points: points.as_slice().into(),
-                whole: points.into(),
+                corners: points.into(),
             });
         }
         let partition = Partition::new(facets);
