@@ -43,8 +43,15 @@ pub fn run(options: &Options) {
             let program = Program::lower(&(a - b)).expect("a valid solid");
             // Like the other's, without a check afterwards.
             let mesher = Mesher::new().check(false).tolerance(1e-3);
-            mesher.mesh(&program).expect("a mesh").mesh
+            mesher.mesh(&program)
         });
+        let mesh = match mesh {
+            Ok(meshed) => meshed.mesh,
+            Err(error) => {
+                eprintln!("{thousands} thousand triangles: {error}");
+                continue;
+            }
+        };
         let Some(other) = ask(options, &folder, &meshes) else {
             continue;
         };
