@@ -208,19 +208,22 @@ impl Rulings {
         }
     }
 
-    /// The places that a point of the line at an angle may have.
-    fn places(&self, angle: f64) -> SmallVec<[f64; 2]> {
-        let around = (angle - BEGIN).rem_euclid(TAU);
+    /// The places that points of the lines may have whose angles are so near to one.
+    fn places(&self, angle: f64, reach: f64) -> SmallVec<[Candidate; 2]> {
+        let candidate = |angle: f64, reach: f64| Candidate {
+            place: (angle - BEGIN).rem_euclid(TAU),
+            reach,
+        };
         match self.part {
-            Part::Touching | Part::Once | Part::Around { .. } => smallvec![around],
+            Part::Touching | Part::Once | Part::Around { .. } => smallvec![candidate(angle, reach)],
             Part::Between { middle, half, .. } => {
+                // Lines beyond the last ones, on all of which the curve is not, may be on
+                // either side: they count as these.
                 let off = (angle - middle + PI).rem_euclid(TAU) - PI;
-                let turn = elementary::acos((-off / half).clamp(-1.0, 1.0));
-                let turns = [turn, TAU - turn];
-                turns
-                    .map(|turn| (turn - BEGIN).rem_euclid(TAU))
-                    .into_iter()
-                    .collect()
+                let turn = |off: f64| elementary::acos((-off / half).clamp(-1.0, 1.0));
+                let [low, turn, high] = [off - reach, off, off + reach].map(turn);
+                let reach = (turn - low).max(high - turn);
+                smallvec![candidate(turn, reach), candidate(TAU - turn, reach)]
             }
         }
     }
@@ -344,17 +347,10 @@ impl Rulings {
         }
         let mut places: Vec<Candidate> = Vec::new();
         let mut add = |angle: f64, reach: f64| {
-            let ends = [-reach, reach].map(|off| self.places(angle + off));
-            for (k, place) in self.places(angle).into_iter().enumerate() {
-                let off = ends.iter().map(|end| {
-                    let off = (end[k] - place).rem_euclid(TAU);
-                    off.min(TAU - off)
-                });
-                places.push(Candidate {
-                    place: start + (place - start).rem_euclid(TAU),
-                    reach: off.fold(0.0, f64::max),
-                });
-            }
+            places.extend(self.places(angle, reach).into_iter().map(|c| Candidate {
+                place: start + (c.place - start).rem_euclid(TAU),
+                ..c
+            }));
         };
         for &angle in &roots.simple {
             add(angle, 0.0);
