@@ -129,7 +129,8 @@ impl Cutter {
             let [low, high] = halves[half];
             (!is_in[half]).then(|| self.is_inside(&parts, 0.5 * (low + high)))
         });
-        let mut sides = [Vec::new(), Vec::new()];
+        // (Hardly ever more than half of them are on one side.)
+        let mut sides = [(); 2].map(|()| Vec::with_capacity(whole / 2 + whole / 8));
         for part in parts {
             self.part(part, axis, at, &mut sides);
         }

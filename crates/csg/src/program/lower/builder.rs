@@ -248,6 +248,10 @@ impl Builder {
 /// simplified anew.
 pub(crate) fn simplified(formula: &Formula, is_changed: &[bool]) -> Result<Formula, Error> {
     let mut builder = Builder::default();
+    builder.formula.literals.reserve(formula.literals.len());
+    builder.formula.operands.reserve(formula.operands.len());
+    builder.formula.gates.reserve(formula.gates.len());
+    builder.meanings.reserve(formula.gates.len());
     for &literal in &formula.literals {
         builder.literal(literal)?;
     }

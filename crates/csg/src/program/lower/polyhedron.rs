@@ -1,7 +1,6 @@
 //! Polyhedra of many faces: their formula, and what is known of their edges.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use super::builder::Builder;
 use super::{Context, Lowering, Value};
@@ -98,7 +97,7 @@ impl Lowering<'_> {
             builder: &mut self.builder,
             origin,
             negated: context.negated,
-            literals: FxHashMap::default(),
+            literals: Vec::new(),
             cuts: &mut self.gathered.cuts,
         };
         let operand = writer.partition(&partition)?;
@@ -117,8 +116,8 @@ struct Writer<'a> {
     builder: &'a mut Builder,
     origin: u32,
     negated: bool,
-    /// By surface, and whether its outside is meant.
-    literals: FxHashMap<(u32, bool), Operand>,
+    /// Of each surface that for its inside, and that for its outside.
+    literals: Vec<[Option<Operand>; 2]>,
     cuts: &'a mut Vec<u32>,
 }
 
@@ -154,7 +153,12 @@ impl Writer<'_> {
 
     fn literal(&mut self, surface: u32, outside: bool) -> Result<Operand, Error> {
         let outside = outside != self.negated;
-        if let Some(&known) = self.literals.get(&(surface, outside)) {
+        let index = surface as usize;
+        if index >= self.literals.len() {
+            let most = self.builder.table.len().max(index + 1);
+            self.literals.resize(most, [None; 2]);
+        }
+        if let Some(known) = self.literals[index][usize::from(outside)] {
             return Ok(known);
         }
         let literal = self.builder.literal(Literal {
@@ -162,7 +166,7 @@ impl Writer<'_> {
             origin: self.origin,
             outside,
         })?;
-        self.literals.insert((surface, outside), literal);
+        self.literals[index][usize::from(outside)] = Some(literal);
         Ok(literal)
     }
 
