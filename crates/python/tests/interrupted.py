@@ -3,6 +3,7 @@ variants (one of which does not stop by itself, if it is called so) as named sec
 is named third. It says "begun" once some of the work
 is done or under way, and how it ended."""
 
+import os
 import pathlib
 import sys
 import time
@@ -41,7 +42,8 @@ def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:
             client=cluster.client,
             out=folder / "all.ply",
             folder=folder,
-            progress=lambda share: print("begun", flush=True),
+            # (Ctrl-C may come between the parts of what is printed.)
+            progress=lambda share: os.write(1, b"begun\n"),
         )
     else:
         table = {"begun": [str(folder / f"begun-{row}") for row in range(1, 9)]}
