@@ -283,6 +283,10 @@ class Processes(Pool):
         with _ctrl_c_waits():
             return self.executor.submit(_call_here, function, item)
 
+    def _cancel(self, future: Any) -> None:
+        """Nothing: they end with their processes. (An executor that loses these while it has
+        cancelled futures leaves some behind: https://github.com/python/cpython/pull/108974.)"""
+
     def run(
         self, function: Callable[..., Any], shared: bytes, items: Sequence[tuple[Any, ...]]
     ) -> Generator[tuple[int, Any]]:
