@@ -96,7 +96,7 @@ fn torus(half: u32, phase: f64, at: DVec3) -> Mesh {
 /// What manifold3d says; nothing if Python does not run, which is said.
 fn ask(options: &Options, folder: &Path, meshes: &[Mesh; 2]) -> Option<serde_json::Value> {
     for (name, mesh) in ["a", "b"].into_iter().zip(meshes) {
-        let positions = mesh.positions.iter().flat_map(|p| p.to_array());
+        let positions = mesh.positions.iter().flat_map(DVec3::to_array);
         let positions: Vec<u8> = positions.flat_map(f64::to_le_bytes).collect();
         let corners = mesh.triangles.iter().flatten();
         let triangles: Vec<u8> = corners.flat_map(|corner| corner.to_le_bytes()).collect();
