@@ -208,7 +208,8 @@ impl Rulings {
         }
     }
 
-    /// The places that points of the lines may have whose angles are so near to one.
+    /// The places on the curve of lines at an angle, and how far around them those of lines so
+    /// near to it are.
     fn places(&self, angle: f64, reach: f64) -> SmallVec<[Candidate; 2]> {
         let candidate = |angle: f64, reach: f64| Candidate {
             place: (angle - BEGIN).rem_euclid(TAU),
@@ -217,8 +218,8 @@ impl Rulings {
         match self.part {
             Part::Touching | Part::Once | Part::Around { .. } => smallvec![candidate(angle, reach)],
             Part::Between { middle, half, .. } => {
-                // Lines beyond the last ones, on all of which the curve is not, may be on
-                // either side: they count as these.
+                // Beyond the last lines that the curve is on, a root is of no point of it, or
+                // put there by rounding: it counts as the last line's.
                 let off = (angle - middle + PI).rem_euclid(TAU) - PI;
                 let turn = |off: f64| elementary::acos((-off / half).clamp(-1.0, 1.0));
                 let [low, turn, high] = [off - reach, off, off + reach].map(turn);

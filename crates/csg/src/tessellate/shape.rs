@@ -112,7 +112,7 @@ impl<'a, const N: usize> Sight<'a, N> {
     }
 }
 
-/// The same for one triangle by its corners.
+/// [`Sight::faces_out_in_the_middle`] of a triangle by its corners.
 #[inline(always)]
 pub(super) fn faces_out_in_the_middle(
     surface: &Surface,
@@ -122,7 +122,7 @@ pub(super) fn faces_out_in_the_middle(
     Sight::new(surface, region, corners).faces_out_in_the_middle([0, 1, 2])
 }
 
-/// The same for one triangle by its corners.
+/// [`Sight::faces_out_everywhere`] of a triangle by its corners.
 #[inline(always)]
 pub(super) fn faces_out_everywhere(
     surface: &Surface,
