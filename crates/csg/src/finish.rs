@@ -16,7 +16,7 @@ pub(crate) fn surface_of<'a>(
     triangle: usize,
 ) -> Option<&'a Surface> {
     let entry = mesh.surface_of(triangle)?;
-    program.surfaces().get(entry.surface as usize)
+    program.carriers().get(entry.surface as usize)
 }
 
 /// The outward unit normals at the corners of every triangle: the gradient of

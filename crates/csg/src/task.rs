@@ -65,14 +65,19 @@ impl<'a> Task<'a> {
 
     /// The entry of triangles on a surface of a primitive.
     pub(crate) fn mesh_surface(&self, surface: u32, primitive: u32) -> MeshSurface {
-        let origin = &self.program.origins()[primitive as usize];
-        MeshSurface {
-            surface,
-            primitive,
-            body: origin.body,
-            name: origin.name.as_ref().map(Arc::clone),
-            parts: Arc::clone(&origin.parts),
-            color: origin.color,
-        }
+        mesh_surface(self.program, surface, primitive)
+    }
+}
+
+/// The entry of triangles on a surface of a program's primitive.
+pub(crate) fn mesh_surface(program: &Program, surface: u32, primitive: u32) -> MeshSurface {
+    let origin = &program.origins()[primitive as usize];
+    MeshSurface {
+        surface,
+        primitive,
+        body: origin.body,
+        name: origin.name.as_ref().map(Arc::clone),
+        parts: Arc::clone(&origin.parts),
+        color: origin.color,
     }
 }

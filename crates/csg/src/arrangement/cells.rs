@@ -60,6 +60,10 @@ pub(super) struct Counts {
 /// Progress is told by boxes of so many cuts.
 const CUTS_TOLD: u32 = 3;
 
+/// Blocks end so little beyond walls, of the scene: these are within a block then, and next to
+/// nothing else that is beyond them. Tunes speed only.
+const BEYOND_WALLS: f64 = 1e-7;
+
 /// Cuts the box around a program's whole scene; its surfaces are told as they lie there.
 pub(super) fn cut(
     (program, surfaces): (&Program, &[Surface]),
@@ -67,10 +71,15 @@ pub(super) fn cut(
     [low, high]: [DVec3; 2],
     control: &Control,
 ) -> Result<(Vec<Block>, Counts), Error> {
+    let beyond = match given {
+        Some(given) if given.are_walls() => BEYOND_WALLS * (high - low).max_element(),
+        _ => 0.0,
+    };
     let cutter = Cutter {
         program,
         surfaces,
         given,
+        beyond,
         control,
         stage: &control.stage(1 << (3 * CUTS_TOLD), 0.0, 0.2),
         // Looks are told by toggling single literals.
@@ -97,6 +106,8 @@ struct Cutter<'a> {
     program: &'a Program,
     surfaces: &'a [Surface],
     given: Option<&'a Given>,
+    /// How far beyond walls blocks end.
+    beyond: f64,
     control: &'a Control,
     stage: &'a Stage<'a>,
     pruner: Pruner,
@@ -140,9 +151,10 @@ impl Cutter<'_> {
         self.control.spend(1, 0)?;
         let surfaces = self.surfaces;
         let (center, half) = rounded_outward(low, high);
+        let beyond = self.beyond;
         let side = |id: u32| {
             let surface = &surfaces[id as usize];
-            if !given.is_cut(id) {
+            if !given.is_cut(id) || given.are_walls() {
                 return surface.side_of_box(center, half);
             }
             // Blocks end there: on neither side it matters any more.
@@ -158,7 +170,12 @@ impl Cutter<'_> {
         };
         let formula = self.program.formula();
         let mut cell = Cell::default();
-        let is_cut = |id: u32| given.is_cut(id);
+        let is_cut = |id: u32| {
+            given.is_cut(id) && {
+                let (axis, at) = coordinate(&surfaces[id as usize]);
+                low[axis] < at + beyond && at + beyond < high[axis]
+            }
+        };
         let narrowed = self
             .narrower
             .narrow(formula, crown, side, is_cut, &mut cell);
@@ -177,6 +194,7 @@ impl Cutter<'_> {
             return self.descend(Block { low, high, cell }, way);
         };
         let (axis, at) = coordinate(&surfaces[*cut as usize]);
+        let at = at + beyond;
         let (mut below, mut above) = ([low, high], [low, high]);
         (below[1][axis], above[0][axis]) = (at, at);
         // (Boxes of less than a unit are not told.)

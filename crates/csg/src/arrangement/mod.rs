@@ -152,7 +152,7 @@ pub(crate) struct Evaluated {
 
 /// Whether a program has planes alone.
 pub(crate) fn is_polyhedral(program: &Program) -> bool {
-    program.surfaces().iter().all(Surface::is_plane)
+    program.carriers().iter().all(Surface::is_plane)
 }
 
 /// By how much rounding may move points of a scene around `center` whose longest side is

@@ -5,15 +5,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// An axis-aligned box by its least and greatest corner.
-#[derive(Clone, Copy)]
-pub(super) struct Bounds {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
     pub low: DVec3,
     pub high: DVec3,
 }
 
 impl Bounds {
     /// Overlaps nothing.
-    pub(super) const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
     };
@@ -44,7 +44,7 @@ impl Bounds {
     }
 
     /// Whether the closed boxes have a point in common.
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         // (In one go: which of them decides is hard to foresee.)
         (self.low.x <= other.high.x)
             & (self.low.y <= other.high.y)
@@ -56,8 +56,8 @@ impl Bounds {
 }
 
 /// The box of something in a sheet.
-#[derive(Clone, Copy)]
-pub(super) struct Boxed {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Boxed {
     pub bounds: Bounds,
     /// What is in the box.
     pub index: u32,
@@ -73,7 +73,8 @@ const SERIAL_LEAVES: usize = 64;
 const SEVERAL: u32 = u32::MAX;
 
 /// A complete binary tree over boxes in a row.
-pub(super) struct BoxTree {
+#[derive(Debug)]
+pub(crate) struct BoxTree {
     /// Node `k` has the children `2k` and `2k + 1`, the root is 1, and the
     /// leaves are the last half.
     nodes: Vec<Node>,
@@ -81,7 +82,7 @@ pub(super) struct BoxTree {
     entries: Vec<Boxed>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds,
     /// The only one below, or [`SEVERAL`].
@@ -109,7 +110,7 @@ impl Node {
 impl BoxTree {
     /// Of boxes in an order in which those that follow each other are near each other and
     /// those of a sheet together.
-    pub(super) fn new(entries: Vec<Boxed>) -> Self {
+    pub(crate) fn new(entries: Vec<Boxed>) -> Self {
         let leaves = entries.len().div_ceil(LEAF).next_power_of_two();
         let mut nodes = vec![Node::join([].into_iter()); 2 * leaves];
         for (leaf, boxes) in entries.chunks(LEAF).enumerate() {
@@ -147,6 +148,33 @@ impl BoxTree {
                 waiting.extend([2 * node, 2 * node + 1]);
             }
         }
+    }
+
+    /// Whether an entry passes a test, of those whose boxes overlap another one, but for those
+    /// of one sheet.
+    pub(crate) fn any_overlapping(
+        &self,
+        but: Option<u32>,
+        bounds: &Bounds,
+        test: &mut impl FnMut(u32) -> bool,
+    ) -> bool {
+        let mut waiting = vec![1];
+        while let Some(node) = waiting.pop() {
+            let is_excepted = but == Some(self.nodes[node].sheet);
+            if is_excepted || !self.nodes[node].bounds.overlaps(bounds) {
+                continue;
+            }
+            if !self.is_leaf(node) {
+                waiting.extend([2 * node, 2 * node + 1]);
+                continue;
+            }
+            let mut entries = self.entries_of(node).iter();
+            let is_met = |entry: &Boxed| but != Some(entry.sheet) && entry.bounds.overlaps(bounds);
+            if entries.any(|entry| is_met(entry) && test(entry.index)) {
+                return true;
+            }
+        }
+        false
     }
 
     /// The pairs of boxes below one node.
@@ -277,7 +305,7 @@ fn try_pair(
 }
 
 /// The order of boxes along a Morton curve through their centres: n log n.
-pub(super) fn along_curve(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Vec<u32> {
+pub(crate) fn along_curve(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Vec<u32> {
     let whole = Bounds::around_all(boxes.clone());
     let scale = CELLS / (whole.high - whole.low);
     let place = |bounds: Bounds| (bounds.low.midpoint(bounds.high) - whole.low) * scale;

@@ -3,7 +3,7 @@
 //! Nothing here knows about solids; `raster` and `io` need only this module.
 
 mod apart;
-mod box_tree;
+pub(crate) mod box_tree;
 mod check;
 mod components;
 mod contour;
@@ -14,6 +14,7 @@ mod intersections;
 mod measure;
 mod predicates;
 mod sheets;
+mod shells;
 mod star;
 mod twins;
 
@@ -23,3 +24,4 @@ pub use data::{LengthUnit, Mesh, MeshSurface};
 pub use distance::MeshDistance;
 pub(crate) use intersections::Intersections;
 pub use measure::MeshMeasure;
+pub(crate) use shells::Shells;

@@ -278,10 +278,12 @@ impl Mesher {
     /// Whether the exact boundary of planes is to be meshed, without cells. It
     /// is that of the whole solid, not of what lies in a box that was given.
     pub(super) fn is_polyhedral(&self, program: &Program) -> bool {
-        matches!(self.method, Method::Exact)
-            && self.resolution.is_none()
-            && self.bounds.is_none()
-            && arrangement::is_polyhedral(program)
+        self.is_by_boundary() && arrangement::is_polyhedral(program)
+    }
+
+    /// Whether cells are only the second way.
+    pub(super) fn is_by_boundary(&self) -> bool {
+        matches!(self.method, Method::Exact) && self.resolution.is_none() && self.bounds.is_none()
     }
 
     /// The size below which cells are not split, if they are adaptive.

@@ -4,6 +4,7 @@
 mod prepare;
 mod slab;
 mod tolerance;
+mod uncut;
 
 use crate::clock::Instant;
 use crate::elementary;
@@ -160,6 +161,9 @@ impl<'a> Run<'a> {
         let has_extent = |bounds: &Bounds| bounds.size().max_element() > 0.0;
         let program = self.program;
         self.control.check()?;
+        if let Some(mesh) = self.with_uncut(report)? {
+            return Ok(mesh);
+        }
         let mut beyond = None;
         if self.mesher.is_polyhedral(program) {
             let start = Instant::now();

@@ -14,10 +14,10 @@
 
 use glam::DVec3;
 
-use super::Program;
 use super::cell::{Cell, Pruner};
 use super::formula::{Formula, Operand, Operation};
 use super::narrow::Narrower;
+use super::{Apart, Program};
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
 use crate::surface::{Bounds, Side, Surface, half_space_bounds};
@@ -46,13 +46,27 @@ impl Program {
     /// # Errors
     /// [`Error::Unbounded`] if the solid reaches infinitely far.
     pub fn bounds(&self) -> Result<Option<Bounds>, Error> {
-        let is_deep = self.given.is_some();
+        if let Some(Apart { uncut, rest }) = self.apart() {
+            let own = Some(uncut.bounds()).filter(|own| own.is_finite());
+            let rest = rest.bounds()?;
+            return Ok(match (own, rest) {
+                (Some(own), Some(rest)) => Some(own.united(rest)),
+                (own, rest) => own.or(rest),
+            });
+        }
+        let is_deep = self.given().is_some();
         self.find_bounds(|surfaces, root, loose| Shaver::new(surfaces, root, is_deep).shave(loose))
     }
 
     /// A box that encloses the solid, however much too large: a fraction of the
     /// time that [`Self::bounds`] takes.
     pub(crate) fn loose_bounds(&self) -> Result<Option<Bounds>, Error> {
+        if let Some(outline) = self.outline()
+            && outline.reach().is_finite()
+            && outline.cell().constant().is_none()
+        {
+            return Ok(Some(outline.reach()));
+        }
         self.find_bounds(|_, _, loose| Some(loose))
     }
 
@@ -67,22 +81,25 @@ impl Program {
             None => {}
         }
         // The middle of the anchors: near the solid, wherever that is.
-        let first = self.surfaces[0].anchor();
-        let (low, high) = self.surfaces.iter().fold((first, first), |(low, high), s| {
-            (low.min(s.anchor()), high.max(s.anchor()))
-        });
+        let first = self.surfaces()[0].anchor();
+        let (low, high) = self
+            .surfaces()
+            .iter()
+            .fold((first, first), |(low, high), s| {
+                (low.min(s.anchor()), high.max(s.anchor()))
+            });
         let origin = 0.5 * low + 0.5 * high;
         let surfaces = self.surfaces_about(origin);
         let reach = Bounds {
-            min: self.reach.min - origin,
-            max: self.reach.max - origin,
+            min: self.reach().min - origin,
+            max: self.reach().max - origin,
         };
         // Polyhedra bound themselves, and their formulas are long.
-        let is_known = self.given.is_some() && reach.is_finite();
+        let is_known = self.given().is_some() && reach.is_finite();
         let mut current = if is_known {
             reach
         } else {
-            literal_bounds(&surfaces, &self.formula)
+            literal_bounds(&surfaces, self.formula())
         };
         if !current.is_finite() {
             let extent = |s: &Surface| {

@@ -74,16 +74,19 @@ pub struct Formula {
 
 impl Default for Formula {
     fn default() -> Self {
-        Self {
-            literals: Vec::new(),
-            gates: Vec::new(),
-            operands: Vec::new(),
-            root: Operand::Constant(false),
-        }
+        Self::NOTHING
     }
 }
 
 impl Formula {
+    /// False everywhere.
+    pub(crate) const NOTHING: Self = Self {
+        literals: Vec::new(),
+        gates: Vec::new(),
+        operands: Vec::new(),
+        root: Operand::Constant(false),
+    };
+
     /// What its lists hold, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.literals) + size_of_val(&*self.gates) + size_of_val(&*self.operands)

@@ -21,6 +21,7 @@ pub(crate) struct Given {
     owners: Vec<u32>,
     /// Whether a surface only parts space.
     cuts: Vec<bool>,
+    are_walls: bool,
     /// For two surfaces, the lesser first, the edges in which their faces meet.
     edges: FxHashMap<[u32; 2], SmallVec<[Ends; 1]>>,
     /// The vertices of each surface's faces, ascending, and where they begin.
@@ -38,6 +39,8 @@ pub(super) struct Gathered {
     /// Points nearer to planes were taken to be on them.
     pub slack: f64,
     pub cuts: Vec<u32>,
+    /// Whether there may be faces on cuts.
+    pub are_walls: bool,
 }
 
 impl Gathered {
@@ -56,6 +59,15 @@ impl Gathered {
         self.polyhedra += 1;
     }
 
+    /// Gives surfaces other numbers; what is on those without one is left out.
+    pub fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        let triangles = std::mem::take(&mut self.triangles).into_iter();
+        let renumbered = |(corners, surface, owner)| Some((corners, number(surface)?, owner));
+        self.triangles = triangles.filter_map(renumbered).collect();
+        let cuts = std::mem::take(&mut self.cuts).into_iter();
+        self.cuts = cuts.filter_map(number).collect();
+    }
+
     /// The edges and vertices, if there are any, of a program of so many surfaces in which
     /// `others` belong to other primitives.
     pub fn finish(self, surfaces: usize, others: impl Iterator<Item = u32>) -> Option<Given> {
@@ -67,9 +79,6 @@ impl Gathered {
         let mut cuts = vec![false; surfaces];
         for &cut in &self.cuts {
             cuts[cut as usize] = true;
-        }
-        for &cut in &self.cuts {
-            owners[cut as usize] = NONE;
         }
         for surface in others {
             owners[surface as usize] = NONE;
@@ -93,6 +102,9 @@ impl Gathered {
                 }
             }
             pairs.extend([a, b, c].map(|vertex| [surface, vertex]));
+        }
+        for owner in owners.iter_mut().filter(|owner| **owner == FREE) {
+            *owner = NONE;
         }
         let mut edges: FxHashMap<[u32; 2], SmallVec<[Ends; 1]>> = FxHashMap::default();
         for (ends, mut around) in sides {
@@ -120,6 +132,7 @@ impl Gathered {
             slack: self.slack,
             owners,
             cuts,
+            are_walls: self.are_walls,
             edges,
             vertices_of: pairs.into_iter().map(|[_, vertex]| vertex).collect(),
             first_of,
@@ -181,6 +194,7 @@ impl Given {
             slack: self.slack,
             owners,
             cuts,
+            are_walls: self.are_walls,
             edges,
             vertices_of: pairs.into_iter().map(|[_, vertex]| vertex).collect(),
             first_of,
@@ -196,7 +210,12 @@ impl Given {
         self.vertices[vertex as usize]
     }
 
-    /// Whether a surface only parts space, and carries no face.
+    /// Whether cuts may carry faces, where a polyhedron is left out beyond them.
+    pub fn are_walls(&self) -> bool {
+        self.are_walls
+    }
+
+    /// Whether a surface only parts space, and carries no face but as a wall.
     pub fn is_cut(&self, surface: u32) -> bool {
         self.cuts[surface as usize]
     }

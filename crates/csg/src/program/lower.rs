@@ -15,47 +15,65 @@ pub(super) use self::builder::{avalanche, simplified};
 use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::SmallVec;
 
 use self::builder::{Builder, compact, push_index};
-use super::formula::{Literal, Operand, Operation};
+use super::formula::{Formula, Literal, Operand, Operation};
 use super::given::Gathered;
 use super::local::{LocalShape, half_spaces};
+use super::lowered::{Lowered, Origin};
+use super::placed::{Convex, Polyhedra, Region};
 use super::reach::reach;
-use super::unify::WorldMap;
-use super::{Bounds, Origin, Program};
+use super::unify::{SurfaceTable, WorldMap};
+use super::{Bounds, Surface};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
 use crate::numeric::tolerance::MAPPED;
 use crate::solid::{Made, Node, Primitive, Solid};
 
-impl Program {
-    /// Lowers a solid. Time and memory are linear in the number of nodes, a
-    /// subtree that several others share counting once per distinct transform,
-    /// name and colour (times the logarithm of the number of surfaces).
-    ///
+/// What lowering a solid for the first time comes to.
+pub(super) enum First {
+    /// It has no polyhedra of many faces.
+    Lowered(Lowered),
+    /// These, and the surfaces of all primitives.
+    Regions(Vec<Region>, SurfaceTable),
+}
+
+impl First {
     /// # Errors
-    /// [`Error::InvalidNode`] names the first node with bad arguments.
-    pub fn lower(solid: &Solid) -> Result<Self, Error> {
-        let mut lowering = Lowering::new(solid);
+    /// Those of [`super::Program::lower`].
+    pub fn of(solid: &Solid) -> Result<Self, Error> {
+        let none = SurfaceTable::default();
+        let mut lowering = Lowering::new(solid, none, Polyhedra::Met(Vec::new()));
         lowering.walk(solid)?;
-        let root = lowering.values.pop().unwrap_or(Value::NOTHING);
-        let Builder {
-            mut formula,
-            origins,
-            table,
-            ..
-        } = lowering.builder;
-        formula.root = root.operand;
-        let others = lowering.others.into_iter();
-        let given = lowering.gathered.finish(table.len(), others);
-        Ok(Self {
-            surfaces: table.into_surfaces(),
-            formula: compact(&formula),
-            origins,
-            reach: root.bounds,
-            given: given.map(Arc::new),
+        Ok(match &mut lowering.polyhedra {
+            Polyhedra::Met(regions) if !regions.is_empty() => {
+                Self::Regions(std::mem::take(regions), lowering.builder.table)
+            }
+            _ => Self::Lowered(lowering.finish().lowered),
         })
     }
+}
+
+/// What lowering comes to.
+pub(super) struct Finished {
+    pub lowered: Lowered,
+    /// Of each surface its number among all: those that are not needed are left out where
+    /// faces are.
+    pub ids: Vec<u32>,
+    /// The primitives that are no polyhedra.
+    pub others: Vec<Convex>,
+}
+
+/// A solid lowered in one of the ways of dealing with polyhedra, with surfaces known before.
+pub(super) fn lowered_with(
+    solid: &Solid,
+    table: SurfaceTable,
+    polyhedra: Polyhedra<'_>,
+) -> Result<Finished, Error> {
+    let mut lowering = Lowering::new(solid, table, polyhedra);
+    lowering.walk(solid)?;
+    Ok(lowering.finish())
 }
 
 /// A name, and those around it.
@@ -143,14 +161,17 @@ struct Lowering<'a> {
     repeated: FxHashSet<usize>,
     known: FxHashMap<(usize, Context), Value>,
     builder: Builder,
+    polyhedra: Polyhedra<'a>,
+    /// Of the polyhedra met so far, by their primitives and contexts, the numbers.
+    region_index: FxHashMap<(usize, Context), u32>,
     /// The edges and vertices of polyhedra.
     gathered: Gathered,
-    /// The surfaces of other primitives.
-    others: Vec<u32>,
+    /// The other primitives.
+    others: Vec<Convex>,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(root: &'a Solid) -> Self {
+    fn new(root: &'a Solid, table: SurfaceTable, polyhedra: Polyhedra<'a>) -> Self {
         let mut lowering = Self {
             frames: Vec::new(),
             values: Vec::new(),
@@ -164,7 +185,9 @@ impl<'a> Lowering<'a> {
             bodies: 0,
             repeated: find_repeated(root),
             known: FxHashMap::default(),
-            builder: Builder::default(),
+            builder: Builder::new(table),
+            polyhedra,
+            region_index: FxHashMap::default(),
             gathered: Gathered::default(),
             others: Vec::new(),
         };
@@ -393,12 +416,14 @@ impl<'a> Lowering<'a> {
         let origin = self.add_origin(primitive, context);
         let base = self.values.len();
         let map = self.maps[context.map as usize];
+        let own = reach(primitive, &map.map);
         // Together with the primitive's other half-spaces, each is within its box.
         let bounds = if context.negated {
             Bounds::EVERYTHING
         } else {
-            reach(primitive, &map.map)
+            own
         };
+        let mut half_spaces = SmallVec::new();
         for surface in surfaces {
             let placed = map.apply(&surface).ok_or_else(|| {
                 self.error(NodeFault::OutOfRange {
@@ -406,7 +431,7 @@ impl<'a> Lowering<'a> {
                 })
             })?;
             let (surface, flipped) = self.builder.table.insert(placed);
-            self.others.push(surface);
+            half_spaces.push((surface, flipped));
             let operand = self.builder.literal(Literal {
                 surface,
                 origin,
@@ -414,6 +439,10 @@ impl<'a> Lowering<'a> {
             })?;
             self.values.push(Value { operand, bounds });
         }
+        self.others.push(Convex {
+            half_spaces,
+            bounds: own,
+        });
         let operation = if context.negated {
             Operation::Or
         } else {
@@ -429,6 +458,42 @@ impl<'a> Lowering<'a> {
             self.values.push(value);
         }
         Ok(())
+    }
+
+    fn finish(mut self) -> Finished {
+        let root = self.values.pop().unwrap_or(Value::NOTHING);
+        let Builder {
+            mut formula,
+            origins,
+            table,
+            ..
+        } = self.builder;
+        formula.root = root.operand;
+        let mut formula = compact(&formula);
+        let mut surfaces = table.surfaces();
+        let mut ids: Vec<u32> = (0..surfaces.len() as u32).collect();
+        let others = self.others.iter().flat_map(|other| &other.half_spaces);
+        let mut others: Vec<u32> = others.map(|&(surface, _)| surface).collect();
+        if matches!(self.polyhedra, Polyhedra::Written(_, Some(_))) {
+            let in_use = Renumbered::of(&mut formula, surfaces.len());
+            self.gathered.renumber(|surface| in_use.number(surface));
+            others.retain_mut(|surface| in_use.renumber(surface));
+            surfaces = in_use.pick(&surfaces);
+            ids = in_use.ids;
+        }
+        let given = self.gathered.finish(surfaces.len(), others.into_iter());
+        let lowered = Lowered {
+            surfaces,
+            formula,
+            origins,
+            reach: root.bounds,
+            given: given.map(Arc::new),
+        };
+        Finished {
+            lowered,
+            ids,
+            others: self.others,
+        }
     }
 
     fn add_origin(&mut self, primitive: &Primitive, context: Context) -> u32 {
@@ -460,6 +525,48 @@ impl<'a> Lowering<'a> {
             path: NodePath { steps },
             fault,
         }
+    }
+}
+
+/// The surfaces that a formula names, numbered anew.
+pub(super) struct Renumbered {
+    /// Ascending.
+    pub ids: Vec<u32>,
+    /// Of each surface; none of those that are not named.
+    numbers: Vec<Option<u32>>,
+}
+
+impl Renumbered {
+    /// Renumbers the surfaces of a formula.
+    pub fn of(formula: &mut Formula, surfaces: usize) -> Self {
+        let mut is_named = vec![false; surfaces];
+        for literal in &formula.literals {
+            is_named[literal.surface as usize] = true;
+        }
+        let mut ids = Vec::new();
+        let number =
+            |(surface, &is_named): (u32, &bool)| is_named.then(|| push_index(&mut ids, surface));
+        let numbers: Vec<Option<u32>> = (0..).zip(&is_named).map(number).collect();
+        for literal in &mut formula.literals {
+            literal.surface = numbers[literal.surface as usize].unwrap_or_default();
+        }
+        Self { ids, numbers }
+    }
+
+    fn number(&self, surface: u32) -> Option<u32> {
+        self.numbers[surface as usize]
+    }
+
+    /// Renumbers a surface; false if it is not named.
+    fn renumber(&self, surface: &mut u32) -> bool {
+        let number = self.number(*surface);
+        *surface = number.unwrap_or_default();
+        number.is_some()
+    }
+
+    fn pick(&self, surfaces: &[Surface]) -> Vec<Surface> {
+        let ids = self.ids.iter();
+        ids.map(|&id| surfaces[id as usize]).collect()
     }
 }
 

@@ -138,7 +138,7 @@ mod tests {
             );
             for solid in &primitives {
                 let program = Program::lower(&solid.affine(map)).expect("valid");
-                let bounds = program.reach;
+                let bounds = program.reach();
                 let mut inside = Bounds::NOTHING;
                 for _ in 0..60_000 {
                     let share = DVec3::from_array(std::array::from_fn(|_| random.unit()));
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn boxes_combine_like_solids() {
         let [a, b] = [0.0, 1.5].map(|x| Solid::sphere(1.0).translate([x, 0.0, 0.0]));
-        let reach = |solid: &Solid| Program::lower(solid).expect("valid").reach;
+        let reach = |solid: &Solid| Program::lower(solid).expect("valid").reach();
         let is = |bounds: Bounds, low: f64, high: f64| {
             assert!((bounds.min.x - low).abs() < 1e-12 && (bounds.max.x - high).abs() < 1e-12);
         };

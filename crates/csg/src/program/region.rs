@@ -59,8 +59,12 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Of the faces of a closed polyhedron, as convex facets of any number.
-    pub fn new(facets: Vec<Facet>) -> Self {
+    /// Of the faces of a closed polyhedron, as convex facets of any number. It is empty in
+    /// boxes in which parts of them are not needed.
+    pub fn new(
+        facets: Vec<Facet>,
+        is_needed: &(dyn Fn(&[Part], [DVec3; 2]) -> bool + Sync),
+    ) -> Self {
         let bounds: Vec<[DVec3; 2]> = facets.iter().map(|f| bounds(&f.corners)).collect();
         let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let [min, max] = bounds.iter().fold(none, |[min, max], [low, high]| {
@@ -80,6 +84,7 @@ impl Partition {
             facets,
             bounds,
             slack,
+            is_needed,
         };
         let root = cutter.halve(parts, [low, high], 0, 0);
         Self {
@@ -91,17 +96,21 @@ impl Partition {
     }
 }
 
-struct Cutter {
+struct Cutter<'a> {
     facets: Vec<Facet>,
     /// The box around each.
     bounds: Vec<[DVec3; 2]>,
     /// Points nearer to a plane are on it: as far as corners are off the planes of their
     /// own faces, and some more.
     slack: f64,
+    is_needed: &'a (dyn Fn(&[Part], [DVec3; 2]) -> bool + Sync),
 }
 
-impl Cutter {
+impl Cutter<'_> {
     fn halve(&self, parts: Vec<Part>, [low, high]: [DVec3; 2], cuts: u32, vain: u32) -> Halved {
+        if !(self.is_needed)(&parts, [low, high]) {
+            return Halved::Constant(false);
+        }
         if self.is_few(&parts) || cuts == MOST_CUTS || vain == MOST_VAIN_CUTS {
             return Halved::Faces(self.tree(&parts, 0.5 * (low + high)));
         }

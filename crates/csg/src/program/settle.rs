@@ -20,6 +20,7 @@ use glam::DVec3;
 use self::chains::Chains;
 use self::rounding::Decimal;
 use super::lower::{avalanche, simplified};
+use super::lowered::Lowered;
 use super::{Program, Surface};
 use crate::error::Error;
 
@@ -48,7 +49,7 @@ impl Program {
         within: f64,
         most: f64,
     ) -> Result<Option<Settled>, Error> {
-        self.united(self.surfaces.clone(), (origin, reach), within, most)
+        self.united(self.surfaces().to_vec(), (origin, reach), within, most)
     }
 
     /// The program with the places, directions and sizes of all surfaces rounded to
@@ -77,7 +78,7 @@ impl Program {
             let [one, other] = [surface, &rounded].map(|s| s.relative_to(origin));
             (one.distance_bound(&other, reach) <= most).then_some(rounded)
         };
-        let surfaces = (0..).zip(&self.surfaces);
+        let surfaces = (0..).zip(self.surfaces());
         let surfaces = surfaces.map(|(k, s)| round(k, s).unwrap_or(*s)).collect();
         self.united(surfaces, (origin, reach), SAME_DECIMALS * step.step(), most)
     }
@@ -97,7 +98,7 @@ impl Program {
         /// Of the moves: what is nearer is a wall or a gap that is meant.
         const TOGETHER: f64 = 8.0;
         let about: Vec<Surface> = self
-            .surfaces
+            .surfaces()
             .iter()
             .map(|s| s.relative_to(origin))
             .collect();
@@ -110,7 +111,7 @@ impl Program {
         }
         let perturb = |(index, surface): (usize, &Surface)| {
             let leader = leaders[index];
-            if !is_meant(surface) && !is_meant(&self.surfaces[leader]) {
+            if !is_meant(surface) && !is_meant(&self.surfaces()[leader]) {
                 return *surface;
             }
             let number = |k: u64| {
@@ -130,7 +131,7 @@ impl Program {
                 ..*surface
             }
         };
-        let surfaces = (0..).zip(&self.surfaces).map(perturb).collect();
+        let surfaces = (0..).zip(self.surfaces()).map(perturb).collect();
         let perturbed = self.united(surfaces, (origin, reach), 0.0, f64::INFINITY)?;
         // What is moved as a whole is nowhere moved farther.
         Ok(perturbed.map(|perturbed| Settled {
@@ -141,7 +142,7 @@ impl Program {
 
     /// Whether a surface carries faces whose vertices were given: it stays where these are.
     fn is_given(&self, surface: u32) -> bool {
-        let given = self.given.as_ref();
+        let given = self.given();
         given.is_some_and(|given| given.has_faces(surface) || given.is_cut(surface))
     }
 
@@ -155,7 +156,7 @@ impl Program {
         most: f64,
     ) -> Result<Option<Settled>, Error> {
         let about = |s: &Surface| s.relative_to(origin);
-        let before: Vec<Surface> = self.surfaces.iter().map(about).collect();
+        let before: Vec<Surface> = self.surfaces().iter().map(about).collect();
         let after: Vec<Surface> = surfaces.iter().map(about).collect();
         let chains = Chains::of(&after, reach, within);
         let mut in_place: Vec<(u32, bool)> = (0..surfaces.len() as u32)
@@ -190,7 +191,7 @@ impl Program {
         if moved == 0.0 && merged == 0 {
             return Ok(None);
         }
-        let mut formula = self.formula.clone();
+        let mut formula = self.formula().clone();
         let literals = formula.literals.iter_mut();
         let is_changed: Vec<bool> = literals
             .map(|literal| {
@@ -204,20 +205,20 @@ impl Program {
         // Edges and vertices of faces that were moved are elsewhere.
         let is_in_place = |id: u32| {
             let id = id as usize;
-            surfaces[id] == self.surfaces[id]
+            surfaces[id] == self.surfaces()[id]
         };
         let mut ids = 0..surfaces.len() as u32;
         let are_in_place = ids.all(|id| !self.is_given(id) || is_in_place(id));
-        let given = self.given.as_ref().filter(|_| are_in_place);
+        let given = self.given().filter(|_| are_in_place);
         let given = given.map(|given| given.renumbered(|id| in_place[id as usize].0));
         Ok(Some(Settled {
-            program: Self {
+            program: Self::of(Lowered {
                 surfaces,
                 formula: simplified(&formula, &is_changed)?,
-                origins: self.origins.clone(),
-                reach: self.reach.grown(moved),
+                origins: self.origins().to_vec(),
+                reach: self.reach().grown(moved),
                 given: given.map(Arc::new),
-            },
+            }),
             merged,
             moved,
             place: place + origin,
@@ -332,10 +333,10 @@ mod tests {
         for case in 0..200 {
             let surface = random_quadric(&mut random);
             let most = 10f64.powf(number(&mut random, -6.0, -2.0));
-            let program = Program {
+            let program = Program::of(Lowered {
                 surfaces: vec![surface],
-                ..lowered(&Solid::sphere(1.0))
-            };
+                ..lowered(&Solid::sphere(1.0)).lowered().clone()
+            });
             for settled in [
                 program.rounded(BALL, most),
                 program.perturbed(BALL, most, |_| true),

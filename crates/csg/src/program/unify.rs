@@ -192,7 +192,7 @@ impl Placed {
 }
 
 /// The table of canonical surfaces under construction.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct SurfaceTable {
     placed: Vec<Placed>,
     by_key: BTreeMap<OrderedKey, Vec<u32>>,
@@ -259,10 +259,7 @@ impl SurfaceTable {
         self.placed.len()
     }
 
-    pub fn into_surfaces(self) -> Vec<Surface> {
-        self.placed
-            .into_iter()
-            .map(|placed| placed.surface)
-            .collect()
+    pub fn surfaces(&self) -> Vec<Surface> {
+        self.placed.iter().map(|placed| placed.surface).collect()
     }
 }

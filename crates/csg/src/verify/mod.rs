@@ -54,7 +54,11 @@ pub(crate) fn differences(
     Tolerances { tolerance, unseen }: Tolerances,
 ) -> Differences {
     let mut found = Differences::default();
-    let lattice = Lattice::new(bounds, mesh.triangles.len(), program.surfaces().len());
+    let surfaces = match program.outline() {
+        Some(outline) => outline.cell().surfaces.len(),
+        None => program.surfaces().len(),
+    };
+    let lattice = Lattice::new(bounds, mesh.triangles.len(), surfaces);
     let crossings = crossings::along(mesh, &lattice);
     let spans = spans::along(program, &lattice, bounds);
     let mut proof = Proof {

@@ -24,7 +24,7 @@ const MOST: usize = 64;
 /// on surfaces without a triangle where it is.
 pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<DVec3> {
     let program = proof.program;
-    let surfaces = program.surfaces();
+    let surfaces = program.carriers();
     let mut triangle_of = vec![None; surfaces.len()];
     for (index, &entry) in mesh.triangle_surfaces.iter().enumerate() {
         triangle_of[mesh.surfaces[entry as usize].surface as usize] = Some(index);
@@ -67,7 +67,7 @@ pub(super) fn wrong(proof: &mut Proof<'_>, mesh: &Mesh, bounds: &Bounds) -> Vec<
 /// Whether points behind places, and before them, are in the solid.
 fn sides(program: &Program, places: &[Place], distance: f64) -> Vec<[bool; 2]> {
     let beside = |place: &Place, sign: f64| place.at + sign * distance * place.normal;
-    if program.given().is_some() {
+    if program.is_deep() {
         let sides = |place: &Place| [-1.0, 1.0].map(|sign| program.contains(beside(place, sign)));
         return places.iter().map(sides).collect();
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::mesh::Mesh;
-use crate::program::{Cell, Program, Pruner};
+use crate::program::{Cell, Named, Program, Pruner};
 
 /// Of the tolerance: how far from a triangle the solid is asked for on both sides.
 pub(super) const BESIDE: f64 = 1.5;
@@ -45,13 +45,22 @@ impl Proof<'_> {
         let beside = BESIDE * self.tolerance;
         self.prune(place, beside);
         let [before, behind] = [beside, -beside].map(|t| self.program.contains(place + t * normal));
-        self.pruned.surfaces.len() == 1 && before && !behind
+        let is_one = match (&self.pruned.surfaces[..], self.program.outline()) {
+            (&[only], Some(outline)) => matches!(outline.named(only), Named::Surface(_)),
+            (surfaces, _) => surfaces.len() == 1,
+        };
+        is_one && before && !behind
     }
 
     /// What of the program is left within a distance of a place.
     fn prune(&mut self, place: DVec3, distance: f64) {
-        let root = self.root.get_or_insert_with(|| self.program.root_cell());
         let half = DVec3::splat(distance);
+        if let Some(outline) = self.program.outline() {
+            let side = |name: u32| outline.side_of_box(name, place, half);
+            let cell = outline.cell();
+            return cell.prune_by(side, &mut self.pruner, &mut self.pruned);
+        }
+        let root = self.root.get_or_insert_with(|| self.program.root_cell());
         let surfaces = self.program.surfaces();
         root.prune_into(surfaces, place, half, &mut self.pruner, &mut self.pruned);
     }

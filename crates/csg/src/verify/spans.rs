@@ -2,7 +2,7 @@
 //! between them, for 64 pieces at once.
 
 use super::rays::{Lattice, Ray};
-use crate::program::{Bounds, Cell, Formula, Narrower, Program, Pruner, Surface};
+use crate::program::{Bounds, Cell, Formula, Named, Narrower, Program, Pruner, Surface};
 
 /// A part of a ray in the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +25,31 @@ const MOST_HALVINGS: u32 = 30;
 pub(super) fn along(program: &Program, lattice: &Lattice, bounds: &Bounds) -> Vec<Span> {
     let rays = (0..).zip((0..lattice.len()).map(|number| lattice.ray(number)));
     let ends = |line: &Ray| [bounds.min[line.axis], bounds.max[line.axis]];
+    if let Some(outline) = program.outline() {
+        let cell = outline.cell();
+        let mut tape = Tape::new(&cell.formula, cell.surfaces.len());
+        for (ray, line) in rays {
+            let crossings = outline.shells().along_line(line.axis, line.through);
+            let changes = |name: u32, tell: &mut dyn FnMut(f64)| match outline.named(name) {
+                Named::Surface(surface) => surface_changes(&surface, &line, tell),
+                Named::Region(region) => {
+                    let first = crossings.partition_point(|crossing| crossing.shell < region);
+                    let own = crossings[first..].iter();
+                    let own = own.take_while(|crossing| crossing.shell == region);
+                    own.for_each(|crossing| tell(crossing.at));
+                    false
+                }
+            };
+            tape.add_all(&cell.surfaces, ray, ends(&line), changes);
+        }
+        return tape.finish();
+    }
     if program.given().is_none() {
         let root = program.root_cell();
         if root.surfaces.len() <= MANY_SURFACES {
             let mut tape = Tape::new(&root.formula, root.surfaces.len());
             for (ray, line) in rays {
-                tape.add_all(&root, program.surfaces(), (ray, &line), ends(&line));
+                tape.add_surfaces(&root, program.surfaces(), (ray, &line), ends(&line));
             }
             return tape.finish();
         }
@@ -79,7 +98,7 @@ impl<'a> Walk<'a> {
             Some(true) => join(&mut self.found, Span { ray: line.0, ends }),
             None if pruned.surfaces.len() <= FEW_SURFACES || halvings == MOST_HALVINGS => {
                 let mut tape = Tape::new(&pruned.formula, pruned.surfaces.len());
-                tape.add_all(&pruned, self.surfaces, line, ends);
+                tape.add_surfaces(&pruned, self.surfaces, line, ends);
                 for span in tape.finish() {
                     join(&mut self.found, span);
                 }
@@ -118,6 +137,13 @@ fn changes(surface: &Surface, ray: &Ray) -> (bool, [f64; 2]) {
         None if a == 0.0 => (c <= 0.0, NOWHERE),
         None => (a < 0.0, NOWHERE),
     }
+}
+
+/// Tells where a ray crosses a surface; whether its far end is inside.
+fn surface_changes(surface: &Surface, ray: &Ray, tell: &mut dyn FnMut(f64)) -> bool {
+    let (is_inside, roots) = changes(surface, ray);
+    roots.into_iter().for_each(tell);
+    is_inside
 }
 
 /// The roots of a t² + b t + c, without cancellation: an infinite one where there is only
@@ -170,20 +196,37 @@ impl<'a> Tape<'a> {
     }
 
     /// Adds the pieces between all surfaces of a cell along a ray.
-    fn add_all(
+    fn add_surfaces(
         &mut self,
         cell: &Cell,
         surfaces: &[Surface],
         (ray, line): (u32, &Ray),
+        ends: [f64; 2],
+    ) {
+        self.add_all(&cell.surfaces, ray, ends, |id, tell| {
+            surface_changes(&surfaces[id as usize], line, tell)
+        });
+    }
+
+    /// Adds the pieces between all that is named along a ray: of each it is told where it
+    /// changes, and whether the far end is inside.
+    fn add_all(
+        &mut self,
+        names: &[u32],
+        ray: u32,
         [low, high]: [f64; 2],
+        changes: impl Fn(u32, &mut dyn FnMut(f64)) -> bool,
     ) {
         let mut events: Vec<(f64, u32)> = Vec::new();
-        for (position, &id) in (0..).zip(&cell.surfaces) {
-            let (is_inside, roots) = changes(&surfaces[id as usize], line);
-            let before = roots.iter().filter(|&&t| t <= low).count();
-            self.set(position, is_inside != (before == 1));
-            let within = roots.into_iter().filter(|&t| t > low && t < high);
-            events.extend(within.map(|t| (t, position)));
+        for (position, &name) in (0..).zip(names) {
+            let mut changed = false;
+            let is_inside = changes(name, &mut |at| {
+                changed ^= at <= low;
+                if at > low && at < high {
+                    events.push((at, position));
+                }
+            });
+            self.set(position, is_inside != changed);
         }
         events.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut from = low;

@@ -16,7 +16,8 @@
 //              coarse frames must be
 // no browser   as picture, by a browser that is started once the address is there, with a new profile
 import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync } from "node:fs";
+import { rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
@@ -56,7 +57,8 @@ async function withoutBrowser() {
   started.kill();
   await ended;
   program.kill();
-  rmSync(profile, { recursive: true, force: true, maxRetries: 10 });
+  // (Its children may write for a moment more.)
+  await rm(profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 100 });
   return seen - start;
 }
 

@@ -7,10 +7,11 @@ use super::{Context, Lowering, Value};
 use crate::error::{Error, NodeFault, PolyhedronFault};
 use crate::program::Bounds;
 use crate::program::formula::{Literal, Operand, Operation};
+use crate::program::placed::{IsNeeded, Polyhedra, Region};
 use crate::program::reach::reach;
 use crate::program::region::{Halved, Partition};
 use crate::program::unify::WorldMap;
-use crate::solid::partition::{Child, Facet, Tree};
+use crate::solid::partition::{Child, Tree};
 use crate::solid::{Plane, Polyhedron, Primitive};
 use crate::surface::Surface;
 
@@ -22,6 +23,54 @@ impl Lowering<'_> {
         polyhedron: &Polyhedron,
         context: Context,
     ) -> Result<(), Error> {
+        let origin = self.add_origin(primitive, context);
+        let map = self.maps[context.map as usize];
+        let key = Context {
+            negated: false,
+            ..context
+        };
+        let key = (std::ptr::from_ref(primitive) as usize, key);
+        let next = self.region_index.len() as u32;
+        let region = *self.region_index.entry(key).or_insert(next);
+        let operand = match &self.polyhedra {
+            Polyhedra::Met(_) => {
+                if region == next {
+                    let met = self.place(polyhedron, &map, origin)?;
+                    if let Polyhedra::Met(regions) = &mut self.polyhedra {
+                        regions.push(met);
+                    }
+                }
+                Operand::Constant(false)
+            }
+            Polyhedra::Outlined(surfaces) => {
+                let literal = Literal {
+                    surface: surfaces + region,
+                    origin,
+                    outside: context.negated,
+                };
+                self.builder.literal(literal)?
+            }
+            &Polyhedra::Written(regions, is_needed) => {
+                let write = (region, &regions[region as usize], is_needed);
+                self.write(write, origin, context.negated)?
+            }
+        };
+        let bounds = if context.negated {
+            Bounds::EVERYTHING
+        } else {
+            reach(primitive, &map.map)
+        };
+        self.values.push(Value { operand, bounds });
+        Ok(())
+    }
+
+    /// A polyhedron in place, its planes among the surfaces.
+    fn place(
+        &mut self,
+        polyhedron: &Polyhedron,
+        map: &WorldMap,
+        origin: u32,
+    ) -> Result<Region, Error> {
         let Polyhedron {
             vertices,
             triangles,
@@ -45,8 +94,6 @@ impl Lowering<'_> {
                 return Err(self.error(fault.into()));
             }
         }
-        let origin = self.add_origin(primitive, context);
-        let map = self.maps[context.map as usize];
         let out_of_range = NodeFault::OutOfRange {
             what: "the polyhedron under the maps above it",
         };
@@ -63,7 +110,6 @@ impl Lowering<'_> {
             };
             placed[face as usize] = Some(self.builder.table.insert(surface));
         }
-        let surface_of = |face: u32| placed[face as usize].unwrap_or_default();
         let in_place: Vec<DVec3> = vertices
             .iter()
             .map(|&v| map.map.transform_point3(v))
@@ -71,43 +117,54 @@ impl Lowering<'_> {
         if !in_place.iter().all(|v| v.is_finite()) {
             return Err(self.error(out_of_range));
         }
-        let on_surfaces = triangles.iter().zip(faces);
-        let on_surfaces = on_surfaces.map(|(&corners, &face)| (corners, surface_of(face).0));
-        self.gathered.add(in_place.iter().copied(), on_surfaces);
-        let mut facets = Vec::with_capacity(triangles.len());
-        for (corners, &face) in triangles.iter().zip(faces) {
-            let (surface, flipped) = surface_of(face);
-            let normal = self.builder.table.surface(surface).linear;
-            let anchor = self.builder.table.surface(surface).anchor;
-            let normal = if flipped { -normal } else { normal };
-            let mut points = corners.map(|v| in_place[v as usize]);
-            // A mirror turns triangles round, not planes.
-            if map.map.matrix3.determinant() < 0.0 {
-                points.reverse();
+        // A mirror turns triangles round, not planes.
+        let is_mirrored = map.map.matrix3.determinant() < 0.0;
+        let outward = |&[a, b, c]: &[u32; 3]| if is_mirrored { [c, b, a] } else { [a, b, c] };
+        Ok(Region {
+            vertices: in_place,
+            triangles: triangles.iter().map(outward).collect(),
+            surfaces: faces
+                .iter()
+                .map(|&face| placed[face as usize].unwrap_or_default())
+                .collect(),
+            origin,
+        })
+    }
+
+    /// The formula of a polyhedron, or of what is outside of it.
+    fn write(
+        &mut self,
+        (number, region, is_needed): (u32, &Region, Option<IsNeeded<'_>>),
+        origin: u32,
+        negated: bool,
+    ) -> Result<Operand, Error> {
+        let facets = region.facets(|id| *self.builder.table.surface(id));
+        let partition = match is_needed {
+            None => Partition::new(facets, &|_, _| true),
+            Some(is_needed) => {
+                Partition::new(facets, &|parts, ends| is_needed(number, parts, ends))
             }
-            facets.push(Facet {
-                face: 2 * surface + u32::from(flipped),
-                plane: Plane::through(anchor, normal),
-                corners: points.into(),
-            });
-        }
-        let partition = Partition::new(facets);
+        };
         self.gathered.slack = self.gathered.slack.max(partition.slack);
         let mut writer = Writer {
             builder: &mut self.builder,
             origin,
-            negated: context.negated,
+            negated,
             literals: Vec::new(),
             cuts: &mut self.gathered.cuts,
         };
         let operand = writer.partition(&partition)?;
-        let bounds = if context.negated {
-            Bounds::EVERYTHING
-        } else {
-            reach(primitive, &map.map)
+        let literals = writer.literals;
+        self.gathered.are_walls = is_needed.is_some();
+        let is_written = |surface: u32| {
+            let written = literals.get(surface as usize);
+            written.is_some_and(|written| written.iter().any(Option::is_some))
         };
-        self.values.push(Value { operand, bounds });
-        Ok(())
+        let faces = region.triangles.iter().zip(&region.surfaces);
+        let faces = faces.map(|(&corners, &(surface, _))| (corners, surface));
+        let faces = faces.filter(|&(_, surface)| is_needed.is_none() || is_written(surface));
+        self.gathered.add(region.vertices.iter().copied(), faces);
+        Ok(operand)
     }
 }
 

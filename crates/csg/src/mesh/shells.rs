@@ -1,0 +1,235 @@
+//! Closed surfaces of triangles beside each other: which of their triangles are near another
+//! one, what is near a box, and what is inside.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+
+use super::box_tree::{Bounds, BoxTree, Boxed, along_curve};
+use super::predicates::{flat, turn};
+use crate::elementary;
+
+/// Closed surfaces, numbered, and a tree of the boxes around their triangles.
+#[derive(Debug)]
+pub(crate) struct Shells {
+    /// The corners of all triangles, shell by shell.
+    corners: Vec<[DVec3; 3]>,
+    /// Where each shell begins, and where the last one ends.
+    first_of: Vec<usize>,
+    bounds: Vec<Bounds>,
+    /// Of the boxes around triangles, and around shells.
+    tree: BoxTree,
+    shell_tree: BoxTree,
+}
+
+/// Where a line crosses a shell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShellCrossing {
+    pub shell: u32,
+    /// The coordinate along the line.
+    pub at: f64,
+}
+
+impl Shells {
+    /// Of the corners of each shell's triangles, counter-clockwise seen from outside. Boxes
+    /// exceed triangles by a margin. Takes n log n steps for n triangles.
+    pub fn new<T: IntoIterator<Item = [DVec3; 3]>>(
+        shells: impl IntoIterator<Item = T>,
+        margin: f64,
+    ) -> Self {
+        let mut corners = Vec::new();
+        let mut first_of = vec![0];
+        for shell in shells {
+            corners.extend(shell);
+            first_of.push(corners.len());
+        }
+        let boxes: Vec<Bounds> = corners.iter().map(|c| grown(c, margin)).collect();
+        let of_shell = |ends: &[usize]| Bounds::around_all(boxes[ends[0]..ends[1]].iter().copied());
+        let bounds: Vec<Bounds> = first_of.windows(2).map(of_shell).collect();
+        let mut entries = Vec::with_capacity(corners.len());
+        let mut shell_entries = Vec::with_capacity(bounds.len());
+        for sheet in along_curve(bounds.iter().copied()) {
+            shell_entries.push(Boxed {
+                bounds: bounds[sheet as usize],
+                index: sheet,
+                sheet,
+            });
+            let first = first_of[sheet as usize];
+            let own = &boxes[first..first_of[sheet as usize + 1]];
+            entries.extend(along_curve(own.iter().copied()).into_iter().map(|k| Boxed {
+                bounds: own[k as usize],
+                index: (first + k as usize) as u32,
+                sheet,
+            }));
+        }
+        Self {
+            corners,
+            first_of,
+            bounds,
+            tree: BoxTree::new(entries),
+            shell_tree: BoxTree::new(shell_entries),
+        }
+    }
+
+    /// The box around a triangle, with the margin.
+    pub fn box_of(&self, triangle: usize, margin: f64) -> [DVec3; 2] {
+        let Bounds { low, high } = grown(&self.corners[triangle], margin);
+        [low, high]
+    }
+
+    /// The numbers of a shell's triangles.
+    pub fn triangles_of(&self, shell: usize) -> std::ops::Range<usize> {
+        self.first_of[shell]..self.first_of[shell + 1]
+    }
+
+    /// Of each triangle whether its box overlaps that of another shell's triangle.
+    pub fn beside_others(&self) -> Vec<bool> {
+        let mut is_beside = vec![false; self.corners.len()];
+        if self.bounds.len() > 1 {
+            for index in self.tree.pairs(&|_, _| true).into_iter().flatten() {
+                is_beside[index as usize] = true;
+            }
+        }
+        is_beside
+    }
+
+    /// Whether a box overlaps that of a triangle of another shell than one.
+    pub fn has_other(&self, shell: u32, [low, high]: [DVec3; 2]) -> bool {
+        self.bounds.len() > 1
+            && self
+                .tree
+                .any_overlapping(Some(shell), &Bounds { low, high }, &mut |_| true)
+    }
+
+    /// Whether a box overlaps that of a triangle of a shell.
+    pub fn meets(&self, shell: u32, [low, high]: [DVec3; 2]) -> bool {
+        let own = self.triangles_of(shell as usize);
+        let mut is_own = |index: u32| own.contains(&(index as usize));
+        self.tree
+            .any_overlapping(None, &Bounds { low, high }, &mut is_own)
+    }
+
+    /// Tells of all shells that a point off them is inside of.
+    pub fn around(&self, point: DVec3, tell: &mut impl FnMut(u32)) {
+        let here = Bounds {
+            low: point,
+            high: point,
+        };
+        self.shell_tree.overlapping(&here, &mut |shell| {
+            if self.contains(shell, point) {
+                tell(shell);
+            }
+        });
+    }
+
+    /// Whether a point off a shell is inside of it.
+    pub fn contains(&self, shell: u32, point: DVec3) -> bool {
+        let bounds = &self.bounds[shell as usize];
+        if point.cmplt(bounds.low).any() || point.cmpgt(bounds.high).any() {
+            return false;
+        }
+        let known = (0..3).find_map(|axis| self.count_above(shell, axis, point));
+        known.map_or_else(|| self.winding(shell, point) > 0.5, |count| count > 0)
+    }
+
+    /// How often a shell is left, less how often it is entered, on the way from a point along
+    /// an axis; none where that leads through an edge.
+    fn count_above(&self, shell: u32, axis: usize, point: DVec3) -> Option<i32> {
+        let mut beyond = point;
+        beyond[axis] = f64::INFINITY;
+        let way = Bounds {
+            low: point,
+            high: beyond,
+        };
+        let own = self.triangles_of(shell as usize);
+        let mut count = Some(0);
+        self.tree.overlapping(&way, &mut |index| {
+            if !own.contains(&(index as usize)) {
+                return;
+            }
+            match cross(&self.corners[index as usize], axis, point) {
+                Crossed::Beside => {}
+                Crossed::Edge => count = None,
+                Crossed::At(at, step) if at > point[axis] => {
+                    count = count.map(|count| count - step);
+                }
+                Crossed::At(..) => {}
+            }
+        });
+        count
+    }
+
+    /// How often a shell winds around a point: its solid angle (A. Van Oosterom,
+    /// J. Strackee, "The Solid Angle of a Plane Triangle", 1983).
+    fn winding(&self, shell: u32, point: DVec3) -> f64 {
+        let angle = |corners: &[DVec3; 3]| {
+            let [a, b, c] = corners.map(|corner| corner - point);
+            let [x, y, z] = [a, b, c].map(DVec3::length);
+            let across = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+            elementary::atan2(a.dot(b.cross(c)), across)
+        };
+        let own = &self.corners[self.triangles_of(shell as usize)];
+        own.iter().map(angle).sum::<f64>() / TAU
+    }
+
+    /// Where the line through a point along an axis crosses all shells, shell by shell; what it
+    /// meets in edges alone may be missing.
+    pub fn along_line(&self, axis: usize, through: DVec3) -> Vec<ShellCrossing> {
+        let (mut low, mut high) = (through, through);
+        low[axis] = f64::NEG_INFINITY;
+        high[axis] = f64::INFINITY;
+        let mut found = Vec::new();
+        self.tree.overlapping(&Bounds { low, high }, &mut |index| {
+            if let Crossed::At(at, _) = cross(&self.corners[index as usize], axis, through) {
+                let shell = self
+                    .first_of
+                    .partition_point(|&first| first <= index as usize);
+                found.push(ShellCrossing {
+                    shell: shell as u32 - 1,
+                    at,
+                });
+            }
+        });
+        found.sort_unstable_by_key(|crossing| crossing.shell);
+        found
+    }
+}
+
+fn grown(corners: &[DVec3; 3], by: f64) -> Bounds {
+    let Bounds { low, high } = Bounds::around(corners);
+    Bounds {
+        low: low - by,
+        high: high + by,
+    }
+}
+
+/// What a line does to a triangle.
+enum Crossed {
+    Beside,
+    Edge,
+    /// The coordinate along the line, and 1 where that goes in, -1 where it goes out.
+    At(f64, i32),
+}
+
+/// Where the line through a point along an axis crosses a triangle.
+fn cross(corners: &[DVec3; 3], axis: usize, through: DVec3) -> Crossed {
+    let [a, b, c] = corners.map(|corner| flat(corner, axis));
+    let point = flat(through, axis);
+    let turns = [[a, b, point], [b, c, point], [c, a, point]].map(turn);
+    let (least, most) = (
+        turns.into_iter().min().unwrap_or(0),
+        turns.into_iter().max().unwrap_or(0),
+    );
+    match (least, most) {
+        (-1, 1) => Crossed::Beside,
+        (-1, -1) | (1, 1) => {
+            let area = |p: DVec2, q: DVec2| (p - point).perp_dot(q - point);
+            let weights = DVec3::new(area(b, c), area(c, a), area(a, b));
+            let heights = DVec3::from_array(corners.map(|corner| corner[axis]));
+            let at = (weights / weights.element_sum()).dot(heights);
+            Crossed::At(at, i32::from(-least))
+        }
+        // Seen from its edge, or met there.
+        _ => Crossed::Edge,
+    }
+}
