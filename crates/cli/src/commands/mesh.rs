@@ -33,6 +33,10 @@ pub(crate) struct Options {
     #[cfg(feature = "compress")]
     #[arg(long)]
     compress: bool,
+    /// Write bodies that are the same but for where they are, and how they are turned, once in
+    /// .glb and .gltf files, as glTF's EXT_mesh_gpu_instancing says
+    #[arg(long)]
+    instances: bool,
     #[command(flatten)]
     step: StepArguments,
     #[command(flatten)]
@@ -50,8 +54,8 @@ pub(crate) struct Options {
 
 impl Options {
     fn write_options(&self) -> WriteOptions {
-        #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
         let mut write = WriteOptions::default();
+        write.instances = self.instances;
         #[cfg(feature = "compress")]
         {
             write.compress = self.compress;

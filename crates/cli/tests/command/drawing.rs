@@ -113,3 +113,29 @@ fn step_schemas_and_compression_are_choices_of_every_command() {
         succeeded(&same);
     }
 }
+
+#[test]
+fn bodies_that_are_the_same_are_written_once() {
+    let folder = Folder::new();
+    let ball = |k: u32| {
+        let x = 3 * k;
+        format!(
+            "multmatrix([[1,0,0,{x}],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) {{ \
+             sphere($fn = 0, $fa = 12, $fs = 2, r = 1); }}\n"
+        )
+    };
+    let balls: String = (0..20).map(ball).collect();
+    fs::write(folder.file("balls.csg"), balls).expect("a file");
+    succeeded(&folder.run("mesh balls.csg -o plain.glb"));
+    succeeded(&folder.run("mesh balls.csg -o once.glb -o once.gltf --instances"));
+    let size = |name: &str| fs::metadata(folder.file(name)).expect("a file").len();
+    assert!(8 * size("once.glb") < size("plain.glb"));
+    assert!(8 * size("once.bin") < size("plain.glb"));
+    let stream = folder.run("mesh balls.csg -o - --instances");
+    assert_eq!(succeeded(&stream).stdout.len() as u64, size("once.glb"));
+    for name in ["once.glb", "once.gltf", "plain.glb"] {
+        let output = folder.run(&format!("info {name}"));
+        let said = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+        assert!(said.contains("6400"), "{said}");
+    }
+}
