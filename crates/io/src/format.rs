@@ -115,6 +115,9 @@ pub struct WriteOptions {
     /// GLB: compressed ([`gltf::write_glb_compressed`]).
     #[cfg(feature = "compress")]
     pub compress: bool,
+    /// PLY: colours of vertices, too, each vertex once for every colour around it
+    /// ([`ply::write_ply_with`]), for programs that pass over colours of faces, as Blender does.
+    pub vertex_colors: bool,
     /// glTF: bodies that are the same but for where they are, and how they are turned, are written
     /// once, as `EXT_mesh_gpu_instancing` says, which readers must know.
     ///
@@ -174,7 +177,7 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
         }
         MeshFormat::Stl if options.text => stl::write_stl_text(mesh, &mut file)?,
         MeshFormat::Stl => stl::write_stl(mesh, &mut file)?,
-        MeshFormat::Ply => ply::write_ply(mesh, &mut file)?,
+        MeshFormat::Ply => ply::write_ply_with(mesh, options, &mut file)?,
         MeshFormat::Off => off::write_off(mesh, &mut file)?,
         MeshFormat::ThreeMf => threemf::write_3mf(mesh, &mut file)?,
     }

@@ -37,6 +37,10 @@ pub(crate) struct Options {
     /// .glb and .gltf files, as glTF's EXT_mesh_gpu_instancing says
     #[arg(long)]
     instances: bool,
+    /// Give vertices of .ply files colours, too, each once for every colour around it, for
+    /// programs that pass over colours of faces, as Blender does
+    #[arg(long)]
+    vertex_colors: bool,
     #[command(flatten)]
     step: StepArguments,
     #[command(flatten)]
@@ -56,6 +60,7 @@ impl Options {
     fn write_options(&self) -> WriteOptions {
         let mut write = WriteOptions::default();
         write.instances = self.instances;
+        write.vertex_colors = self.vertex_colors;
         #[cfg(feature = "compress")]
         {
             write.compress = self.compress;

@@ -139,3 +139,19 @@ fn bodies_that_are_the_same_are_written_once() {
         assert!(said.contains("6400"), "{said}");
     }
 }
+
+#[test]
+fn vertices_of_ply_have_colours_on_request() {
+    let folder = Folder::new();
+    let scene = "difference() { color([1, 0, 0, 1]) { cube(size = [2, 2, 2]); }\n\
+                 color([0, 0, 1, 1]) { cube(size = [1, 1, 1]); } }\n";
+    fs::write(folder.file("two.csg"), scene).expect("a file");
+    succeeded(&folder.run("mesh two.csg -o plain.ply"));
+    succeeded(&folder.run("mesh two.csg -o split.ply --vertex-colors"));
+    let stream = folder.run("mesh two.csg -o - --format ply --vertex-colors");
+    let split = fs::read(folder.file("split.ply")).expect("a file");
+    assert_eq!(succeeded(&stream).stdout, split);
+    let read = |name: &str| io::read_mesh(folder.file(name)).expect("read");
+    assert_eq!(read("split.ply"), read("plain.ply"));
+    assert_ne!(split, fs::read(folder.file("plain.ply")).expect("a file"));
+}
