@@ -192,7 +192,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
 }
 
 /// Whether both scales of a section across an axis are one, to rounding.
-fn is_round([a, b]: [f64; 2]) -> bool {
+pub(super) fn is_round([a, b]: [f64; 2]) -> bool {
     (a - b).abs() <= ROUND * a.abs()
 }
 
