@@ -171,8 +171,14 @@ fn write_exact(
     progress.stage("boundary");
     let unit = options.mesher.unit;
     let boundary = options.mesher.boundary(progress).cut_at_seams();
-    let (account, brep) = ExactAccount::of(program, &boundary, unit)?;
-    if account.is_empty() {
+    // Measures take longer than all else: none are made that nobody is told.
+    let (account, brep) = if options.json.is_some() || !progress.is_quiet() {
+        let (account, brep) = ExactAccount::of(program, &boundary, unit)?;
+        (Some(account), brep)
+    } else {
+        (None, program.boundary(&boundary)?)
+    };
+    if brep.is_empty() {
         eprintln!("{}", Nothing::of(solid));
     }
     progress.stage("writing");
@@ -180,7 +186,7 @@ fn write_exact(
         output::write_step(path, &brep, unit.length_unit(), options.step)?;
     }
     progress.end();
-    tell(&account, options, progress)
+    account.map_or(Ok(()), |account| tell(&account, options, progress))
 }
 
 /// Says what was written.

@@ -155,3 +155,21 @@ fn vertices_of_ply_have_colours_on_request() {
     assert_eq!(read("split.ply"), read("plain.ply"));
     assert_ne!(split, fs::read(folder.file("plain.ply")).expect("a file"));
 }
+
+/// Without anybody to tell them, no measures are made; the file is the same.
+#[test]
+fn quiet_step_files_are_the_same() {
+    let folder = Folder::new();
+    let text = |name: &str| fs::read_to_string(folder.file(name)).expect("a file");
+    for name in ["loud", "quiet", "json"] {
+        fs::create_dir(folder.file(name)).expect("a folder");
+    }
+    let loud = folder.run("mesh in.csg -o loud/part.step");
+    assert!(String::from_utf8_lossy(&succeeded(&loud).stderr).contains("volume"));
+    let quiet = folder.run("mesh in.csg -o quiet/part.step --quiet");
+    assert!(succeeded(&quiet).stderr.is_empty());
+    let json = folder.run("mesh in.csg -o json/part.step --quiet --json -");
+    assert!(String::from_utf8_lossy(&succeeded(&json).stdout).contains("\"volume\""));
+    assert_eq!(text("loud/part.step"), text("quiet/part.step"));
+    assert_eq!(text("loud/part.step"), text("json/part.step"));
+}
