@@ -373,7 +373,7 @@ fn spheroids_are_read_back() {
         ("turned long spheroid", turned(long()), 1),
         ("turned flat spheroid", turned(flat()), 1),
         ("hollow spheroid", flat() - void.clone(), 2),
-        ("spheroid in a block", Solid::cube(5.0) - long() | void, 8),
+        ("spheroid in a block", (Solid::cube(5.0) - long()) | void, 8),
         (
             "half a spheroid",
             long() & Solid::half_space([0.0, 0.6, 0.8], 0.1),
