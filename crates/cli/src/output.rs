@@ -95,12 +95,10 @@ pub(crate) fn write_mesh(
     }
     let mut bytes = Vec::new();
     match stream {
-        #[cfg(feature = "compress")]
-        StreamFormat::Glb if options.compress => io::gltf::write_glb_compressed(mesh, &mut bytes),
-        StreamFormat::Glb => io::gltf::write_glb(mesh, &mut bytes),
+        StreamFormat::Glb => io::gltf::write_glb_with(mesh, options, &mut bytes),
         StreamFormat::Obj => io::obj::write_obj(mesh, None, &mut bytes),
         StreamFormat::Stl => io::stl::write_stl(mesh, &mut bytes),
-        StreamFormat::Ply => io::ply::write_ply(mesh, &mut bytes),
+        StreamFormat::Ply => io::ply::write_ply_with(mesh, options, &mut bytes),
     }
     .map_err(|error| Failure::output(STANDARD_OUTPUT, error))?;
     print(&bytes)

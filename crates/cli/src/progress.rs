@@ -41,6 +41,11 @@ impl Progress {
         Self { bar, is_quiet }
     }
 
+    /// Whether nothing is said.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.is_quiet
+    }
+
     /// Names what is being done now.
     pub(crate) fn stage(&self, name: &'static str) {
         self.bar.set_position(0);

@@ -54,6 +54,11 @@ impl Assembler {
         })
     }
 
+    /// Forgets all vertices but the first ones.
+    pub(crate) fn keep_vertices(&mut self, count: usize) {
+        self.mesh.positions.truncate(count);
+    }
+
     /// How many vertices there are.
     pub(crate) fn vertex_count(&self) -> usize {
         self.mesh.positions.len()

@@ -115,6 +115,22 @@ pub struct WriteOptions {
     /// GLB: compressed ([`gltf::write_glb_compressed`]).
     #[cfg(feature = "compress")]
     pub compress: bool,
+    /// PLY: colours of vertices, too, each vertex once for every colour around it
+    /// ([`ply::write_ply_with`]), for programs that pass over colours of faces, as Blender does.
+    pub vertex_colors: bool,
+    /// glTF: bodies that are the same but for where they are, and how they are turned, are written
+    /// once, as `EXT_mesh_gpu_instancing` says, which readers must know.
+    ///
+    /// Those are connected parts of the same triangles, names, colours and normals (within 2^-20),
+    /// whose places are the same after a rotation and a translation: within a 2^-36th of the
+    /// coordinate that is farthest from 0, and within a 2^-22th of their own size. Each vertex comes
+    /// to where it is within a 2^-22th of the model's longest side, as computed from what is written
+    /// (`compress` rounds the body that is written, besides). Bodies for which that is not so are
+    /// written as they are, as are those that would save next to nothing. Their order is not kept.
+    ///
+    /// The mesher mostly gives bodies that were only moved the same triangles, and those that were
+    /// turned too only where they have no curved faces, or are whole balls.
+    pub instances: bool,
 }
 
 /// Writes a mesh to a file whose extension names the format; see
@@ -140,13 +156,12 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
     let format = MeshFormat::from_path(path)?;
     let mut file = AtomicFile::create(path)?;
     match format {
-        #[cfg(feature = "compress")]
-        MeshFormat::Glb if options.compress => gltf::write_glb_compressed(mesh, &mut file)?,
-        MeshFormat::Glb => gltf::write_glb(mesh, &mut file)?,
+        MeshFormat::Glb => gltf::write_glb_with(mesh, options, &mut file)?,
         MeshFormat::Gltf => {
             let (beside, name) = sibling(path, "bin");
             let mut bin = AtomicFile::create(&beside)?;
-            gltf::write_gltf(mesh, &percent_encoded(&name), &mut file, &mut bin)?;
+            let uri = percent_encoded(&name);
+            gltf::write_gltf_with(mesh, options, &uri, (&mut file, &mut bin))?;
             return AtomicFile::commit_all([bin, file]);
         }
         MeshFormat::Obj => {
@@ -162,7 +177,7 @@ fn write_by_format(path: &Path, mesh: &Mesh, options: &WriteOptions) -> Result<(
         }
         MeshFormat::Stl if options.text => stl::write_stl_text(mesh, &mut file)?,
         MeshFormat::Stl => stl::write_stl(mesh, &mut file)?,
-        MeshFormat::Ply => ply::write_ply(mesh, &mut file)?,
+        MeshFormat::Ply => ply::write_ply_with(mesh, options, &mut file)?,
         MeshFormat::Off => off::write_off(mesh, &mut file)?,
         MeshFormat::ThreeMf => threemf::write_3mf(mesh, &mut file)?,
     }

@@ -14,6 +14,7 @@ pub mod obj;
 pub mod off;
 mod parts;
 pub mod ply;
+mod repeats;
 mod rows;
 pub mod scene;
 pub mod shard;

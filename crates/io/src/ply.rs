@@ -2,16 +2,22 @@
 //!
 //! The numbers are the model's own in double precision; a comment names the
 //! unit. Names and normals are lost.
+//!
+//! Many programs pass over colours of faces and read those of vertices. Blender does: its importer
+//! reads `red`, `green`, `blue` and `alpha` of vertices, and nothing of faces but their corners
+//! (`load_vertex_element` and `load_face_element` in its `source/blender/io/ply/importer`). For
+//! these there are [`WriteOptions::vertex_colors`].
 
 use std::io::Write;
 
 use csg::{Color, LengthUnit, Merger, Mesh, MeshSurface, SlabSource};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use crate::assemble::{Assembler, with_triangles};
 use crate::parts::{DEFAULT_COLOR, Parts, byte, check_finite, in_gamut};
 use crate::rows::write_rows;
-use crate::{Error, MeshFormat, units};
+use crate::{Error, MeshFormat, WriteOptions, units};
 
 /// Writes a binary little-endian PLY file; where any triangle has a colour,
 /// each gets one (sRGB and opacity, in bytes).
@@ -19,6 +25,22 @@ use crate::{Error, MeshFormat, units};
 /// # Errors
 /// An empty or invalid mesh; failed writing.
 pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
+    write_ply_with(mesh, &WriteOptions::default(), out)
+}
+
+/// [`write_ply`] with choices: with [`WriteOptions::vertex_colors`] vertices have colours, too, and
+/// are there once for each colour around them. Where a mesh has no colours that makes no difference.
+///
+/// The vertices that are there again come last; an element `vertex_copy` says of each which it is,
+/// so that [`read_ply`] gives the same mesh as without the choice.
+///
+/// # Errors
+/// As [`write_ply`]; more vertices than 32 bits can number.
+pub fn write_ply_with(
+    mesh: &Mesh,
+    options: &WriteOptions,
+    out: &mut impl Write,
+) -> Result<(), Error> {
     let parts = Parts::of(mesh, MeshFormat::Ply)?;
     let mut colors: Vec<[u8; 4]> = Vec::new();
     if parts.has_colors() {
@@ -30,10 +52,58 @@ pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
             }
         }
     }
+    if options.vertex_colors && !colors.is_empty() {
+        return write_split(mesh, &colors, out);
+    }
     let counts = (mesh.positions.len(), mesh.triangles.len());
-    write_header(out, mesh.unit, counts, !colors.is_empty())?;
+    write_header(out, mesh.unit, counts, !colors.is_empty(), None)?;
     write_vertices(out, &mesh.positions)?;
     write_faces(out, &mesh.triangles, |row| colors.get(row).copied())
+}
+
+/// The element that says of the last vertices which others they are.
+const COPIES: &str = "vertex_copy";
+
+/// Writes a mesh with colours of its triangles and of vertices of its own for each colour.
+fn write_split(mesh: &Mesh, colors: &[[u8; 4]], out: &mut impl Write) -> Result<(), Error> {
+    let count = mesh.positions.len();
+    let mut of_vertex: Vec<Option<[u8; 4]>> = vec![None; count];
+    let mut copies: Vec<(u32, [u8; 4])> = Vec::new();
+    let mut known: FxHashMap<(u32, [u8; 4]), u32> = FxHashMap::default();
+    let mut triangles = mesh.triangles.clone();
+    for (corners, &color) in triangles.iter_mut().zip(colors) {
+        for vertex in corners {
+            if *of_vertex[*vertex as usize].get_or_insert(color) != color {
+                *vertex = *known.entry((*vertex, color)).or_insert_with(|| {
+                    copies.push((*vertex, color));
+                    (count + copies.len() - 1) as u32
+                });
+            }
+        }
+    }
+    if u32::try_from(count + copies.len()).is_err() {
+        return Err(Error::DoesNotFit {
+            format: MeshFormat::Ply,
+            problem: "with a vertex for each colour it has more than 2^32; write it without"
+                .to_owned(),
+        });
+    }
+    let counts = (count + copies.len(), triangles.len());
+    write_header(out, mesh.unit, counts, true, Some(copies.len()))?;
+    write_rows(out, counts.0, |row, bytes| {
+        let (vertex, color) = match row.checked_sub(count) {
+            Some(copy) => (copies[copy].0 as usize, copies[copy].1),
+            None => (row, of_vertex[row].unwrap_or(bytes_of(DEFAULT_COLOR))),
+        };
+        for coordinate in mesh.positions[vertex].to_array() {
+            bytes.extend_from_slice(&coordinate.to_le_bytes());
+        }
+        bytes.extend_from_slice(&color);
+    })?;
+    write_faces(out, &triangles, |row| Some(colors[row]))?;
+    Ok(write_rows(out, copies.len(), |row, bytes| {
+        bytes.extend_from_slice(&copies[row].0.to_le_bytes());
+    })?)
 }
 
 /// Writes a mesh put together from slabs, piece by piece: the same file as [`write_ply`] writes
@@ -49,7 +119,7 @@ pub fn write_merged_ply(
     if counts.1 == 0 {
         return Err(Error::EmptyMesh);
     }
-    write_header(out, merger.unit(), counts, merger.has_colors())?;
+    write_header(out, merger.unit(), counts, merger.has_colors(), None)?;
     for piece in 0..merger.pieces() {
         let positions = merger.positions(piece)?;
         check_finite(&positions)?;
@@ -67,25 +137,29 @@ pub fn write_merged_ply(
     Ok(())
 }
 
+/// With `copies` vertices have colours as triangles have, and so many of them are copies.
 fn write_header(
     out: &mut impl Write,
     unit: LengthUnit,
     (vertices, triangles): (usize, usize),
     has_colors: bool,
+    copies: Option<usize>,
 ) -> Result<(), Error> {
+    let colors =
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
     write!(
         out,
         "ply\nformat binary_little_endian 1.0\ncomment stereotomy: unit {}, Z up\n\
-         element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
-         element face {triangles}\nproperty list uchar uint vertex_indices\n{}end_header\n",
+         element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n{}\
+         element face {triangles}\nproperty list uchar uint vertex_indices\n{}",
         units::name(unit),
-        if has_colors {
-            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-        } else {
-            ""
-        }
+        if copies.is_some() { colors } else { "" },
+        if has_colors { colors } else { "" },
     )?;
-    Ok(())
+    if let Some(copies) = copies {
+        writeln!(out, "element {COPIES} {copies}\nproperty uint of")?;
+    }
+    Ok(writeln!(out, "end_header")?)
 }
 
 fn write_vertices(out: &mut impl Write, positions: &[DVec3]) -> Result<(), Error> {
@@ -121,7 +195,8 @@ fn bytes_of(color: Color) -> [u8; 4] {
 /// Reads a PLY file, text or binary of either byte order.
 ///
 /// Polygons are cut into triangles from their first corner; colours of faces
-/// (not of vertices) are kept. The unit is taken to be the millimetre.
+/// (not of vertices) are kept. Vertices that [`write_ply_with`] wrote again are one. The unit is
+/// taken to be the millimetre.
 ///
 /// # Errors
 /// A damaged header, data that ends too early, indices out of range, no faces.
@@ -135,6 +210,8 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
     let mut mesh = Assembler::new(LengthUnit::Millimetre);
     // Faces may come before the vertices they name.
     let mut faces: Vec<(Vec<f64>, Option<Color>)> = Vec::new();
+    // What the last vertices are copies of.
+    let mut copies: Vec<f64> = Vec::new();
     for element in &header.elements {
         let column = |name: &str| element.properties.iter().position(|p| p.name == name);
         let place = [column("x"), column("y"), column("z")];
@@ -188,10 +265,20 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
                     .zip(b)
                     .map(|((r, g), b)| Color::from_srgb([r, g, b]).with_alpha(a.unwrap_or(1.0)));
                 faces.push((list.clone(), color));
+            } else if element.name == COPIES
+                && let Some(of) = column("of")
+            {
+                copies.push(row[of]);
             }
         }
     }
     let count = mesh.vertex_count();
+    let first_copy = first_copy(count, &copies)?;
+    mesh.keep_vertices(first_copy);
+    let vertex = |corner: f64| match (corner as usize).checked_sub(first_copy) {
+        Some(copy) => copies[copy] as u32,
+        None => corner as u32,
+    };
     for (number, (corners, color)) in faces.iter().enumerate() {
         mesh.begin_part(&[], *color);
         // (Negative and fractional numbers fail the test as well.)
@@ -203,10 +290,23 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
             return Err(malformed(format!("face {number}"), problem));
         }
         for pair in corners.windows(2).skip(1) {
-            mesh.triangle([corners[0] as u32, pair[0] as u32, pair[1] as u32], None);
+            mesh.triangle([corners[0], pair[0], pair[1]].map(vertex), None);
         }
     }
     with_triangles(mesh.finish(), MeshFormat::Ply, data)
+}
+
+/// How many vertices are no copies.
+fn first_copy(count: usize, copies: &[f64]) -> Result<usize, Error> {
+    let wrong = |number: usize, problem: &str| malformed(format!("{COPIES} {number}"), problem);
+    let first = count.checked_sub(copies.len());
+    let first = first.ok_or_else(|| wrong(count, "there are more of these than vertices"))?;
+    // (Negative and fractional numbers fail the test as well.)
+    let is_good = |of: &f64| *of >= 0.0 && *of < first as f64 && *of == of.trunc();
+    match copies.iter().position(|of| !is_good(of)) {
+        None => Ok(first),
+        Some(number) => Err(wrong(number, "it names no vertex that is no copy")),
+    }
 }
 
 fn malformed(place: impl Into<String>, problem: impl Into<String>) -> Error {

@@ -237,6 +237,97 @@ fn compressed_files_are_read_by_gltf_transform() {
     }
 }
 
+/// Bodies that are there several times, written once: without a fault to the validator, and to
+/// gltf-transform the same solid.
+#[test]
+fn instances_are_read_by_gltf_transform() {
+    let mut meshes = Vec::new();
+    for (name, is_turned) in [("moved", false), ("turned", true)] {
+        for with_normals in [true, false] {
+            let mut mesh = small_box();
+            mesh.positions.clear();
+            mesh.triangles.clear();
+            let body = small_box();
+            for k in 0..30_u32 {
+                let first = mesh.positions.len() as u32;
+                let angle = if is_turned { 0.2 * f64::from(k) } else { 0.0 };
+                let turn = csg::elementary::rotation(dvec3(0.6, 0.0, 0.8), angle);
+                let at = dvec3(5.0 * f64::from(k), 1.0 / 3.0, 2.0);
+                let places = body.positions.iter().map(|&p| turn * p + at);
+                mesh.positions.extend(places);
+                let corners = body.triangles.iter().map(|t| t.map(|v| first + v));
+                mesh.triangles.extend(corners);
+            }
+            mesh.triangle_surfaces = body.triangle_surfaces.repeat(30);
+            mesh.corner_normals.clear();
+            if with_normals {
+                for k in 0..30_u32 {
+                    let angle = if is_turned { 0.2 * f64::from(k) } else { 0.0 };
+                    let turn = csg::elementary::rotation(dvec3(0.6, 0.0, 0.8), angle);
+                    let turned = |n: glam::Vec3| (turn * n.as_dvec3()).as_vec3();
+                    let normals = body.corner_normals.iter().map(|n| n.map(turned));
+                    mesh.corner_normals.extend(normals);
+                }
+            }
+            meshes.push((name, mesh));
+        }
+    }
+    let compressions: &[bool] = if cfg!(feature = "compress") {
+        &[false, true]
+    } else {
+        &[false]
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut cases = Vec::new();
+    for (number, (name, mesh)) in meshes.iter().enumerate() {
+        for &compress in compressions {
+            let mut options = WriteOptions::default();
+            options.instances = true;
+            #[cfg(feature = "compress")]
+            {
+                options.compress = compress;
+            }
+            let mut extensions = vec!["glb"];
+            extensions.extend((!compress).then_some("gltf"));
+            for extension in extensions {
+                let name = format!("{name}-{number}-{compress}.{extension}");
+                let file = folder.path().join(&name);
+                write_mesh(&file, mesh, &options).expect("written");
+                cases.push((name, mesh, compress, file));
+            }
+        }
+    }
+    let files: Vec<PathBuf> = cases.iter().map(|case| case.3.clone()).collect();
+    let verdicts = validate(&files);
+    let decoded = ask("decode.cjs", &files);
+    for (((name, mesh, compress, file), verdict), decoded) in
+        cases.iter().zip(&verdicts).zip(&decoded)
+    {
+        assert_eq!(verdict["numErrors"], 0, "{name}: {verdict:#}");
+        assert_eq!(verdict["numWarnings"], 0, "{name}: {verdict:#}");
+        assert_eq!(verdict["totalTriangleCount"], 12, "{name}");
+        let extensions = decoded["extensions"].as_array().expect("extensions");
+        assert!(
+            extensions.contains(&"EXT_mesh_gpu_instancing".into()),
+            "{name}"
+        );
+        assert_eq!(decoded["triangles"], mesh.triangles.len(), "{name}");
+        let cubed = mesh.unit.in_metres().powi(3);
+        let near = |volume: f64| (volume / mesh.volume() - 1.0).abs() < 1e-4;
+        let volume = decoded["volume"].as_f64().expect("a number") / cubed;
+        assert!(near(volume), "{name}: {volume}");
+        let back = io::read_mesh(file).expect("read");
+        assert_eq!(back.triangles.len(), mesh.triangles.len(), "{name}");
+        assert!(near(back.volume()), "{name}: {}", back.volume());
+        assert!(back.check().is_manifold(), "{name}");
+        let (low, high) = mesh.bounds().expect("bounds");
+        let (back_low, back_high) = back.bounds().expect("bounds");
+        let step = (high - low).max_element() / if *compress { 65_535.0 } else { 4e6 };
+        assert!((low - back_low).abs().max_element() <= step, "{name}");
+        assert!((high - back_high).abs().max_element() <= step, "{name}");
+    }
+}
+
 /// Code that is damaged, cut off, or says that it is far longer than it is.
 #[cfg(feature = "compress")]
 #[test]

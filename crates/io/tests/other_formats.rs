@@ -7,7 +7,8 @@ use std::process::Command;
 use common::{colored_box, in_unit, small_box, sphere, srgb_bytes};
 use csg::{LengthUnit, Mesh};
 use glam::{DVec3, dvec3};
-use io::ply::{read_ply, write_ply};
+use io::WriteOptions;
+use io::ply::{read_ply, write_ply, write_ply_with};
 use io::stl::{read_stl, write_stl, write_stl_text};
 
 fn bytes(write: impl FnOnce(&mut Vec<u8>) -> Result<(), io::Error>) -> Vec<u8> {
@@ -126,6 +127,82 @@ fn ply_returns_every_bit_and_the_colours() {
     );
 }
 
+/// With colours of vertices the file says the same to readers that know only these, and the mesh
+/// that is read back is that of the plain file.
+#[test]
+fn ply_has_colours_at_vertices_on_request() {
+    let mesh = colored_box(dvec3(0.1, 0.2, 0.3), dvec3(1e6 / 3.0, 2.0, 5.0));
+    let mut options = WriteOptions::default();
+    options.vertex_colors = true;
+    let file = bytes(|out| write_ply_with(&mesh, &options, out));
+    let plain_file = bytes(|out| write_ply(&mesh, out));
+    let plain = read_ply(&plain_file).expect("read");
+    assert_eq!(read_ply(&file).expect("read"), plain);
+    // As another program takes it apart: 28 bytes a vertex, 17 a triangle.
+    let end = b"end_header\n";
+    let header = file.windows(end.len()).position(|w| w == end);
+    let data = header.expect("a header") + end.len();
+    let text = std::str::from_utf8(&file[..data]).expect("text");
+    let count = |name: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(name));
+        line.expect("a count").parse::<usize>().expect("a number")
+    };
+    let (vertices, faces) = (count("element vertex "), count("element face "));
+    let copies = count("element vertex_copy ");
+    // At each of 8 corners three sides meet, of which at some two have one colour.
+    let mut pairs = std::collections::BTreeSet::new();
+    for index in 0..12 {
+        let color = plain
+            .surface_of(index)
+            .and_then(|s| s.color)
+            .map(srgb_bytes);
+        pairs.extend(plain.triangles[index].map(|vertex| (vertex, color)));
+    }
+    assert_eq!(
+        (vertices, faces, copies),
+        (pairs.len(), 12, pairs.len() - 8)
+    );
+    assert_eq!(file.len(), data + 28 * vertices + 17 * faces + 4 * copies);
+    let (rows, rest) = file[data..].split_at(28 * vertices);
+    for index in 0..faces {
+        let face = &rest[17 * index..][..17];
+        assert_eq!(face[0], 3);
+        for (k, corner) in plain.corners(index).into_iter().enumerate() {
+            let vertex = u32::from_le_bytes(face[1 + 4 * k..][..4].try_into().expect("four"));
+            let row = &rows[28 * vertex as usize..][..28];
+            let number =
+                |i: usize| f64::from_le_bytes(row[8 * i..][..8].try_into().expect("eight"));
+            assert_eq!(DVec3::new(number(0), number(1), number(2)), corner);
+            assert_eq!(row[24..], face[13..]);
+        }
+    }
+    // Without colours there is nothing to say.
+    let bare = Mesh::new(mesh.positions, mesh.triangles);
+    let file = |options| bytes(|out| write_ply_with(&bare, options, out));
+    assert_eq!(file(&options), file(&WriteOptions::default()));
+}
+
+#[test]
+fn ply_copies_of_vertices_that_are_none_are_refused() {
+    let text = |of: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+             property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+             element vertex_copy 1\nproperty int of\nend_header\n\
+             0 0 0\n1 0 0\n0 1 0\n1 0 0\n3 0 3 2\n{of}\n"
+        )
+    };
+    let mesh = read_ply(text("1").as_bytes()).expect("read");
+    assert_eq!(
+        (mesh.positions.len(), &mesh.triangles[..]),
+        (3, &[[0, 1, 2]][..])
+    );
+    for of in ["3", "-1", "0.5", "nan", "1e9"] {
+        let error = read_ply(text(of).as_bytes()).expect_err(of);
+        assert!(error.to_string().contains("vertex_copy 0"), "{error}");
+    }
+}
+
 #[test]
 fn ply_of_other_programs_is_read() {
     let text = "ply\nformat ascii 1.0\ncomment by hand\nelement face 1\n\
@@ -203,7 +280,7 @@ fn python_finds_the_solid_in_a_3mf_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let inspect = |mesh: &Mesh| {
         let path = folder.path().join("box.3mf");
-        io::write_mesh(&path, mesh, &io::WriteOptions::default()).expect("written");
+        io::write_mesh(&path, mesh, &WriteOptions::default()).expect("written");
         let python = if cfg!(windows) { "python" } else { "python3" };
         let output = Command::new(python)
             .args(["-c", INSPECT])

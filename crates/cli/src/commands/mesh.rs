@@ -33,6 +33,14 @@ pub(crate) struct Options {
     #[cfg(feature = "compress")]
     #[arg(long)]
     compress: bool,
+    /// Write bodies that are the same but for where they are, and how they are turned, once in
+    /// .glb and .gltf files, as glTF's EXT_mesh_gpu_instancing says
+    #[arg(long)]
+    instances: bool,
+    /// Give vertices of .ply files colours, too, each once for every colour around it, for
+    /// programs that pass over colours of faces, as Blender does
+    #[arg(long)]
+    vertex_colors: bool,
     #[command(flatten)]
     step: StepArguments,
     #[command(flatten)]
@@ -50,8 +58,9 @@ pub(crate) struct Options {
 
 impl Options {
     fn write_options(&self) -> WriteOptions {
-        #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
         let mut write = WriteOptions::default();
+        write.instances = self.instances;
+        write.vertex_colors = self.vertex_colors;
         #[cfg(feature = "compress")]
         {
             write.compress = self.compress;
@@ -162,8 +171,14 @@ fn write_exact(
     progress.stage("boundary");
     let unit = options.mesher.unit;
     let boundary = options.mesher.boundary(progress).cut_at_seams();
-    let (account, brep) = ExactAccount::of(program, &boundary, unit)?;
-    if account.is_empty() {
+    // Measures take longer than all else: none are made that nobody is told.
+    let (account, brep) = if options.json.is_some() || !progress.is_quiet() {
+        let (account, brep) = ExactAccount::of(program, &boundary, unit)?;
+        (Some(account), brep)
+    } else {
+        (None, program.boundary(&boundary)?)
+    };
+    if brep.is_empty() {
         eprintln!("{}", Nothing::of(solid));
     }
     progress.stage("writing");
@@ -171,7 +186,7 @@ fn write_exact(
         output::write_step(path, &brep, unit.length_unit(), options.step)?;
     }
     progress.end();
-    tell(&account, options, progress)
+    account.map_or(Ok(()), |account| tell(&account, options, progress))
 }
 
 /// Says what was written.

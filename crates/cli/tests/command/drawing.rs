@@ -113,3 +113,63 @@ fn step_schemas_and_compression_are_choices_of_every_command() {
         succeeded(&same);
     }
 }
+
+#[test]
+fn bodies_that_are_the_same_are_written_once() {
+    let folder = Folder::new();
+    let ball = |k: u32| {
+        let x = 3 * k;
+        format!(
+            "multmatrix([[1,0,0,{x}],[0,1,0,0],[0,0,1,0],[0,0,0,1]]) {{ \
+             sphere($fn = 0, $fa = 12, $fs = 2, r = 1); }}\n"
+        )
+    };
+    let balls: String = (0..20).map(ball).collect();
+    fs::write(folder.file("balls.csg"), balls).expect("a file");
+    succeeded(&folder.run("mesh balls.csg -o plain.glb"));
+    succeeded(&folder.run("mesh balls.csg -o once.glb -o once.gltf --instances"));
+    let size = |name: &str| fs::metadata(folder.file(name)).expect("a file").len();
+    assert!(8 * size("once.glb") < size("plain.glb"));
+    assert!(8 * size("once.bin") < size("plain.glb"));
+    let stream = folder.run("mesh balls.csg -o - --instances");
+    assert_eq!(succeeded(&stream).stdout.len() as u64, size("once.glb"));
+    for name in ["once.glb", "once.gltf", "plain.glb"] {
+        let output = folder.run(&format!("info {name}"));
+        let said = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+        assert!(said.contains("6400"), "{said}");
+    }
+}
+
+#[test]
+fn vertices_of_ply_have_colours_on_request() {
+    let folder = Folder::new();
+    let scene = "difference() { color([1, 0, 0, 1]) { cube(size = [2, 2, 2]); }\n\
+                 color([0, 0, 1, 1]) { cube(size = [1, 1, 1]); } }\n";
+    fs::write(folder.file("two.csg"), scene).expect("a file");
+    succeeded(&folder.run("mesh two.csg -o plain.ply"));
+    succeeded(&folder.run("mesh two.csg -o split.ply --vertex-colors"));
+    let stream = folder.run("mesh two.csg -o - --format ply --vertex-colors");
+    let split = fs::read(folder.file("split.ply")).expect("a file");
+    assert_eq!(succeeded(&stream).stdout, split);
+    let read = |name: &str| io::read_mesh(folder.file(name)).expect("read");
+    assert_eq!(read("split.ply"), read("plain.ply"));
+    assert_ne!(split, fs::read(folder.file("plain.ply")).expect("a file"));
+}
+
+/// Without anybody to tell them, no measures are made; the file is the same.
+#[test]
+fn quiet_step_files_are_the_same() {
+    let folder = Folder::new();
+    let text = |name: &str| fs::read_to_string(folder.file(name)).expect("a file");
+    for name in ["loud", "quiet", "json"] {
+        fs::create_dir(folder.file(name)).expect("a folder");
+    }
+    let loud = folder.run("mesh in.csg -o loud/part.step");
+    assert!(String::from_utf8_lossy(&succeeded(&loud).stderr).contains("volume"));
+    let quiet = folder.run("mesh in.csg -o quiet/part.step --quiet");
+    assert!(succeeded(&quiet).stderr.is_empty());
+    let json = folder.run("mesh in.csg -o json/part.step --quiet --json -");
+    assert!(String::from_utf8_lossy(&succeeded(&json).stdout).contains("\"volume\""));
+    assert_eq!(text("loud/part.step"), text("quiet/part.step"));
+    assert_eq!(text("loud/part.step"), text("json/part.step"));
+}

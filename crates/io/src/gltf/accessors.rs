@@ -1,6 +1,6 @@
 //! Reading the accessors of a glTF document: typed views of its buffers.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use super::document::{Accessor, Document};
 use super::read::{CUT_OFF, malformed};
@@ -21,6 +21,18 @@ impl Loaded<'_> {
             component: component_reader(elements.entry, place)?,
             elements,
         })
+    }
+
+    /// An accessor of four components an element.
+    pub fn quadruples(&self, accessor: usize, place: &str) -> Result<Vec<DVec4>, Error> {
+        let elements = self.elements(accessor, "VEC4", 4, place)?;
+        let component = component_reader(elements.entry, place)?;
+        let size = elements.size / 4;
+        let all = (0..elements.count()).map(|index| {
+            let bytes = elements.get(index);
+            DVec4::from_array([0, 1, 2, 3].map(|i| component(&bytes[i * size..])))
+        });
+        Ok(all.collect())
     }
 
     /// An accessor of indices.

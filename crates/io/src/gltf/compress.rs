@@ -4,10 +4,11 @@
 use std::io::Write;
 
 use csg::Mesh;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use serde_json::{Value, json};
 
 use super::document::Document;
+use super::instances;
 use super::read::{CUT_OFF, malformed};
 use super::write::{Geometry, write_chunks};
 use crate::contents::Contents;
@@ -27,7 +28,15 @@ const STEPS: f64 = 65_535.0;
 /// # Errors
 /// As [`super::write_glb`].
 pub fn write_glb_compressed(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
-    let mut geometry = Geometry::of(mesh, MeshFormat::Glb)?;
+    write(Geometry::of(mesh, MeshFormat::Glb, false)?, mesh, out)
+}
+
+/// Writes what was gathered of a mesh.
+pub(super) fn write(
+    mut geometry: Geometry<'_>,
+    mesh: &Mesh,
+    out: &mut impl Write,
+) -> Result<(), Error> {
     for stretch in &geometry.primitives {
         // In the order in which they are used they take the least.
         let vertices = stretch.vertices.clone();
@@ -78,6 +87,23 @@ pub fn write_glb_compressed(mesh: &Mesh, out: &mut impl Write) -> Result<(), Err
             });
         }
     }
+    // Places of instances are told in the grid's steps, from its corner: those are their nodes' now.
+    let translations: Vec<Vec3> = instances::translations(&geometry.instances)
+        .map(|place| ((place.apply(grid.low) - grid.low) / grid.step).as_vec3())
+        .collect();
+    let rotations: Vec<Vec4> = instances::rotations(&geometry.instances)
+        .map(|place| Vec4::from_array(place.rotation))
+        .collect();
+    if !translations.is_empty() {
+        streams.push(Stream::attributes::<_, 12>(&translations, |place| {
+            bytes(place.to_array())
+        }));
+    }
+    if !rotations.is_empty() {
+        streams.push(Stream::attributes::<_, 16>(&rotations, |turn| {
+            bytes(turn.to_array())
+        }));
+    }
     let mut document = geometry.document(mesh, None)?;
     let (mut coded, mut plain) = (Vec::new(), 0);
     for (view, stream) in streams.into_iter().enumerate() {
@@ -87,7 +113,7 @@ pub fn write_glb_compressed(mesh: &Mesh, out: &mut impl Write) -> Result<(), Err
         entry["buffer"] = json!(1);
         entry["byteOffset"] = json!(plain);
         entry["byteLength"] = json!(length);
-        if stream.mode == "ATTRIBUTES" {
+        if entry["byteStride"].is_number() {
             entry["byteStride"] = json!(stream.stride);
         }
         entry["extensions"] = json!({ EXTENSION: {
@@ -111,7 +137,11 @@ pub fn write_glb_compressed(mesh: &Mesh, out: &mut impl Write) -> Result<(), Err
         geometry.translation,
         !geometry.normals.is_empty(),
     );
-    let extensions = json!([EXTENSION, "KHR_mesh_quantization"]);
+    let mut extensions = vec![EXTENSION, "KHR_mesh_quantization"];
+    if !geometry.instances.is_empty() {
+        extensions.push(instances::EXTENSION);
+    }
+    let extensions = json!(extensions);
     document["extensionsUsed"] = extensions.clone();
     document["extensionsRequired"] = extensions;
     let json = serde_json::to_vec(&document).map_err(std::io::Error::from)?;
@@ -136,7 +166,7 @@ struct Stream {
 }
 
 impl Stream {
-    fn attributes<const N: usize>(all: &[Vec3], bytes: impl Fn(&Vec3) -> [u8; N]) -> Self {
+    fn attributes<T, const N: usize>(all: &[T], bytes: impl Fn(&T) -> [u8; N]) -> Self {
         let vertices: Vec<[u8; N]> = all.iter().map(bytes).collect();
         Self {
             count: vertices.len(),
@@ -146,6 +176,13 @@ impl Stream {
             code: meshopt::encode_vertex_buffer_level(&vertices, 2, Some(0)),
         }
     }
+}
+
+/// Little-endian.
+fn bytes<const N: usize, const BYTES: usize>(numbers: [f32; N]) -> [u8; BYTES] {
+    let all = numbers.map(f32::to_le_bytes);
+    let all = all.as_flattened();
+    std::array::from_fn(|index| all[index])
 }
 
 /// Where positions are rounded to.

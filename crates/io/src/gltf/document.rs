@@ -49,6 +49,29 @@ pub(super) struct Node {
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    #[serde(default)]
+    pub extensions: NodeExtensions,
+}
+
+#[derive(Default, Deserialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub instancing: Option<Instancing>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Instancing {
+    #[serde(default)]
+    pub attributes: PlaceAttributes,
+}
+
+/// Where the instances of a mesh are.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(super) struct PlaceAttributes {
+    pub translation: Option<usize>,
+    pub rotation: Option<usize>,
+    pub scale: Option<usize>,
 }
 
 #[derive(Deserialize)]

@@ -11,11 +11,16 @@
 //! it: a part of 10 mm at an offset of 1 km keeps its 7 digits. The
 //! translation is a multiple of a power of two about as large as the model,
 //! which keeps it exact in single precision up to 2^24 times the model's size.
+//!
+//! On request bodies that are the same but for a rotation and a translation are
+//! written once, with the places where they are
+//! ([`WriteOptions::instances`](crate::WriteOptions::instances)).
 
 mod accessors;
 #[cfg(feature = "compress")]
 mod compress;
 mod document;
+mod instances;
 mod merged;
 mod read;
 mod write;
@@ -26,7 +31,7 @@ pub(crate) use merged::MergedGlb;
 pub use merged::{CHUNK, CHUNKS_PER_FILE};
 pub use read::{read_glb, read_gltf};
 pub(crate) use read::{read_glb_with, read_gltf_with};
-pub use write::{write_glb, write_gltf};
+pub use write::{write_glb, write_glb_with, write_gltf, write_gltf_with};
 
 /// From model coordinates (Z up) to glTF's (Y up): x stays, z becomes y, y
 /// becomes -z. Columns, without the scale.

@@ -4,12 +4,12 @@
 use std::ops::Range;
 
 use csg::{Color, LengthUnit, Mesh};
-use glam::{DMat3, DMat4, DVec3, DVec4, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
 use rayon::prelude::*;
 
 use super::Z_UP_TO_Y_UP;
 use super::accessors::{Indices, LIST, Loaded, Vectors, triangle_count};
-use super::document::{Document, Node, Primitive};
+use super::document::{Document, Node, PlaceAttributes, Primitive};
 use crate::assemble::Assembler;
 use crate::contents::Contents;
 use crate::weld::{self, split, weld};
@@ -133,12 +133,13 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
         );
         return Err(malformed("asset.version", problem));
     }
-    // Extensions about looks do not touch the geometry.
+    // Extensions about looks do not touch the geometry; the others are understood.
     let harmless = [
         "KHR_materials_",
         "KHR_texture_",
         "KHR_lights_",
         "KHR_mesh_quantization",
+        "EXT_mesh_gpu_instancing",
     ];
     let is_coded = |name: &String| cfg!(feature = "compress") && name == "EXT_meshopt_compression";
     let known =
@@ -175,6 +176,9 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
     }
     Ok(mesh)
 }
+
+/// A file may have many instances of many triangles in few bytes.
+const MOST_TRIANGLES: usize = 1 << 28;
 
 /// Triangles to be read: a primitive where a node places it.
 struct Item<'a> {
@@ -243,7 +247,8 @@ impl Loaded<'_> {
             }
             None => return Err(malformed("scene", format!("there is no scene {scene}"))),
         };
-        let mut items = Vec::new();
+        let mut items: Vec<Item> = Vec::new();
+        let mut triangles = 0_usize;
         let mut visited = vec![false; document.nodes.len()];
         let mut stack: Vec<(usize, Option<DMat4>)> =
             roots.into_iter().rev().map(|root| (root, None)).collect();
@@ -273,18 +278,73 @@ impl Loaded<'_> {
             if let Some(mesh) = node.mesh {
                 let entry = document.meshes.get(mesh);
                 let entry = entry.ok_or_else(|| malformed(place(), "there is no such mesh"))?;
-                for (number, primitive) in entry.primitives.iter().enumerate() {
-                    let place = format!("mesh {mesh}, primitive {number}");
-                    // Points, lines and what has no place are passed over.
-                    let position = primitive.attributes.position;
-                    let triangles = primitive.mode.unwrap_or(LIST) >= LIST;
-                    if let Some(position) = position.filter(|_| triangles) {
-                        items.push(self.item(node, primitive, position, place, transform)?);
+                let instances = match &node.extensions.instancing {
+                    Some(of) => self.instances(&of.attributes, &place())?,
+                    None => vec![DMat4::IDENTITY],
+                };
+                for instance in instances {
+                    let transform = transform * instance;
+                    if !transform.is_finite() {
+                        return Err(malformed(place(), "an instance's transform is not finite"));
+                    }
+                    for (number, primitive) in entry.primitives.iter().enumerate() {
+                        let place = format!("mesh {mesh}, primitive {number}");
+                        // Points, lines and what has no place are passed over.
+                        let position = primitive.attributes.position;
+                        let has_faces = primitive.mode.unwrap_or(LIST) >= LIST;
+                        if let Some(position) = position.filter(|_| has_faces) {
+                            let item = self.item(node, primitive, position, place, transform)?;
+                            triangles = triangles.saturating_add(item.triangles());
+                            items.push(item);
+                        }
+                    }
+                    let is_repeated = node.extensions.instancing.is_some();
+                    if is_repeated && items.len().max(triangles) > MOST_TRIANGLES {
+                        let problem = "it has far more triangles, instance by instance, than a \
+                                       mesh can hold here";
+                        return Err(malformed(place(), problem));
                     }
                 }
             }
         }
         self.assemble(&items, unit, apart)
+    }
+
+    /// Where a node's mesh is, within the node.
+    fn instances(&self, of: &PlaceAttributes, place: &str) -> Result<Vec<DMat4>, Error> {
+        let vectors = |accessor: Option<usize>| {
+            let vectors = accessor.map(|accessor| self.vectors(accessor, place));
+            vectors.transpose()
+        };
+        let (translations, scales) = (vectors(of.translation)?, vectors(of.scale)?);
+        let rotations = of.rotation.map(|rotation| self.quadruples(rotation, place));
+        let rotations = rotations.transpose()?;
+        let counts = [
+            translations.as_ref().map(Vectors::count),
+            rotations.as_ref().map(Vec::len),
+            scales.as_ref().map(Vectors::count),
+        ];
+        let mut counts = counts.into_iter().flatten();
+        let count = counts.next().unwrap_or(0);
+        if counts.any(|other| other != count) {
+            let problem = "its instances have not as many translations, rotations and scales";
+            return Err(malformed(place, problem));
+        }
+        let at = |index: usize| {
+            let rotation = rotations.as_ref().map(|rotations| rotations[index]);
+            let rotation = rotation.map_or(Some(DQuat::IDENTITY), |q| {
+                q.try_normalize().map(DQuat::from_vec4)
+            });
+            let rotation = rotation.ok_or_else(|| malformed(place, "a rotation is none"))?;
+            Ok(DMat4::from_scale_rotation_translation(
+                scales
+                    .as_ref()
+                    .map_or(DVec3::ONE, |scales| scales.get(index)),
+                rotation,
+                (translations.as_ref()).map_or(DVec3::ZERO, |all| all.get(index)),
+            ))
+        };
+        (0..count).map(at).collect()
     }
 
     /// Looks up what a primitive consists of.

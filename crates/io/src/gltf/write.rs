@@ -16,9 +16,10 @@ use gltf_json::{Accessor, Asset, Index, Material, Node, Root, Scene, buffer};
 use serde_json::{Value, json, value::to_raw_value};
 
 use super::Z_UP_TO_Y_UP;
+use super::instances::{self, InstanceNode, Instances, PlaceViews};
 use crate::parts::{DEFAULT_COLOR, Group, Parts, unit_normals};
 use crate::tree::tree;
-use crate::{Error, MeshFormat, units};
+use crate::{Error, MeshFormat, WriteOptions, units};
 
 /// Writes a binary glTF file (GLB).
 ///
@@ -32,7 +33,24 @@ use crate::{Error, MeshFormat, units};
 /// An empty or invalid mesh; one that single precision or the format's 4 GiB
 /// cannot hold; failed writing.
 pub fn write_glb(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
-    let geometry = Geometry::of(mesh, MeshFormat::Glb)?;
+    write_glb_with(mesh, &WriteOptions::default(), out)
+}
+
+/// [`write_glb`] with choices: [`WriteOptions::instances`], and `WriteOptions::compress`, with which
+/// it is `write_glb_compressed`.
+///
+/// # Errors
+/// As [`write_glb`].
+pub fn write_glb_with(
+    mesh: &Mesh,
+    options: &WriteOptions,
+    out: &mut impl Write,
+) -> Result<(), Error> {
+    let geometry = Geometry::of(mesh, MeshFormat::Glb, options.instances)?;
+    #[cfg(feature = "compress")]
+    if options.compress {
+        return super::compress::write(geometry, mesh, out);
+    }
     write_chunks(geometry.json(mesh, None)?, geometry.byte_length(), out)?;
     geometry.write_data(out)
 }
@@ -73,7 +91,20 @@ pub fn write_gltf(
     json: &mut impl Write,
     bin: &mut impl Write,
 ) -> Result<(), Error> {
-    let geometry = Geometry::of(mesh, MeshFormat::Gltf)?;
+    write_gltf_with(mesh, &WriteOptions::default(), bin_uri, (json, bin))
+}
+
+/// [`write_gltf`] with choices: [`WriteOptions::instances`].
+///
+/// # Errors
+/// As [`write_gltf`].
+pub fn write_gltf_with(
+    mesh: &Mesh,
+    options: &WriteOptions,
+    bin_uri: &str,
+    (json, bin): (&mut impl Write, &mut impl Write),
+) -> Result<(), Error> {
+    let geometry = Geometry::of(mesh, MeshFormat::Gltf, options.instances)?;
     json.write_all(&geometry.json(mesh, Some(bin_uri))?)?;
     geometry.write_data(bin)
 }
@@ -89,6 +120,8 @@ pub(super) struct Geometry<'a> {
     pub indices: Vec<u32>,
     /// One for each group.
     pub primitives: Vec<Stretch>,
+    /// Of the last parts, where they are.
+    pub instances: Vec<Instances>,
 }
 
 pub(super) struct Stretch {
@@ -108,14 +141,20 @@ impl Stretch {
 impl<'a> Geometry<'a> {
     /// Gathers the corners part by part; corners at one vertex with the same
     /// normal become one.
-    pub fn of(mesh: &'a Mesh, format: MeshFormat) -> Result<Self, Error> {
+    pub fn of(mesh: &'a Mesh, format: MeshFormat, instanced: bool) -> Result<Self, Error> {
         /// No vertex, or the end of a chain.
         const NONE: u32 = u32::MAX;
-        let parts = Parts::of(mesh, format)?;
+        let mut parts = Parts::of(mesh, format)?;
         let translation = mesh.bounds().map_or(DVec3::ZERO, rounded_centre);
         let has_normals = !mesh.corner_normals.is_empty();
+        let instances = if instanced {
+            instances::take_out(mesh, translation, &mut parts)
+        } else {
+            Vec::new()
+        };
         let mut geometry = Self {
             parts,
+            instances,
             translation,
             positions: Vec::with_capacity(mesh.positions.len()),
             normals: Vec::new(),
@@ -126,7 +165,12 @@ impl<'a> Geometry<'a> {
         // vertex, the next by written vertex (counted within the part).
         let mut first = vec![NONE; mesh.positions.len()];
         let mut next: Vec<u32> = Vec::new();
-        for part in geometry.parts.groups() {
+        let ordinary = geometry.parts.parts.len() - geometry.instances.len();
+        let parts = geometry.parts.parts.iter().enumerate();
+        for (number, part) in parts.flat_map(|(n, of)| of.groups.iter().map(move |part| (n, part)))
+        {
+            let of_instances = number.checked_sub(ordinary);
+            let own = of_instances.map_or(DVec3::ZERO, |k| geometry.instances[k].centre);
             let start = geometry.positions.len();
             let first_index = geometry.indices.len();
             next.clear();
@@ -146,7 +190,7 @@ impl<'a> Geometry<'a> {
                         slot = next.len() as u32;
                         next.push(head);
                         first[vertex as usize] = slot;
-                        let place = (mesh.positions[vertex as usize] - translation).as_vec3();
+                        let place = (mesh.positions[vertex as usize] - translation - own).as_vec3();
                         geometry.positions.push(place);
                         if has_normals {
                             geometry.normals.push(normal);
@@ -191,11 +235,14 @@ impl<'a> Geometry<'a> {
     /// A multiple of 4, as the chunks of a binary file are.
     fn byte_length(&self) -> usize {
         let indices = 4 * self.indices_of_width(false) + 2 * self.indices_of_width(true);
+        let (translations, rotations) = instances::counts(&self.instances);
         (12 * (self.positions.len() + self.normals.len()) + indices).next_multiple_of(4)
+            + 12 * translations
+            + 16 * rotations
     }
 
-    /// Positions, normals, indices of 32 bits, those of 16: little-endian,
-    /// without gaps but at the end.
+    /// Positions, normals, indices of 32 bits, those of 16, where instances are: little-endian,
+    /// without gaps but after the indices.
     fn write_data(&self, out: &mut impl Write) -> Result<(), Error> {
         let mut bytes = Vec::with_capacity(self.byte_length());
         for place in self.positions.iter().chain(&self.normals) {
@@ -210,7 +257,12 @@ impl<'a> Geometry<'a> {
                 bytes.extend_from_slice(&index[..if narrow { 2 } else { 4 }]);
             }
         }
-        bytes.resize(self.byte_length(), 0);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        let translations = instances::translations(&self.instances).map(|place| place.translation);
+        let rotations = instances::rotations(&self.instances).flat_map(|place| place.rotation);
+        for number in translations.flat_map(|t| t.to_array()).chain(rotations) {
+            bytes.extend_from_slice(&number.to_le_bytes());
+        }
         Ok(out.write_all(&bytes)?)
     }
 
@@ -239,7 +291,7 @@ impl<'a> Geometry<'a> {
             let name = self.parts.color_name(index);
             root.push(material(name, self.parts.colors[index]));
         }
-        let nodes = self.push_nodes(&mut root, &views);
+        let (nodes, instanced) = self.push_nodes(&mut root, &views);
         let turned = root.push(Node {
             name: Some("model".to_owned()),
             children: Some(nodes.clone()),
@@ -259,6 +311,13 @@ impl<'a> Geometry<'a> {
                 json["nodes"][node.value()]["translation"] = json!(self.translation.to_array());
             }
         }
+        for node in &instanced {
+            node.tell(&mut json);
+        }
+        if !instanced.is_empty() {
+            json["extensionsUsed"] = json!([instances::EXTENSION]);
+            json["extensionsRequired"] = json!([instances::EXTENSION]);
+        }
         let [x, y, z] = Z_UP_TO_Y_UP.map(|column| column.map(|entry| entry * metres));
         json["nodes"][turned.value()]["matrix"] = json!([
             x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0, z[0], z[1], z[2], 0.0, 0.0, 0.0, 0.0, 1.0
@@ -266,45 +325,62 @@ impl<'a> Geometry<'a> {
         Ok(json)
     }
 
-    /// A node for each part and for each name around parts. Returns those that are in no other.
-    fn push_nodes(&self, root: &mut Root, views: &Views) -> Vec<Index<Node>> {
+    /// A node for each part and for each name around parts. Returns those that are in no other,
+    /// and those of instances.
+    fn push_nodes(&self, root: &mut Root, views: &Views) -> (Vec<Index<Node>>, Vec<InstanceNode>) {
         let mut stretches = self.primitives.iter();
-        let parts = self.parts.parts.iter();
-        let meshes: Vec<_> = parts
+        let meshes: Vec<_> = (self.parts.parts.iter())
             .map(|part| {
                 let groups = part.groups.iter().zip(stretches.by_ref());
-                let primitives = groups
+                let primitives: Vec<_> = groups
                     .map(|(group, stretch)| self.primitive(root, views, (group, stretch)))
                     .collect();
-                root.push(gltf_json::Mesh {
-                    name: part.names.last().map(|&name| name.to_owned()),
-                    primitives,
-                    extensions: None,
-                    extras: None,
-                    weights: None,
+                // (Of some all bodies are instances.)
+                (!primitives.is_empty()).then(|| {
+                    root.push(gltf_json::Mesh {
+                        name: part.names.last().map(|&name| name.to_owned()),
+                        primitives,
+                        extensions: None,
+                        extras: None,
+                        weights: None,
+                    })
                 })
             })
             .collect();
-        let tree = tree(self.parts.parts.iter().map(|part| &part.names[..]));
+        let (meshes, repeated) = meshes.split_at(meshes.len() - self.instances.len());
+        let repeated: Vec<_> = repeated.iter().copied().flatten().collect();
+        let instanced = instances::push_nodes(root, views.places, &self.instances, &repeated);
+        let of_part = |part: Option<usize>| {
+            let all = self.instances.iter().zip(&instanced);
+            all.filter(move |(instances, _)| Some(instances.owner) == part)
+                .map(|(_, node)| node.node)
+        };
+        let parts = &self.parts.parts[..meshes.len()];
+        let tree = tree(parts.iter().map(|part| &part.names[..]));
         let mut nodes = vec![Index::new(0); tree.len()];
         // What is within others comes after them there, and before them here.
         for (index, branch) in tree.iter().enumerate().skip(1).rev() {
-            let inner = branch.inner.iter().map(|&inner| nodes[inner]).collect();
+            let inner = branch.inner.iter().map(|&inner| nodes[inner]);
+            let inner = inner.chain(of_part(branch.part)).collect();
             nodes[index] = root.push(Node {
                 name: Some(branch.name.to_owned()),
-                mesh: branch.part.map(|part| meshes[part]),
+                mesh: branch.part.and_then(|part| meshes[part]),
                 children: Some(inner).filter(|inner: &Vec<_>| !inner.is_empty()),
                 ..Node::default()
             });
         }
-        let without_name = tree[0].part.map(|part| {
+        let without_name = tree[0].part.and_then(|part| meshes[part]).map(|mesh| {
             root.push(Node {
-                mesh: Some(meshes[part]),
+                mesh: Some(mesh),
                 ..Node::default()
             })
         });
         let inner = tree[0].inner.iter().map(|&inner| nodes[inner]);
-        without_name.into_iter().chain(inner).collect()
+        let outermost = without_name
+            .into_iter()
+            .chain(of_part(tree[0].part))
+            .chain(inner);
+        (outermost.collect(), instanced)
     }
 
     /// Faces of one name and one colour; its extras have all names around them.
@@ -349,16 +425,20 @@ impl<'a> Geometry<'a> {
             extras: None,
         });
         let [wide, narrow] = [false, true].map(|narrow| self.indices_of_width(narrow));
-        let mut offset = 0;
-        let mut view = |count: usize, size: usize, target: Target| {
+        let (translations, rotations) = instances::counts(&self.instances);
+        let mut offset: usize = 0;
+        let mut view = |count: usize, size: usize, target: Option<Target>| {
+            if target.is_none() {
+                offset = offset.next_multiple_of(4);
+            }
             let view = root.push(buffer::View {
                 buffer,
                 byte_length: USize64::from(count * size),
                 byte_offset: Some(USize64::from(offset)),
                 // Several accessors share a view, which must then say this.
-                byte_stride: (target == Target::ArrayBuffer).then_some(Stride(size)),
+                byte_stride: (target == Some(Target::ArrayBuffer)).then_some(Stride(size)),
                 name: None,
-                target: Some(Valid(target)),
+                target: target.map(Valid),
                 extensions: None,
                 extras: None,
             });
@@ -366,11 +446,15 @@ impl<'a> Geometry<'a> {
             view
         };
         Views {
-            positions: view(self.positions.len(), 12, Target::ArrayBuffer),
+            positions: view(self.positions.len(), 12, Some(Target::ArrayBuffer)),
             normals: (!self.normals.is_empty())
-                .then(|| view(self.normals.len(), 12, Target::ArrayBuffer)),
-            wide_indices: (wide > 0).then(|| view(wide, 4, Target::ElementArrayBuffer)),
-            narrow_indices: (narrow > 0).then(|| view(narrow, 2, Target::ElementArrayBuffer)),
+                .then(|| view(self.normals.len(), 12, Some(Target::ArrayBuffer))),
+            wide_indices: (wide > 0).then(|| view(wide, 4, Some(Target::ElementArrayBuffer))),
+            narrow_indices: (narrow > 0).then(|| view(narrow, 2, Some(Target::ElementArrayBuffer))),
+            places: PlaceViews {
+                translations: (translations > 0).then(|| view(translations, 12, None)),
+                rotations: (rotations > 0).then(|| view(rotations, 16, None)),
+            },
         }
     }
 
@@ -416,9 +500,10 @@ struct Views {
     normals: Option<Index<buffer::View>>,
     wide_indices: Option<Index<buffer::View>>,
     narrow_indices: Option<Index<buffer::View>>,
+    places: PlaceViews,
 }
 
-fn empty_accessor() -> Accessor {
+pub(super) fn empty_accessor() -> Accessor {
     Accessor {
         buffer_view: None,
         byte_offset: None,

@@ -1,16 +1,20 @@
 //! STEP (ISO 10303): solids with exact surfaces, for other CAD systems. Written only.
 //!
 //! Planes, spheres, cylinders and cones, lines and conics are what they are; elliptic cylinders are
-//! extruded, and paraboloids and hyperboloids of revolution turned conics. Ellipsoids, elliptic
-//! cones and other paraboloids and hyperboloids are rational B-splines, which have the same points. Curves of degree four, in which two of them meet, are B-splines that stray
-//! from both by no more than [`StepOptions::tolerance`].
+//! extruded, and paraboloids and hyperboloids of revolution, and ellipsoids of revolution that are
+//! whole, turned conics. Other ellipsoids, paraboloids and hyperboloids, and elliptic cones, are
+//! rational B-splines, which have the same points. Curves of degree four, in which two of them meet,
+//! are B-splines that stray from both by no more than [`StepOptions::tolerance`].
 //!
 //! Faces are those of a boundary that was cut at seams
-//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, whole
-//! spheres at one meridian, others so that none closes on itself, and none has a pole inside.
+//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, those of
+//! hyperboloids of one sheet and of revolution, and whole spheres, at one meridian, others so that
+//! none closes on itself, and none has a pole inside. (A whole ellipsoid of revolution is put together
+//! again here, and cut at one meridian.)
 
 mod curves;
 mod product;
+mod spheroid;
 mod surfaces;
 mod text;
 mod topology;

@@ -207,7 +207,11 @@ impl Styles {
             }
             return;
         }
-        for (id, face) in faces {
+        for (k, (id, face)) in faces.iter().enumerate() {
+            // (Several may be written as one.)
+            if k > 0 && faces[k - 1].0 == *id {
+                continue;
+            }
             if let Some(color) = color(face) {
                 self.style(to, *id, color);
             }

@@ -4,7 +4,7 @@ use csg::brep::{Coedge, Edge, Face, Shell, Vertex};
 use rustc_hash::FxHashMap;
 
 use super::text::{Entities, Flag, Id, List, Quoted};
-use super::{curves, surfaces};
+use super::{curves, spheroid, surfaces};
 use crate::Error;
 
 /// What was written of a boundary so far.
@@ -27,6 +27,13 @@ impl Topology {
         let mut written = Vec::new();
         for shell in shells {
             let mut faces = Vec::new();
+            if let Some(id) = spheroid::write(to, shell) {
+                let all = shell.faces().map(|face| (face.id().index(), id));
+                self.faces.extend(all);
+                let id = to.add(format_args!("CLOSED_SHELL('',({id}))"));
+                written.push(id);
+                continue;
+            }
             for face in shell.faces() {
                 let id = self.face(to, &face, tolerance)?;
                 self.faces.insert(face.id().index(), id);

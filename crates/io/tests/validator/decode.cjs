@@ -2,13 +2,30 @@
 // one JSON line for each: its volume, how many triangles it has, and what it is compressed with.
 "use strict";
 const { NodeIO } = require("@gltf-transform/core");
-const { EXTMeshoptCompression, KHRMeshQuantization } = require("@gltf-transform/extensions");
+const { EXTMeshGPUInstancing, EXTMeshoptCompression, KHRMeshQuantization } = require("@gltf-transform/extensions");
 const { MeshoptDecoder } = require("meshoptimizer");
+
+// Where each instance of a node's mesh is, within the node.
+function places(node) {
+  const instances = node.getExtension("EXT_mesh_gpu_instancing");
+  if (!instances) return [(p) => p];
+  const [moves, turns] = ["TRANSLATION", "ROTATION"].map((name) => instances.getAttribute(name));
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  return Array.from({ length: moves.getCount() }, (_, k) => {
+    const t = moves.getElement(k, []);
+    const q = turns ? turns.getElement(k, []) : [0, 0, 0, 1];
+    return (p) => {
+      const u = cross(q, p).map((x) => 2 * x);
+      const v = cross(q, u);
+      return [0, 1, 2].map((r) => p[r] + q[3] * u[r] + v[r] + t[r]);
+    };
+  });
+}
 
 async function main() {
   await MeshoptDecoder.ready;
   const io = new NodeIO()
-    .registerExtensions([EXTMeshoptCompression, KHRMeshQuantization])
+    .registerExtensions([EXTMeshGPUInstancing, EXTMeshoptCompression, KHRMeshQuantization])
     .registerDependencies({ "meshopt.decoder": MeshoptDecoder });
   for (const file of process.argv.slice(2)) {
     const root = (await io.read(file)).getRoot();
@@ -17,13 +34,16 @@ async function main() {
     let worst = 0;
     for (const node of root.listNodes().filter((node) => node.getMesh())) {
       const m = node.getWorldMatrix();
-      const at = (p) => [0, 1, 2].map((r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r]);
-      for (const primitive of node.getMesh().listPrimitives()) {
-        const places = primitive.getAttribute("POSITION");
+      for (const place of places(node)) for (const primitive of node.getMesh().listPrimitives()) {
+        const at = (local) => {
+          const p = place(local);
+          return [0, 1, 2].map((r) => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r]);
+        };
+        const positions = primitive.getAttribute("POSITION");
         const indices = primitive.getIndices();
         triangles += indices.getCount() / 3;
         for (let k = 0; k < indices.getCount(); k += 3) {
-          const [a, b, c] = [0, 1, 2].map((i) => at(places.getElement(indices.getScalar(k + i), [])));
+          const [a, b, c] = [0, 1, 2].map((i) => at(positions.getElement(indices.getScalar(k + i), [])));
           volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
             a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
         }
