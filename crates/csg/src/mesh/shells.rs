@@ -148,12 +148,11 @@ impl Shells {
                 return;
             }
             match cross(&self.corners[index as usize], axis, point) {
-                Crossed::Beside => {}
                 Crossed::Edge => count = None,
                 Crossed::At(at, step) if at > point[axis] => {
                     count = count.map(|count| count - step);
                 }
-                Crossed::At(..) => {}
+                Crossed::Beside | Crossed::At(..) => {}
             }
         });
         count

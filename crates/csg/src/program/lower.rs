@@ -24,7 +24,7 @@ use super::local::{LocalShape, half_spaces};
 use super::lowered::{Lowered, Origin};
 use super::placed::{Convex, Polyhedra, Region};
 use super::reach::reach;
-use super::unify::{SurfaceTable, WorldMap};
+use super::unify::WorldMap;
 use super::{Bounds, Surface};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
@@ -35,20 +35,20 @@ use crate::solid::{Made, Node, Primitive, Solid};
 pub(super) enum First {
     /// It has no polyhedra of many faces.
     Lowered(Lowered),
-    /// These, and the surfaces of all primitives.
-    Regions(Vec<Region>, SurfaceTable),
+    /// These, the other primitives, and the surfaces of all.
+    Placed(Vec<Region>, Vec<Convex>, Vec<Surface>),
 }
 
 impl First {
     /// # Errors
     /// Those of [`super::Program::lower`].
     pub fn of(solid: &Solid) -> Result<Self, Error> {
-        let none = SurfaceTable::default();
-        let mut lowering = Lowering::new(solid, none, Polyhedra::Met(Vec::new()));
+        let mut lowering = Lowering::new(solid, Polyhedra::Met(Vec::new()));
         lowering.walk(solid)?;
         Ok(match &mut lowering.polyhedra {
             Polyhedra::Met(regions) if !regions.is_empty() => {
-                Self::Regions(std::mem::take(regions), lowering.builder.table)
+                let surfaces = lowering.builder.table.surfaces();
+                Self::Placed(std::mem::take(regions), lowering.others, surfaces)
             }
             _ => Self::Lowered(lowering.finish().lowered),
         })
@@ -61,17 +61,11 @@ pub(super) struct Finished {
     /// Of each surface its number among all: those that are not needed are left out where
     /// faces are.
     pub ids: Vec<u32>,
-    /// The primitives that are no polyhedra.
-    pub others: Vec<Convex>,
 }
 
-/// A solid lowered in one of the ways of dealing with polyhedra, with surfaces known before.
-pub(super) fn lowered_with(
-    solid: &Solid,
-    table: SurfaceTable,
-    polyhedra: Polyhedra<'_>,
-) -> Result<Finished, Error> {
-    let mut lowering = Lowering::new(solid, table, polyhedra);
+/// A solid whose primitives are in place, with its polyhedra dealt with in one of the ways.
+pub(super) fn lowered_with(solid: &Solid, polyhedra: Polyhedra<'_>) -> Result<Finished, Error> {
+    let mut lowering = Lowering::new(solid, polyhedra);
     lowering.walk(solid)?;
     Ok(lowering.finish())
 }
@@ -166,12 +160,13 @@ struct Lowering<'a> {
     region_index: FxHashMap<(usize, Context), u32>,
     /// The edges and vertices of polyhedra.
     gathered: Gathered,
-    /// The other primitives.
+    /// The other primitives, and how many were met.
     others: Vec<Convex>,
+    others_met: usize,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(root: &'a Solid, table: SurfaceTable, polyhedra: Polyhedra<'a>) -> Self {
+    fn new(root: &'a Solid, polyhedra: Polyhedra<'a>) -> Self {
         let mut lowering = Self {
             frames: Vec::new(),
             values: Vec::new(),
@@ -185,11 +180,12 @@ impl<'a> Lowering<'a> {
             bodies: 0,
             repeated: find_repeated(root),
             known: FxHashMap::default(),
-            builder: Builder::new(table),
+            builder: Builder::default(),
             polyhedra,
             region_index: FxHashMap::default(),
             gathered: Gathered::default(),
             others: Vec::new(),
+            others_met: 0,
         };
         lowering.intern_map(WorldMap::IDENTITY);
         lowering
@@ -423,14 +419,23 @@ impl<'a> Lowering<'a> {
         } else {
             own
         };
+        let placed = self.polyhedra.placed();
+        let known = placed.and_then(|placed| placed.others.get(self.others_met));
+        self.others_met += 1;
         let mut half_spaces = SmallVec::new();
-        for surface in surfaces {
-            let placed = map.apply(&surface).ok_or_else(|| {
-                self.error(NodeFault::OutOfRange {
-                    what: "the primitive under the maps above it",
-                })
-            })?;
-            let (surface, flipped) = self.builder.table.insert(placed);
+        for (index, surface) in surfaces.into_iter().enumerate() {
+            let known = known.and_then(|known| known.half_spaces.get(index));
+            let (surface, flipped) = match known {
+                Some(known) => *known,
+                None => {
+                    let placed = map.apply(&surface).ok_or_else(|| {
+                        self.error(NodeFault::OutOfRange {
+                            what: "the primitive under the maps above it",
+                        })
+                    })?;
+                    self.builder.table.insert(placed)
+                }
+            };
             half_spaces.push((surface, flipped));
             let operand = self.builder.literal(Literal {
                 surface,
@@ -470,7 +475,10 @@ impl<'a> Lowering<'a> {
         } = self.builder;
         formula.root = root.operand;
         let mut formula = compact(&formula);
-        let mut surfaces = table.surfaces();
+        let mut surfaces = match self.polyhedra.placed() {
+            Some(placed) => [placed.surfaces, &table.surfaces()].concat(),
+            None => table.surfaces(),
+        };
         let mut ids: Vec<u32> = (0..surfaces.len() as u32).collect();
         let others = self.others.iter().flat_map(|other| &other.half_spaces);
         let mut others: Vec<u32> = others.map(|&(surface, _)| surface).collect();
@@ -489,11 +497,7 @@ impl<'a> Lowering<'a> {
             reach: root.bounds,
             given: given.map(Arc::new),
         };
-        Finished {
-            lowered,
-            ids,
-            others: self.others,
-        }
+        Finished { lowered, ids }
     }
 
     fn add_origin(&mut self, primitive: &Primitive, context: Context) -> u32 {

@@ -88,11 +88,12 @@ impl Program {
     /// # Errors
     /// [`Error::InvalidNode`] names the first node with bad arguments.
     pub fn lower(solid: &Solid) -> Result<Self, Error> {
-        let (regions, table) = match First::of(solid)? {
+        let outline = match First::of(solid)? {
             First::Lowered(lowered) => return Ok(Self::of(lowered)),
-            First::Regions(regions, table) => (regions, table),
+            First::Placed(regions, others, surfaces) => {
+                Outline::new(solid, regions, others, surfaces)?
+            }
         };
-        let outline = Outline::new(solid, regions, table)?;
         // A huge one before anything is asked of it: its formula may be too long.
         let whole = outline.is_huge().then(|| outline.lowered()).transpose()?;
         Ok(Self {

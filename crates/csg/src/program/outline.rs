@@ -8,8 +8,7 @@ use glam::DVec3;
 use super::cell::Cell;
 use super::lower::{Finished, Renumbered, lowered_with};
 use super::lowered::{Lowered, Origin};
-use super::placed::{Convex, Polyhedra, Region};
-use super::unify::SurfaceTable;
+use super::placed::{Convex, IsNeeded, Placed, Polyhedra, Region};
 use crate::error::Error;
 use crate::mesh::Shells;
 use crate::numeric::tolerance::NEAR;
@@ -26,8 +25,7 @@ pub(crate) struct Outline {
     cell: Cell,
     origins: Vec<Origin>,
     reach: Bounds,
-    /// All surfaces but those that only part space.
-    table: SurfaceTable,
+    /// All but those that only part space.
     surfaces: Vec<Surface>,
     shells: OnceLock<Shells>,
 }
@@ -36,33 +34,40 @@ pub(crate) struct Outline {
 const MANY_TRIANGLES: usize = 4_000_000;
 
 impl Outline {
+    /// Of a solid whose primitives are in place.
     pub(super) fn new(
         solid: &Solid,
         regions: Vec<Region>,
-        table: SurfaceTable,
+        others: Vec<Convex>,
+        surfaces: Vec<Surface>,
     ) -> Result<Self, Error> {
-        let surfaces = table.surfaces();
-        let outlined = Polyhedra::Outlined(surfaces.len() as u32);
-        let outlined = lowered_with(solid, table.clone(), outlined)?;
-        let Finished {
-            lowered, others, ..
-        } = outlined;
-        let mut formula = lowered.formula;
-        let cell = Cell {
-            surfaces: Renumbered::of(&mut formula, surfaces.len() + regions.len()).ids,
-            formula,
-        };
-        Ok(Self {
+        let mut outline = Self {
             solid: solid.clone(),
             regions,
             others,
-            cell,
-            origins: lowered.origins,
-            reach: lowered.reach,
-            table,
+            cell: Cell::default(),
+            origins: Vec::new(),
+            reach: Bounds::NOTHING,
             surfaces,
             shells: OnceLock::new(),
-        })
+        };
+        let lowered = lowered_with(solid, Polyhedra::Outlined(outline.placed()))?.lowered;
+        let mut formula = lowered.formula;
+        let names = outline.surfaces.len() + outline.regions.len();
+        outline.cell = Cell {
+            surfaces: Renumbered::of(&mut formula, names).ids,
+            formula,
+        };
+        (outline.origins, outline.reach) = (lowered.origins, lowered.reach);
+        Ok(outline)
+    }
+
+    pub(super) fn placed(&self) -> Placed<'_> {
+        Placed {
+            surfaces: &self.surfaces,
+            regions: &self.regions,
+            others: &self.others,
+        }
     }
 
     /// Whether its formula may be too long.
@@ -85,8 +90,7 @@ impl Outline {
 
     /// The solid on half-spaces.
     pub(super) fn lowered(&self) -> Result<Lowered, Error> {
-        let written = Polyhedra::Written(&self.regions, None);
-        Ok(self.written(written)?.lowered)
+        Ok(self.written(None)?.lowered)
     }
 
     /// The same of one that is not huge, which has room.
@@ -94,9 +98,9 @@ impl Outline {
         self.lowered().unwrap_or(Lowered::NOTHING)
     }
 
-    /// The solid with its polyhedra written as formulas.
-    pub(super) fn written(&self, polyhedra: Polyhedra<'_>) -> Result<Finished, Error> {
-        lowered_with(&self.solid, self.table.clone(), polyhedra)
+    /// The solid with its polyhedra written as formulas, where they are needed.
+    pub(super) fn written(&self, is_needed: Option<IsNeeded<'_>>) -> Result<Finished, Error> {
+        lowered_with(&self.solid, Polyhedra::Written(self.placed(), is_needed))
     }
 
     /// Things nearer to a polyhedron touch it, as far as any stage can tell.

@@ -25,9 +25,9 @@ impl Region {
     }
 
     /// The triangles on the planes of their surfaces.
-    pub fn facets(&self, surface: impl Fn(u32) -> Surface) -> Vec<Facet> {
+    pub fn facets(&self, surfaces: &[Surface]) -> Vec<Facet> {
         let facet = |(&triangle, &(id, flipped)): (&[u32; 3], &(u32, bool))| {
-            let plane = surface(id);
+            let plane = &surfaces[id as usize];
             let normal = if flipped { -plane.linear } else { plane.linear };
             Facet {
                 face: 2 * id + u32::from(flipped),
@@ -52,15 +52,34 @@ pub(super) struct Convex {
     pub bounds: Bounds,
 }
 
+/// What is known once all primitives were put in place.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<'a> {
+    pub surfaces: &'a [Surface],
+    pub regions: &'a [Region],
+    /// The others, in the order in which they are met.
+    pub others: &'a [Convex],
+}
+
 /// What is done about polyhedra of many faces.
 pub(super) enum Polyhedra<'a> {
     /// They are put in place, and are not in the formula.
     Met(Vec<Region>),
-    /// Each is a literal. So many surfaces are there besides: theirs come behind.
-    Outlined(u32),
+    /// Each is a literal, of a surface behind all others.
+    Outlined(Placed<'a>),
     /// Their formulas are written; outside of boxes in which faces are not needed, if there
     /// are such.
-    Written(&'a [Region], Option<IsNeeded<'a>>),
+    Written(Placed<'a>, Option<IsNeeded<'a>>),
+}
+
+impl<'a> Polyhedra<'a> {
+    /// What is known of all primitives.
+    pub const fn placed(&self) -> Option<Placed<'a>> {
+        match self {
+            Self::Met(_) => None,
+            Self::Outlined(placed) | Self::Written(placed, _) => Some(*placed),
+        }
+    }
 }
 
 /// Whether the faces of a polyhedron, by its number, are needed in a box that has parts of

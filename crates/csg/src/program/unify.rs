@@ -192,7 +192,7 @@ impl Placed {
 }
 
 /// The table of canonical surfaces under construction.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct SurfaceTable {
     placed: Vec<Placed>,
     by_key: BTreeMap<OrderedKey, Vec<u32>>,
@@ -249,10 +249,6 @@ impl SurfaceTable {
             .flat_map(|(_, indices)| indices)
             .copied()
             .find(|&index| self.placed[index as usize].coincides(placed))
-    }
-
-    pub fn surface(&self, index: u32) -> &Surface {
-        &self.placed[index as usize].surface
     }
 
     pub fn len(&self) -> usize {

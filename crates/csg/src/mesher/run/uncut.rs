@@ -37,7 +37,7 @@ impl Run<'_> {
             return Ok(None);
         }
         let is_empty = mesh.triangles.is_empty();
-        let Some(mesh) = joined(mesh, uncut, self.program) else {
+        let Some(mesh) = joined(&mesh, uncut, self.program) else {
             return Ok(None);
         };
         self.check_size(&mesh, &self.control)?;
@@ -56,7 +56,7 @@ impl Run<'_> {
 
 /// A mesh of what is left of a solid beside its uncut faces, and these; none if they do not
 /// fit.
-fn joined(rest: Mesh, uncut: &Uncut, program: &Program) -> Option<Mesh> {
+fn joined(rest: &Mesh, uncut: &Uncut, program: &Program) -> Option<Mesh> {
     const NONE: u32 = u32::MAX;
     let mut mesh = Mesh {
         triangles: Vec::with_capacity(uncut.triangles.len()),

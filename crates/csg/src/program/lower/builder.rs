@@ -54,14 +54,6 @@ fn mix(value: u128, salt: u64) -> u128 {
 }
 
 impl Builder {
-    /// With surfaces that are known.
-    pub fn new(table: SurfaceTable) -> Self {
-        Self {
-            table,
-            ..Self::default()
-        }
-    }
-
     pub fn literal(&mut self, literal: Literal) -> Result<Operand, Error> {
         let index = self.formula.literals.len();
         if index >= MOST {

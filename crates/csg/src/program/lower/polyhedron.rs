@@ -7,7 +7,7 @@ use super::{Context, Lowering, Value};
 use crate::error::{Error, NodeFault, PolyhedronFault};
 use crate::program::Bounds;
 use crate::program::formula::{Literal, Operand, Operation};
-use crate::program::placed::{IsNeeded, Polyhedra, Region};
+use crate::program::placed::{IsNeeded, Placed, Polyhedra, Region};
 use crate::program::reach::reach;
 use crate::program::region::{Halved, Partition};
 use crate::program::unify::WorldMap;
@@ -42,17 +42,16 @@ impl Lowering<'_> {
                 }
                 Operand::Constant(false)
             }
-            Polyhedra::Outlined(surfaces) => {
+            Polyhedra::Outlined(placed) => {
                 let literal = Literal {
-                    surface: surfaces + region,
+                    surface: placed.surfaces.len() as u32 + region,
                     origin,
                     outside: context.negated,
                 };
                 self.builder.literal(literal)?
             }
-            &Polyhedra::Written(regions, is_needed) => {
-                let write = (region, &regions[region as usize], is_needed);
-                self.write(write, origin, context.negated)?
+            &Polyhedra::Written(placed, is_needed) => {
+                self.write(placed, (region, is_needed), origin, context.negated)?
             }
         };
         let bounds = if context.negated {
@@ -134,11 +133,13 @@ impl Lowering<'_> {
     /// The formula of a polyhedron, or of what is outside of it.
     fn write(
         &mut self,
-        (number, region, is_needed): (u32, &Region, Option<IsNeeded<'_>>),
+        placed: Placed<'_>,
+        (number, is_needed): (u32, Option<IsNeeded<'_>>),
         origin: u32,
         negated: bool,
     ) -> Result<Operand, Error> {
-        let facets = region.facets(|id| *self.builder.table.surface(id));
+        let region = &placed.regions[number as usize];
+        let facets = region.facets(placed.surfaces);
         let partition = match is_needed {
             None => Partition::new(facets, &|_, _| true),
             Some(is_needed) => {
@@ -150,6 +151,7 @@ impl Lowering<'_> {
             builder: &mut self.builder,
             origin,
             negated,
+            first_cut: placed.surfaces.len() as u32,
             literals: Vec::new(),
             cuts: &mut self.gathered.cuts,
         };
@@ -173,6 +175,8 @@ struct Writer<'a> {
     builder: &'a mut Builder,
     origin: u32,
     negated: bool,
+    /// How many surfaces there are without cuts, which are those of the builder.
+    first_cut: u32,
     /// Of each surface that for its inside, and that for its outside.
     literals: Vec<[Option<Operand>; 2]>,
     cuts: &'a mut Vec<u32>,
@@ -212,7 +216,7 @@ impl Writer<'_> {
         let outside = outside != self.negated;
         let index = surface as usize;
         if index >= self.literals.len() {
-            let most = self.builder.table.len().max(index + 1);
+            let most = (self.first_cut as usize + self.builder.table.len()).max(index + 1);
             self.literals.resize(most, [None; 2]);
         }
         if let Some(known) = self.literals[index][usize::from(outside)] {
@@ -234,7 +238,8 @@ impl Writer<'_> {
         let Some(placed) = WorldMap::IDENTITY.apply(&plane) else {
             return Ok(self.constant(true));
         };
-        let (surface, flipped) = self.builder.table.insert(placed);
+        let (cut, flipped) = self.builder.table.insert(placed);
+        let surface = self.first_cut + cut;
         self.cuts.push(surface);
         self.literal(surface, flipped != above)
     }
