@@ -232,3 +232,97 @@ fn cross(corners: &[DVec3; 3], axis: usize, through: DVec3) -> Crossed {
         _ => Crossed::Edge,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cuboid, each face cut into two triangles.
+    fn cuboid(low: DVec3, high: DVec3) -> Vec<[DVec3; 3]> {
+        let corner = |k: usize| {
+            let pick = |axis: usize| [low, high][k >> axis & 1][axis];
+            DVec3::new(pick(0), pick(1), pick(2))
+        };
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles = faces
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        triangles.map(|triangle| triangle.map(corner)).collect()
+    }
+
+    /// Points of a grid, many of which are in line with edges and vertices.
+    #[test]
+    fn points_are_inside_by_coordinates() {
+        let boxes = [[0.0, 1.0], [0.25, 0.75], [2.0, 3.0]];
+        let of = |[low, high]: [f64; 2]| cuboid(DVec3::splat(low), DVec3::splat(high));
+        let shells = Shells::new(boxes.map(of), 1e-9);
+        let mut counts = [0; 3];
+        for index in 0..14_usize.pow(3) {
+            let at = [index % 14, index / 14 % 14, index / 196].map(|k| 0.25 * k as f64 - 0.125);
+            let middle = DVec3::from_array(at);
+            // In the middle of cells, and on lines of the grid.
+            for point in [middle, middle - DVec3::new(0.125, 0.125, 0.0)] {
+                let mut found = Vec::new();
+                shells.around(point, &mut |shell| found.push(shell));
+                for (shell, [low, high]) in (0..).zip(boxes) {
+                    let is_off = |sides: DVec3| sides.abs().min_element() > 1e-6;
+                    if is_off(point - low) && is_off(point - high) {
+                        let is_inside = point.cmpgt(DVec3::splat(low)).all()
+                            && point.cmplt(DVec3::splat(high)).all();
+                        assert_eq!(shells.contains(shell, point), is_inside, "{shell} {point}");
+                        assert_eq!(found.contains(&shell), is_inside, "{shell} {point}");
+                        counts[shell as usize] += usize::from(is_inside);
+                    }
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 7), "{counts:?}");
+    }
+
+    #[test]
+    fn a_point_in_line_with_edges_is_told_by_the_solid_angle() {
+        let shells = Shells::new([cuboid(DVec3::splat(-1.0), DVec3::ONE)], 0.0);
+        // All three axes lead through diagonals of faces.
+        assert!((0..3).all(|axis| shells.count_above(0, axis, DVec3::ZERO).is_none()));
+        assert!(shells.contains(0, DVec3::ZERO));
+        let outside = shells.winding(0, DVec3::new(1.5, 0.0, 0.0));
+        assert!(outside.abs() < 1e-12, "{outside}");
+    }
+
+    #[test]
+    fn lines_cross_shells_where_these_are() {
+        let shells = [
+            cuboid(DVec3::ZERO, DVec3::ONE),
+            cuboid(DVec3::splat(0.5), DVec3::splat(2.0)),
+        ];
+        let shells = Shells::new(shells, 0.0);
+        for axis in 0..3 {
+            let through = DVec3::new(0.61, 0.73, 0.9);
+            let found = shells.along_line(axis, through);
+            let of = |shell: u32| {
+                let own = found.iter().filter(|crossing| crossing.shell == shell);
+                let mut places: Vec<f64> = own.map(|crossing| crossing.at).collect();
+                places.sort_by(f64::total_cmp);
+                places
+            };
+            for (shell, truth) in [(0, [0.0, 1.0]), (1, [0.5, 2.0])] {
+                let places = of(shell);
+                assert_eq!(places.len(), 2);
+                assert!(
+                    (0..2).all(|k| (places[k] - truth[k]).abs() < 1e-12),
+                    "{places:?}"
+                );
+            }
+        }
+        let beside = shells.beside_others();
+        // Of the faces at the far corner of the one, and at the near corner of the other.
+        assert!(beside.iter().any(|&is| is) && beside.iter().any(|&is| !is));
+    }
+}

@@ -41,7 +41,8 @@ const INFINITY_LEVELS: usize = 12;
 impl Program {
     /// A box that encloses the solid, on each side at most about 1/256 of its
     /// size too large (up to a quarter for programs of some 100,000 surfaces,
-    /// where more would cost time); `None` if the solid is proven empty.
+    /// where more would cost time); `None` if the solid is proven empty. Of a polyhedron of
+    /// many faces that is subtracted only what is near other faces is seen to be gone.
     ///
     /// # Errors
     /// [`Error::Unbounded`] if the solid reaches infinitely far.

@@ -1,6 +1,9 @@
-use super::*;
-use crate::{Mesher, Solid};
+use std::f64::consts::TAU;
+
 use glam::DVec3;
+
+use super::*;
+use crate::{Mesher, Solid, elementary};
 
 const TOLERANCE: f64 = 0.01;
 const HELD: Tolerances = Tolerances {
@@ -27,19 +30,33 @@ fn mesh(solid: &Solid) -> Mesh {
     meshed(solid).2
 }
 
-/// Two boxes, a drilled block and a ball beside each other.
-fn parts() -> Vec<Solid> {
+/// Two blocks, one of them drilled, a ball, and a cone on a cylinder beside each other; the second
+/// block is a polyhedron of many faces on request.
+fn parts(faceted: bool) -> Vec<Solid> {
     let block = Solid::cuboid([1.0, 0.8, 0.6]) - Solid::infinite_cylinder(0.2);
+    let other = if faceted {
+        let corner = |k: i32| 0.5 * elementary::direction(TAU * f64::from(k) / 60.0);
+        Solid::prism((0..60).map(corner), -0.45..0.45)
+    } else {
+        Solid::cube(0.9)
+    };
     vec![
         block.rotate_x(0.3),
-        Solid::cube(0.9).rotate_z(0.5).translate([2.0, 0.0, 0.0]),
+        other.rotate_z(0.5).translate([2.0, 0.0, 0.0]),
         Solid::sphere(0.5).translate([0.0, 2.0, 0.3]),
         (Solid::cone(0.5, 0.0..1.0) | Solid::cylinder(0.3, -0.5..0.2)).translate([2.0, 2.0, 0.0]),
     ]
 }
 
-fn all() -> Solid {
-    Solid::union(parts())
+fn all(faceted: bool) -> Solid {
+    Solid::union(parts(faceted))
+}
+
+/// Each part, and whether polyhedra are among them.
+fn cases() -> impl Iterator<Item = (bool, usize)> {
+    [false, true]
+        .into_iter()
+        .flat_map(|faceted| (0..4).map(move |part| (faceted, part)))
 }
 
 /// The triangles of each part, by where their first corner is.
@@ -49,8 +66,8 @@ fn is_of(mesh: &Mesh, triangle: usize, part: usize) -> bool {
 }
 
 /// The mesh with the triangles of a part changed into others.
-fn broken(part: usize, change: impl Fn([DVec3; 3]) -> Vec<[DVec3; 3]>) -> Mesh {
-    let whole = mesh(&all());
+fn broken(faceted: bool, part: usize, change: impl Fn([DVec3; 3]) -> Vec<[DVec3; 3]>) -> Mesh {
+    let whole = mesh(&all(faceted));
     let mut mesh = Mesh {
         surfaces: whole.surfaces.clone(),
         ..Mesh::default()
@@ -74,22 +91,29 @@ fn broken(part: usize, change: impl Fn([DVec3; 3]) -> Vec<[DVec3; 3]>) -> Mesh {
 
 #[test]
 fn a_whole_mesh_is_right() {
-    assert_eq!(share(&all(), &mesh(&all())), None);
-    assert_eq!(share(&all(), &broken(0, |corners| vec![corners])), None);
+    for faceted in [false, true] {
+        let same = broken(faceted, 0, |corners| vec![corners]);
+        for mesh in [mesh(&all(faceted)), same] {
+            assert_eq!(share(&all(faceted), &mesh), None);
+        }
+    }
 }
 
 #[test]
 fn a_part_that_is_not_there_is_missed() {
-    for part in 0..4 {
-        let found = share(&all(), &broken(part, |_| Vec::new()));
+    for (faceted, part) in cases() {
+        let found = share(&all(faceted), &broken(faceted, part, |_| Vec::new()));
         assert!(found.is_some(), "part {part}");
     }
 }
 
 #[test]
 fn a_part_inside_out_is_seen() {
-    for part in 0..4 {
-        let found = share(&all(), &broken(part, |[a, b, c]| vec![[a, c, b]]));
+    for (faceted, part) in cases() {
+        let found = share(
+            &all(faceted),
+            &broken(faceted, part, |[a, b, c]| vec![[a, c, b]]),
+        );
         assert!(
             found.is_some_and(|share| share > 0.05),
             "part {part}: {found:?}"
@@ -99,12 +123,12 @@ fn a_part_inside_out_is_seen() {
 
 #[test]
 fn a_part_elsewhere_is_seen() {
-    for part in 0..4 {
+    for (faceted, part) in cases() {
         for by in [0.04, 0.1, 0.5] {
             let by = DVec3::new(1.0, -0.8, 0.7) * by;
             let found = share(
-                &all(),
-                &broken(part, |corners| vec![corners.map(|p| p + by)]),
+                &all(faceted),
+                &broken(faceted, part, |corners| vec![corners.map(|p| p + by)]),
             );
             assert!(found.is_some(), "part {part} by {by}");
         }
@@ -113,8 +137,11 @@ fn a_part_elsewhere_is_seen() {
 
 #[test]
 fn a_part_that_is_there_twice_is_seen() {
-    for part in 0..4 {
-        let found = share(&all(), &broken(part, |corners| vec![corners; 2]));
+    for (faceted, part) in cases() {
+        let found = share(
+            &all(faceted),
+            &broken(faceted, part, |corners| vec![corners; 2]),
+        );
         assert!(found.is_some(), "part {part}");
     }
 }
