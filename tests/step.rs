@@ -392,51 +392,6 @@ fn spheroids_are_read_back() {
     assert_eq!(tally.finish(), count);
 }
 
-/// Hyperboloids of one sheet and of revolution are cut at one meridian, and only where they go all
-/// around.
-#[test]
-fn round_hyperboloids_are_read_back() {
-    let tower = || Solid::hyperboloid_one_sheet([0.5, 0.5, 0.7]);
-    let slab = || Solid::cuboid([6.0, 6.0, 1.8]);
-    let wall = || tower() - Solid::hyperboloid_one_sheet([0.45, 0.45, 0.7]);
-    let tilted = |height| Solid::half_space([0.2, 0.1, 1.0], height);
-    let bore = Solid::infinite_cylinder(0.2).rotate_x(1.4);
-    // How many of its faces are hyperboloids.
-    let solids = [
-        ("tower", tower() & slab(), 1),
-        ("tower of one wall", wall() & slab(), 2),
-        ("waist in a block", slab() - tower(), 1),
-        ("tilted tower", (tower() & tilted(0.6)) - tilted(-0.4), 1),
-        ("tower with windows", (tower() & slab()) - bore, 1),
-        (
-            "quarter of a tower",
-            tower() & Solid::cuboid([2.0, 2.0, 1.8]).translate([1.1, 1.1, 0.0]),
-            1,
-        ),
-        (
-            "two towers",
-            (tower() & slab()) | (tower().translate([2.0, 0.3, 0.1]) & slab()),
-            2,
-        ),
-    ];
-    let mut script = start();
-    let mut tally = Tally::default();
-    let count = 2 * solids.len();
-    for (name, solid, faces) in solids {
-        for solid in [
-            solid.clone(),
-            solid.rotate_xyz(0.4, 0.5, 0.6).translate([0.1, 2.0, 0.3]),
-        ] {
-            let brep = boundary(&solid);
-            let shapes = brep.faces().map(|face| face.surface().shape());
-            let is_one = |s: &SurfaceShape| matches!(s, SurfaceShape::HyperboloidOneSheet { .. });
-            assert_eq!(shapes.filter(is_one).count(), faces, "{name}");
-            tally.check_boundary(&mut script, name, &brep);
-        }
-    }
-    assert_eq!(tally.finish(), count);
-}
-
 /// Names and colours of a whole spheroid are its face's and its body's.
 #[test]
 fn a_spheroid_has_its_name_and_colour() {

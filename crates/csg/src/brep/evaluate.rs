@@ -59,10 +59,9 @@ impl BoundaryOptions {
     }
 
     /// Cuts faces along seams, planes through centres and axes, so that each has a chart, as some
-    /// formats want: those of cylinders and cones at one line, if they go all around, those of
-    /// hyperboloids of one sheet and of revolution at a branch of a hyperbola, and whole spheres at
-    /// half a great circle ([`crate::brep::Face::meridian`]); they are on both sides of it then.
-    /// Others are cut so that each is seen whole from one direction
+    /// formats want: those of cylinders and cones at one line, if they go all around, and whole spheres
+    /// at half a great circle ([`crate::brep::Face::meridian`]); they are on both sides of it
+    /// then. Others are cut so that each is seen whole from one direction
     /// ([`crate::brep::Face::view`]): an ellipsoid has eight faces, and as many a
     /// sphere that others cut.
     pub fn cut_at_seams(mut self) -> Self {

@@ -5,8 +5,7 @@ use glam::DVec3;
 use crate::arrangement::{Arrangement, Frame, HalfEdge};
 use crate::program::{Surface, SurfaceShape};
 
-/// The seams that are edges: of cylinders, cones and hyperboloids (of one sheet and of revolution) one
-/// line, of whole spheres half a great
+/// The seams that are edges: of cylinders and cones one line, of whole spheres half a great
 /// circle, of other surfaces all. (Of a sphere that others cut, too, a face with poles inside could
 /// be cut at a meridian, but circles that come near a pole are steep there in longitude and
 /// latitude: Open CASCADE, which lays images of edges through some points, found the volumes of
@@ -16,13 +15,8 @@ pub(super) struct Seams {
     of_surface: Vec<Option<Line>>,
 }
 
-/// Two radii that differ by no more, of the larger, are one: a tenth of what the writer of STEP
-/// files takes for it.
-const ROUND: f64 = 1e-14;
-
 /// The half of a seam on one side of another one: on a cylinder and on half a cone a straight
-/// line, on a hyperboloid of one sheet a branch of a hyperbola, on a sphere a meridian from pole to
-/// pole.
+/// line, on a sphere a meridian from pole to pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     seam: usize,
@@ -59,7 +53,7 @@ impl Line {
 }
 
 impl Seams {
-    /// Of the lines on a cylinder, a cone, a hyperboloid or a whole sphere that which fewest pieces of its faces
+    /// Of the lines on a cylinder, a cone or a whole sphere that which fewest pieces of its faces
     /// are cut at: none, where faces do not go all around.
     pub fn new(all: &Arrangement, surfaces: &[Surface]) -> Self {
         let mut is_whole = vec![true; surfaces.len()];
@@ -75,9 +69,6 @@ impl Seams {
                 let is_round = match surface.shape() {
                     SurfaceShape::Cylinder { .. } | SurfaceShape::Cone { .. } => seams == 2,
                     SurfaceShape::Sphere { .. } => seams == 3 && is_whole,
-                    SurfaceShape::HyperboloidOneSheet {
-                        radii: [a, b, _], ..
-                    } => seams == 2 && (a - b).abs() <= ROUND * a,
                     _ => false,
                 };
                 let lines = Line::all(if is_round { seams } else { 0 });

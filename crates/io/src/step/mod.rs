@@ -7,10 +7,9 @@
 //! are B-splines that stray from both by no more than [`StepOptions::tolerance`].
 //!
 //! Faces are those of a boundary that was cut at seams
-//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, those of
-//! hyperboloids of one sheet and of revolution, and whole spheres, at one meridian, others so that
-//! none closes on itself, and none has a pole inside. (A whole ellipsoid of revolution is put together
-//! again here, and cut at one meridian.)
+//! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, whole
+//! spheres at one meridian, others so that none closes on itself, and none has a pole inside. (A
+//! whole ellipsoid of revolution is put together again here, and cut at one meridian.)
 
 mod curves;
 mod product;

@@ -132,10 +132,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             placement,
             radii: [a, b, c],
         } if is_round([a, b]) => {
-            let turned = Turned {
-                x: seam(face, placement.origin, placement.axes[2]),
-                ..Turned::new(face, &placement, 1.0)
-            };
+            let turned = Turned::new(face, &placement, 1.0);
             let placement = to.placement(placement.origin, turned.across_and(turned.x));
             let [a, c] = [0.5 * (a + b), c].map(Real);
             let branch = to.add(format_args!("HYPERBOLA('',{placement},{a},{c})"));
@@ -200,7 +197,7 @@ pub(super) fn is_round([a, b]: [f64; 2]) -> bool {
 }
 
 /// Two scales that differ by no more, of the larger, are one.
-const ROUND: f64 = 1e-13;
+const ROUND: f64 = 1e-14;
 
 /// A meridian turned around an axis: the file's curve lies opposite of the face.
 struct Turned {
@@ -296,7 +293,7 @@ fn across(direction: DVec3, axis: DVec3) -> DVec3 {
         .unwrap_or_else(|| axis.any_orthonormal_vector())
 }
 
-/// In which direction across its axis the seam of a cylinder, cone or hyperboloid lies: where the face is cut,
+/// In which direction across its axis the seam of a cylinder or cone lies: where the face is cut,
 /// if it is on both sides of an edge, or else in the middle of the widest angle in which it
 /// is not.
 fn seam(face: &Face<'_>, point: DVec3, axis: DVec3) -> DVec3 {
