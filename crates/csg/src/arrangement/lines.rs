@@ -66,6 +66,32 @@ pub(super) fn side_of_edge(scene: &Scene<'_>, given: &Given, edge: Ends, plane: 
     }
 }
 
+/// Whether faces on two surfaces may meet along a line that is no given edge: not if they are of
+/// one polyhedron, or those of one on one side of the other.
+fn may_meet(scene: &Scene<'_>, given: &Given, one: u32, other: u32) -> bool {
+    /// Of more vertices it is not told.
+    const FEW: usize = 8;
+    if given.are_of_one(one, other) {
+        return false;
+    }
+    if !(given.is_of_polyhedron(one) && given.is_of_polyhedron(other)) {
+        return true;
+    }
+    let slack = MARGIN * scene.weld + given.slack();
+    [(one, other), (other, one)]
+        .into_iter()
+        .all(|(plane, face)| {
+            let corners = given.vertices_on(face);
+            let plane = &scene.planes[plane as usize];
+            let none = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) = corners.iter().take(FEW).fold(none, |(low, high), &corner| {
+                let value = plane.value(given.vertex(corner));
+                (low.min(value), high.max(value))
+            });
+            corners.len() > FEW || (low <= slack && high >= -slack)
+        })
+}
+
 /// Lines are traced beyond where they may carry edges by so many times the
 /// distance below which points are one.
 const MARGIN: f64 = 100.0;
@@ -129,7 +155,11 @@ impl Tracer {
                     edge: Some(ends),
                     ..everywhere(pair)
                 }));
-            } else if !is_many || [one, other].iter().all(|&id| given.is_of_polyhedron(id)) {
+            } else if given.is_of_polyhedron(one) && given.is_of_polyhedron(other) {
+                if may_meet(scene, given, one, other) {
+                    candidates.push(everywhere(pair));
+                }
+            } else if !is_many {
                 candidates.push(everywhere(pair));
             }
         }
@@ -324,7 +354,7 @@ impl Tracer {
         // trace it, and its own edges, where there are no others.
         let mut through: SmallVec<[u32; 8]> = pair.into_iter().chain(self.others.clone()).collect();
         through.sort_unstable();
-        let differ = |a: u32, b: u32| !given.are_of_one(ids[a as usize], ids[b as usize]);
+        let differ = |a: u32, b: u32| may_meet(scene, given, ids[a as usize], ids[b as usize]);
         let mut pairs = (1..through.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
         let first = pairs.find(|&(a, b)| differ(through[a], through[b]));
         match first {

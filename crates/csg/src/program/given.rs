@@ -249,7 +249,8 @@ impl Given {
         self.edges.get(&pair).map_or(&[], |runs| &runs[..])
     }
 
-    fn vertices_on(&self, surface: u32) -> &[u32] {
+    /// The vertices of faces on a surface, ascending.
+    pub fn vertices_on(&self, surface: u32) -> &[u32] {
         let ends = [0, 1].map(|k| self.first_of[surface as usize + k] as usize);
         &self.vertices_of[ends[0]..ends[1]]
     }
