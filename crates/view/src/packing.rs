@@ -220,7 +220,7 @@ fn faces_of(shown: &Shown, parts: &mut Parts) -> (Vec<FaceHead>, Vec<u32>) {
     let heads = shown.mesh.surfaces.iter().map(|surface| {
         let program = shown.program.as_ref();
         let shape = program
-            .and_then(|program| program.surfaces().get(surface.surface as usize))
+            .and_then(|program| program.carriers().get(surface.surface as usize))
             .map(csg::Surface::shape);
         let origin = program.and_then(|program| program.origins().get(surface.primitive as usize));
         let kind = origin.map_or("mesh", |origin| origin.kind);

@@ -130,7 +130,7 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
     }
     let surfaces = program
         .as_ref()
-        .map_or(&[][..], |program| program.surfaces());
+        .map_or(&[][..], |program| program.carriers());
     // Those of the mesh, before colours take their places.
     let own = product.mesh.surfaces.iter();
     let own: Vec<_> = own

@@ -116,8 +116,11 @@ impl Program {
         &self.lowered().surfaces
     }
 
-    /// The first surfaces: all but those that only part space between faces of polyhedra.
-    pub(crate) fn carriers(&self) -> &[Surface] {
+    /// The first of the surfaces: those that may carry faces, which are all but those that
+    /// only part space between faces of large polyhedra. A mesh names only these; they are known
+    /// at once, where the others are made when [`Self::surfaces`] asks for them.
+    #[must_use]
+    pub fn carriers(&self) -> &[Surface] {
         match &self.outline {
             Some(outline) => outline.carriers(),
             None => self.surfaces(),

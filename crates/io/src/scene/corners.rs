@@ -35,7 +35,7 @@ impl Default for Allowance {
 /// The mesh of a solid: exact if all its faces are flat.
 fn mesh(solid: &Solid, allowance: &mut Allowance) -> Result<Mesh, String> {
     let program = Program::lower(solid).map_err(|e| e.to_string())?;
-    let flat = program.surfaces().iter().all(csg::Surface::is_plane);
+    let flat = program.carriers().iter().all(csg::Surface::is_plane);
     let mut mesher = Mesher::new().limits(Limits::new().cells(allowance.cells));
     if !flat {
         let bounds = program.bounds().map_err(|e| e.to_string())?;

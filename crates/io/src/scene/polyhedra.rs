@@ -107,7 +107,7 @@ pub(super) fn polyhedron(solid: &Solid) -> Result<Option<Mesh>, String> {
         return Ok(None);
     };
     let mut mesher = Mesher::new();
-    if !program.surfaces().iter().all(csg::Surface::is_plane) {
+    if !program.carriers().iter().all(csg::Surface::is_plane) {
         mesher = mesher.tolerance(SHARE * bounds.size().max_element());
     }
     let meshed = mesher.mesh(&program).map_err(|e| e.to_string())?;
