@@ -330,7 +330,7 @@ fn linked(
 }
 
 /// For each primitive the first that looks like it.
-fn looks(origins: &[Origin]) -> Vec<u32> {
+pub(crate) fn looks(origins: &[Origin]) -> Vec<u32> {
     let mut first: FxHashMap<_, u32> = FxHashMap::default();
     let key = |origin: &Origin| {
         let color = origin.color.map(|c| {

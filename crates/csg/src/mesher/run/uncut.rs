@@ -5,6 +5,7 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Run;
+use crate::arrangement;
 use crate::error::Error;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
@@ -144,7 +145,10 @@ fn joined(rest: &Mesh, uncut: &Uncut, program: &Program) -> Option<Mesh> {
     let triangles = triangles.map(|corners| corners.map(|vertex| numbers[vertex as usize]));
     mesh.triangles.extend(triangles);
     let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+    // Of those that look alike the first stands for all, as in the rest.
+    let looks = arrangement::looks(program.origins());
     for &(surface, primitive) in &uncut.faces {
+        let primitive = looks[primitive as usize];
         let next = mesh.surfaces.len() as u32;
         let entry = *entry_of.entry((surface, primitive)).or_insert(next);
         if entry == next {
@@ -178,6 +182,7 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
     use std::f64::consts::TAU;
 
     use glam::{DAffine3, DQuat};
@@ -284,6 +289,10 @@ mod tests {
             let topology =
                 |mesh: &Mesh| (mesh.components().count, mesh.check().euler_characteristic());
             assert_eq!(topology(found), topology(truth), "{seed}");
+            let primitives = |mesh: &Mesh| -> BTreeSet<u32> {
+                mesh.surfaces.iter().map(|entry| entry.primitive).collect()
+            };
+            assert_eq!(primitives(found), primitives(truth), "{seed}");
             let off = (found.volume() - truth.volume()).abs();
             let is_flat = program.carriers().iter().all(crate::Surface::is_plane);
             let near = if is_flat { 1e-12 } else { 0.02 * truth.area() };
