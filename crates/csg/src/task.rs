@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::control::Control;
 use crate::mesh::MeshSurface;
-use crate::program::{Bounds, Program, Surface};
+use crate::program::{Bounds, Program, Surface, SurfaceId};
 
 /// What there is to mesh. All geometry is relative to `origin`, the middle
 /// of the solid's bounds, so that a model far away loses no digits.
@@ -64,16 +64,16 @@ impl<'a> Task<'a> {
     }
 
     /// The entry of triangles on a surface of a primitive.
-    pub(crate) fn mesh_surface(&self, surface: u32, primitive: u32) -> MeshSurface {
+    pub(crate) fn mesh_surface(&self, surface: SurfaceId, primitive: u32) -> MeshSurface {
         mesh_surface(self.program, surface, primitive)
     }
 }
 
 /// The entry of triangles on a surface of a program's primitive.
-pub(crate) fn mesh_surface(program: &Program, surface: u32, primitive: u32) -> MeshSurface {
+pub(crate) fn mesh_surface(program: &Program, surface: SurfaceId, primitive: u32) -> MeshSurface {
     let origin = &program.origins()[primitive as usize];
     MeshSurface {
-        surface,
+        surface: surface.0,
         primitive,
         body: origin.body,
         name: origin.name.as_ref().map(Arc::clone),

@@ -37,7 +37,7 @@ use self::tree::{MOST_LEVELS, ROOT_BITS};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::{COORDINATE, ON_SURFACE};
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::report::Report;
 use crate::surface::solve;
 use crate::task::Task;
@@ -265,7 +265,7 @@ fn assemble(
                 .entry((change.surface, change.origin))
                 .or_insert_with(|| {
                     mesh.surfaces
-                        .push(task.mesh_surface(change.surface, change.origin));
+                        .push(task.mesh_surface(SurfaceId(change.surface), change.origin));
                     mesh.surfaces.len() as u32 - 1
                 });
             mesh.triangles.push(corners.map(|corner| {

@@ -3,25 +3,25 @@
 
 use glam::DVec3;
 
-use super::cells::Block;
+use super::block::{Block, Position};
 use super::contacts::Contact;
 use super::curve::Curve;
 use super::lines::{Along, side_of_edge};
-use super::piece::{CurveId, NOTHING, Piece};
+use super::piece::{CurveId, Piece};
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
-use crate::program::{Ends as EdgeEnds, Surface};
+use crate::program::{Ends as EdgeEnds, Surface, SurfaceId};
 use crate::surface::solve;
 
 /// What ends a stretch of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Ends {
-    /// A surface of the cell, by position.
-    Surface(u32),
+    /// A surface of the cell.
+    Surface(Position),
     /// A side of the block, or a seam or divider, where faces end but the solid
     /// does not: one of the tracer's planes.
-    Plane(u32),
+    Plane(usize),
     /// The curve comes near a surface of the cell, and may touch it; or it ends
     /// itself.
     Touch,
@@ -35,13 +35,11 @@ pub(super) struct Arc<'a> {
     /// With only what matters on the first of the pair.
     pub block: &'a Block,
     /// The surfaces of the whole block that may carry faces, ascending.
-    pub carriers: &'a [u32],
-    /// Positions of the two surfaces in the cell; the second [`NOTHING`] for a
-    /// seam of the first.
-    pub pair: [u32; 2],
-    pub surfaces: [&'a Surface; 2],
+    pub carriers: &'a [SurfaceId],
     /// The name of the curve.
     pub id: CurveId,
+    /// The two that meet in it, one of which may be a seam.
+    pub surfaces: [&'a Surface; 2],
     pub curve: &'a Curve,
     pub nodes: &'a [f64],
     /// The given edge that the curve runs along, and the edge's length.
@@ -63,9 +61,9 @@ impl Arc<'_> {
 
     /// On which side of a surface all of the given edge is that the curve runs along, if
     /// that is known.
-    pub fn side_of_edge(&self, id: u32) -> Option<bool> {
+    pub fn side_of_edge(&self, id: SurfaceId) -> Option<bool> {
         let ((edge, _), given) = self.edge.zip(self.scene.given)?;
-        let own = self.block.cell.surfaces[self.pair[0] as usize];
+        let (own, _) = self.id.pair();
         let is_own = given.are_of_one(own, id);
         match is_own.then(|| side_of_edge(self.scene, given, edge, id))? {
             Along::Beside(is_inside) => Some(is_inside),
@@ -96,10 +94,10 @@ impl Arc<'_> {
 
     /// The direction in which half of a tangent plane extends from a point.
     pub fn towards(&self, half_plane: HalfPlane, at: DVec3, direction: DVec3) -> DVec3 {
-        let id = self.block.cell.surfaces[(half_plane / 2) as usize];
-        let gradient = self.scene.surfaces[id as usize].gradient(at);
+        let id = self.block.id(half_plane.position);
+        let gradient = self.scene.surface(id).gradient(at);
         let outer = gradient.cross(direction).normalize_or_zero();
-        if half_plane & 1 == 0 { outer } else { -outer }
+        if half_plane.is_inner { -outer } else { outer }
     }
 
     /// A point of the curve from next to it, and of a third surface that it meets
@@ -148,13 +146,11 @@ impl Arc<'_> {
     }
 
     /// The place at which the curve meets other surfaces of the cell.
-    pub fn contact(&self, others: &[u32], at: DVec3) -> Contact {
-        let positions = self.pair.iter().chain(others).copied();
-        let positions = positions.filter(|&position| position != NOTHING);
-        let id = |position: u32| self.block.cell.surfaces[position as usize];
+    pub fn contact(&self, others: &[Position], at: DVec3) -> Contact {
+        let others = others.iter().map(|&position| self.block.id(position));
         Contact {
             at,
-            surfaces: positions.map(id).collect(),
+            surfaces: self.id.surfaces().chain(others).collect(),
         }
     }
 

@@ -11,7 +11,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::arc::{Arc, Ends};
-use super::cells::Block;
+use super::block::{Block, Position};
 use super::contacts::Contact;
 use super::curve::{Branch, Meets};
 use super::edges::along;
@@ -19,23 +19,22 @@ use super::faces::Faces;
 use super::frame::Frame;
 use super::intersection::Unknown;
 use super::lines::Tracer;
-use super::piece::{CurveId, NOTHING};
+use super::piece::CurveId;
 use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
 use super::triple::clusters;
 use crate::numeric::tolerance::SAME_DIRECTION;
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::undecided::{Stop, Why};
 
 #[derive(Clone, Copy, Debug)]
 struct Event {
     at: f64,
     ends: Ends,
-    /// The surface of the cell that the curve touches here, by position, or
-    /// [`NOTHING`].
-    touched: u32,
+    /// The surface of the cell that the curve touches here.
+    touched: Option<Position>,
     /// Where that is, if all surfaces there agree on it.
     point: Option<DVec3>,
 }
@@ -44,7 +43,15 @@ impl Event {
     /// Whether edges may end here though the solid does not change along the
     /// curve.
     fn touches(&self) -> bool {
-        self.touched != NOTHING || matches!(self.ends, Ends::Node)
+        self.touched.is_some() || matches!(self.ends, Ends::Node)
+    }
+
+    /// The surface of the cell that the curve crosses here.
+    fn crossed(&self) -> Option<Position> {
+        match self.ends {
+            Ends::Surface(position) => Some(position),
+            _ => None,
+        }
     }
 }
 
@@ -60,8 +67,8 @@ pub(super) struct ArcTracer {
     /// The points of the curve at all events.
     places: Vec<DVec3>,
     roots: Roots,
-    /// Positions of all surfaces of the cell through the curve.
-    through: SmallVec<[u32; 4]>,
+    /// All surfaces of the cell through the curve.
+    through: SmallVec<[Position; 4]>,
     /// For each stretch whether the solid may change around the curve.
     changes: Vec<bool>,
 }
@@ -69,14 +76,13 @@ pub(super) struct ArcTracer {
 /// What touches the apex of a cone, if that is in a block.
 fn at_apex(scene: &Scene<'_>, block: &Block, cone: &Surface) -> Option<Contact> {
     let at = cone.apex().filter(|&apex| block.contains(apex))?;
-    let touches = |id: &&u32| {
-        let other = &scene.surfaces[**id as usize];
+    let touches = |&id: &SurfaceId| {
+        let other = scene.surface(id);
         other.value(at).abs() <= scene.near * other.gradient(at).length()
     };
-    let surfaces = block.cell.surfaces.iter().filter(touches);
     Some(Contact {
         at,
-        surfaces: surfaces.copied().collect(),
+        surfaces: block.cell.ids().filter(touches).collect(),
     })
 }
 
@@ -91,32 +97,39 @@ impl ArcTracer {
         turn: f64,
         traced: &mut Traced,
     ) -> Result<(), Stop> {
-        let surface = |id: u32| &scene.surfaces[id as usize];
-        let is_plane = |&id: &u32| surface(id).is_plane();
-        if scene.given.is_some() && block.cell.surfaces.iter().all(is_plane) {
+        let mut ids = block.cell.ids();
+        if scene.given.is_some() && ids.all(|id| scene.surface(id).is_plane()) {
             return self.lines.trace(scene, block, &mut traced.pieces);
         }
         // Given back below.
         let mut faces = take(&mut self.faces);
         faces.enter(scene, block);
-        for (own, face) in faces.iter() {
-            let ids = &face.cell.surfaces;
-            let first = ids[own as usize];
-            let one = surface(first);
-            let frame = scene.frames[first as usize].as_ref();
+        for (first, face) in faces.iter() {
+            let one = scene.surface(first);
+            let frame = scene.frame(first);
             if !one.is_plane() && frame.is_none() {
                 return Err(Stop::undecided(Why::Chart, one.anchor()));
             }
             traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
-            let others = own + 1..ids.len() as u32;
-            let others = others.map(|second| (second, 0, surface(ids[second as usize])));
+            let others = face.cell.ids().filter(|&second| second > first);
+            let others = others.map(|second| {
+                let id = CurveId::first_of([first, second]);
+                (id, scene.surface(second))
+            });
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
-            let seams = (0u16..).zip(seams).map(|(k, seam)| (NOTHING, k, seam));
-            for (second, seam, other) in others.chain(seams) {
-                let pair = [Some(&first), ids.get(second as usize)];
-                let edges = pair[1].and_then(|&id| scene.only_edges(first, id));
-                if let Some(edges) = edges {
+            let seams = (0u16..).zip(seams).map(|(seam, plane)| {
+                let id = CurveId::Seam {
+                    surface: first,
+                    seam,
+                    branch: 0,
+                };
+                (id, plane)
+            });
+            for (id, other) in others.chain(seams) {
+                if let CurveId::Common { surfaces, .. } = id
+                    && let Some(edges) = scene.only_edges(surfaces)
+                {
                     let lines = edges.iter().filter_map(|&ends| {
                         let (line, length) = along(scene.given?, ends)?;
                         Some((line, (ends, length)))
@@ -126,9 +139,8 @@ impl ArcTracer {
                             scene,
                             block: face,
                             carriers: faces.carriers(),
-                            pair: [own, second],
+                            id,
                             surfaces: [one, other],
-                            id: CurveId::first_of([first, ids[second as usize]]),
                             curve: &line,
                             nodes: &[],
                             edge: Some(edge),
@@ -137,8 +149,7 @@ impl ArcTracer {
                     }
                     continue;
                 }
-                let surfaces = pair.map(|id| id.map_or(NOTHING, |&id| id));
-                let common = match scene.common(surfaces, seam) {
+                let common = match scene.common(id) {
                     Ok(common) => common,
                     Err(unknown) => match &*unknown {
                         // In a single point there is no edge.
@@ -146,7 +157,7 @@ impl ArcTracer {
                             let inside = contacts.iter().filter(|&&at| block.contains(at));
                             traced.contacts.extend(inside.map(|&at| Contact {
                                 at,
-                                surfaces: pair.into_iter().flatten().copied().collect(),
+                                surfaces: id.surfaces().collect(),
                             }));
                             continue;
                         }
@@ -160,13 +171,8 @@ impl ArcTracer {
                         scene,
                         block: face,
                         carriers: faces.carriers(),
-                        pair: [own, second],
+                        id: id.with_branch(branch),
                         surfaces: [one, other],
-                        id: CurveId {
-                            surfaces,
-                            seam,
-                            branch,
-                        },
                         curve,
                         nodes,
                         edge: None,
@@ -228,7 +234,7 @@ impl ArcTracer {
                 let here = (event.at, self.point(arc, stretch - 1));
                 arc.emit(&open, [from, here], turn, &mut traced.pieces);
                 let others = self.surfaces_of(same);
-                if event.touched != NOTHING || others.len() > 1 {
+                if event.touched.is_some() || others.len() > 1 {
                     traced.contacts.push(arc.contact(&others, here.1));
                 }
                 (open, from) = (wedges, here);
@@ -253,31 +259,32 @@ impl ArcTracer {
         let Arc {
             scene,
             block,
-            pair,
+            id,
             curve,
             ..
         } = *arc;
+        let (first, second) = id.pair();
+        let in_order = scene.given.is_none() || second.is_none();
         let tolerances = [scene.on_plane, scene.near];
         self.events.clear();
         self.planes.clear();
         self.through.clear();
         self.sectors.inside.clear();
         let at_start = curve.at(range[0]);
-        for (position, &id) in (0u32..).zip(&block.cell.surfaces) {
-            let surface = &scene.surfaces[id as usize];
+        for (position, id) in block.surfaces() {
+            let surface = scene.surface(id);
             if let Some(side) = arc.side_of_edge(id) {
                 self.sectors.inside.push(side);
                 continue;
             }
             self.roots.clear();
-            let is_through = pair.contains(&position)
+            let is_through = id == first
+                || Some(id) == second
                 || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
             if is_through {
-                let is_between = pair[0] < position && position < pair[1];
-                let in_order = scene.given.is_none() || pair[1] == NOTHING;
-                if in_order && is_between
-                    || in_order && position < pair[0] && arc.carriers.binary_search(&id).is_ok()
-                {
+                let is_between = first < id && second.is_none_or(|second| id < second);
+                let is_before = || id < first && arc.carriers.binary_search(&id).is_ok();
+                if in_order && (is_between || is_before()) {
                     return Ok(false);
                 }
                 self.through.push(position);
@@ -300,45 +307,39 @@ impl ArcTracer {
             }
         }
         for k in 0..self.through.len() {
-            let id = block.cell.surfaces[self.through[k] as usize];
-            for plane in scene.frames[id as usize].iter().flat_map(Frame::planes) {
+            let frame = scene.frame(block.id(self.through[k]));
+            for plane in frame.into_iter().flat_map(Frame::planes) {
                 self.cut(arc, plane, range);
             }
         }
         self.add_nodes(arc, range);
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
-        let crossings = self.events.iter().map(|event| match event.ends {
-            Ends::Surface(position) => (event.at, position),
-            _ => (event.at, NOTHING),
-        });
+        let crossings = self.events.iter().map(|event| (event.at, event.crossed()));
         self.sectors.crossings.extend(crossings);
         Ok(true)
     }
 
     /// Whether a curve beside polyhedra is the arc's pair's to trace.
     fn is_own(&self, arc: &Arc<'_>) -> bool {
-        if arc.scene.given.is_none() || arc.pair[1] == NOTHING || self.through.len() == 2 {
+        let CurveId::Common { surfaces: own, .. } = arc.id else {
+            return true;
+        };
+        if arc.scene.given.is_none() || self.through.len() == 2 {
             return true;
         }
-        let ids = &arc.block.cell.surfaces;
-        let through: SmallVec<[u32; 8]> = self
-            .through
-            .iter()
-            .map(|&position| ids[position as usize])
-            .collect();
-        let carries = |id: u32| arc.carriers.binary_search(&id).is_ok();
+        let through = self.through.iter().map(|&position| arc.block.id(position));
+        let through: SmallVec<[SurfaceId; 8]> = through.collect();
+        let carries = |id| arc.carriers.binary_search(&id).is_ok();
         let first = arc.scene.first_of_through(&through, carries);
-        let own = arc.pair.map(|position| ids[position as usize]);
         first.map_or(arc.edge.is_some(), |first| first == own)
     }
 
     /// Adds where the curve crosses and touches a surface of the cell, by the roots found.
-    fn add_crossings(&mut self, arc: &Arc<'_>, position: u32, range: f64) {
+    fn add_crossings(&mut self, arc: &Arc<'_>, position: Position, range: f64) {
         let scene = arc.scene;
-        let ids = &arc.block.cell.surfaces;
-        let id = ids[position as usize];
-        let triple = arc.with(&scene.surfaces[id as usize]);
+        let id = arc.block.id(position);
+        let triple = arc.with(scene.surface(id));
         let event = |at: f64, crosses: bool| Event {
             at,
             ends: if crosses {
@@ -346,15 +347,16 @@ impl ArcTracer {
             } else {
                 Ends::Touch
             },
-            touched: NOTHING,
+            touched: None,
             point: None,
         };
-        let on_edges = match arc.pair.map(|position| ids.get(position as usize)) {
-            [Some(&own), Some(_)] if arc.edge.is_none() && arc.surfaces[0].is_plane() => {
-                arc.scene.on_edges([own, id], arc.surfaces[1])
+        let [one, other] = arc.surfaces;
+        let on_edges = match arc.id {
+            CurveId::Common { surfaces, .. } if arc.edge.is_none() && one.is_plane() => {
+                scene.on_edges([surfaces[0], id], other)
             }
-            [Some(_), Some(&own)] if arc.edge.is_none() && arc.surfaces[1].is_plane() => {
-                arc.scene.on_edges([own, id], arc.surfaces[0])
+            CurveId::Common { surfaces, .. } if arc.edge.is_none() && other.is_plane() => {
+                scene.on_edges([surfaces[1], id], one)
             }
             _ => SmallVec::new(),
         };
@@ -382,11 +384,11 @@ impl ArcTracer {
             }
             let at = triple.place(cluster, range);
             // Seams are no surfaces of the solid.
-            let contact = ids.get(arc.pair[1] as usize).and_then(|&second| {
-                let ids = [ids[arc.pair[0] as usize], second, id];
-                let surfaces = [arc.surfaces[0], arc.surfaces[1], triple.third];
+            let (first, second) = arc.id.pair();
+            let contact = second.and_then(|second| {
+                let surfaces = [one, other, triple.third];
                 let here = triple.around(cluster, at);
-                let contacts = scene.contacts(ids);
+                let contacts = scene.contacts([first, second, id]);
                 let mut contacts = contacts.iter().copied();
                 contacts.find(|contact| contact.is_same(scene, &surfaces, &here))
             });
@@ -398,7 +400,7 @@ impl ArcTracer {
             let known = contact.and_then(|contact| arc.curve.place(contact.center));
             let is_within = |at: &f64| (cluster.from..=cluster.to).contains(at);
             self.events.push(Event {
-                touched: position,
+                touched: Some(position),
                 point: contact.map(|contact| contact.center),
                 ..event(known.filter(is_within).unwrap_or(at), cluster.crosses())
             });
@@ -415,9 +417,8 @@ impl ArcTracer {
             ..
         } = *arc;
         let is_near = |at: f64, apex: DVec3| curve.at(at).distance(apex) <= scene.near;
-        let ids = &arc.block.cell.surfaces;
-        let through = self.through.iter().map(|&position| ids[position as usize]);
-        let apexes = through.filter_map(|id| scene.surfaces[id as usize].apex());
+        let through = self.through.iter().map(|&position| arc.block.id(position));
+        let apexes = through.filter_map(|id| scene.surface(id).apex());
         let at_apexes = apexes.filter_map(|apex| {
             let at = curve.place(apex).filter(|at| start < *at && *at < end)?;
             let is_new = is_near(at, apex) && !nodes.iter().any(|&node| is_near(node, apex));
@@ -427,7 +428,7 @@ impl ArcTracer {
         self.events.extend(places.map(|at| Event {
             at,
             ends: Ends::Node,
-            touched: NOTHING,
+            touched: None,
             point: None,
         }));
     }
@@ -436,15 +437,14 @@ impl ArcTracer {
     /// does not matter on that, but may carry faces: then it is that one's to trace.
     fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
         let scene = arc.scene;
-        let cell = &arc.block.cell;
-        let first = cell.surfaces[arc.pair[0] as usize];
+        let (first, _) = arc.id.pair();
         let lesser = arc.carriers.iter().take_while(|&&id| id < first);
-        let mut others = lesser.filter(|&&id| cell.position_of(id).is_none());
+        let mut others = lesser.filter(|&&id| arc.block.position_of(id).is_none());
         let start = arc.curve.at(range[0]);
         // Surfaces farther off are not through it for sure.
         let clearly = 1e3 * scene.near;
         others.any(|&id| {
-            let surface = &scene.surfaces[id as usize];
+            let surface = scene.surface(id);
             let slope = surface.gradient(start).length();
             if surface.value(start).abs() > clearly * (slope + clearly) {
                 return false;
@@ -462,13 +462,13 @@ impl ArcTracer {
         self.roots.clear();
         let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
         if meets == Meets::Points && !self.roots.simple.is_empty() {
-            let ends = Ends::Plane(self.planes.len() as u32);
+            let ends = Ends::Plane(self.planes.len());
             self.planes.push(*plane);
             let places = self.roots.simple.iter();
             self.events.extend(places.map(|&at| Event {
                 at,
                 ends,
-                touched: NOTHING,
+                touched: None,
                 point: None,
             }));
         }
@@ -481,8 +481,8 @@ impl ArcTracer {
         let stretches = self.events.len() + 1;
         self.changes.clear();
         let around: &[HalfPlane] = match self.through[..] {
-            [a] => &[2 * a, 2 * a + 1],
-            [a, b] => &[2 * a, 2 * b, 2 * a + 1, 2 * b + 1],
+            [a] => &HalfPlane::both(a),
+            [a, b] => &HalfPlane::of_pair([a, b]),
             _ => {
                 self.sectors.order_is(&[]);
                 self.changes.resize(stretches, true);
@@ -523,10 +523,9 @@ impl ArcTracer {
         }
         match self.events[event].ends {
             Ends::Surface(position) => {
-                let id = arc.block.cell.surfaces[position as usize];
-                arc.point(place, Some(&arc.scene.surfaces[id as usize]))
+                arc.point(place, Some(arc.scene.surface(arc.block.id(position))))
             }
-            Ends::Plane(index) => arc.point(place, Some(&self.planes[index as usize])),
+            Ends::Plane(index) => arc.point(place, Some(&self.planes[index])),
             Ends::Touch => arc.point(place, None),
             Ends::Node => arc.node(place),
         }
@@ -551,11 +550,11 @@ impl ArcTracer {
             return Some(Wedges::new());
         }
         let direction = arc.curve.direction(middle).normalize_or_zero();
-        let id = |position: u32| block.cell.surfaces[position as usize] as usize;
+        let id = |half_plane: HalfPlane| block.id(half_plane.position);
         let towards = |half_plane: HalfPlane| arc.towards(half_plane, at, direction);
         // How far a surface bends from there, counter-clockwise.
         let bend = |half_plane: HalfPlane| {
-            let surface = &scene.surfaces[id(half_plane / 2)];
+            let surface = scene.surface(id(half_plane));
             let (gradient, towards) = (surface.gradient(at), towards(half_plane));
             let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
             off * gradient.dot(direction.cross(towards))
@@ -567,7 +566,7 @@ impl ArcTracer {
         }
         let (values, place) = self.sectors.values(block, stretch);
         let patch = |half_plane: HalfPlane| {
-            let frame = scene.frames[id(half_plane / 2)].as_ref();
+            let frame = scene.frame(id(half_plane));
             frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.near))
         };
         let wedges = self.sectors.wedges(block, scene, values, place, patch);
@@ -584,10 +583,11 @@ impl ArcTracer {
         direction: DVec3,
         same_bend: f64,
     ) -> bool {
-        let x = towards(2 * self.through[0]);
+        let [first, _] = HalfPlane::both(self.through[0]);
+        let x = towards(first);
         let y = direction.cross(x);
         let mut half_planes: SmallVec<[(f64, HalfPlane); 8]> = SmallVec::new();
-        for half_plane in self.through.iter().flat_map(|&p| [2 * p, 2 * p + 1]) {
+        for half_plane in self.through.iter().copied().flat_map(HalfPlane::both) {
             let towards = towards(half_plane);
             // From just before the first, so that nothing is cut there.
             let angle = elementary::atan2(towards.dot(y), towards.dot(x));
@@ -624,16 +624,12 @@ impl ArcTracer {
         event - before..event + 1 + after
     }
 
-    /// Positions of the surfaces that a curve crosses or touches at some events.
-    fn surfaces_of(&self, events: Range<usize>) -> SmallVec<[u32; 4]> {
+    /// The surfaces of the cell that a curve crosses or touches at some events.
+    fn surfaces_of(&self, events: Range<usize>) -> SmallVec<[Position; 4]> {
         let mut surfaces = SmallVec::new();
         for event in &self.events[events] {
-            let crossed = match event.ends {
-                Ends::Surface(position) => position,
-                _ => NOTHING,
-            };
-            for position in [crossed, event.touched] {
-                if position != NOTHING && !surfaces.contains(&position) {
+            for position in [event.crossed(), event.touched].into_iter().flatten() {
+                if !surfaces.contains(&position) {
                     surfaces.push(position);
                 }
             }

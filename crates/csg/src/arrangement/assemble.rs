@@ -13,6 +13,7 @@ use super::scene::Scene;
 use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
 use crate::mesh::Mesh;
+use crate::program::SurfaceId;
 use crate::task::Task;
 use crate::undecided::{Stop, Why};
 
@@ -97,7 +98,7 @@ fn finished(
         positions,
         ..Mesh::default()
     };
-    let mut entry_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+    let mut entry_of: FxHashMap<(SurfaceId, u32), u32> = FxHashMap::default();
     for (side, triangles) in faces.iter().zip(triangles) {
         if triangles.is_empty() {
             continue;
@@ -264,10 +265,10 @@ fn split_diagonals(
     concerned.dedup();
     for face in concerned {
         let side = &faces[face as usize];
-        let Some(frame) = &scene.frames[side.plane as usize] else {
+        let Some(frame) = scene.frame(side.plane) else {
             continue;
         };
-        let surface = &scene.surfaces[side.plane as usize];
+        let surface = scene.surface(side.plane);
         let lift = |sum: DVec3, count: f64| frame.lift(surface, side.patch, sum / count);
         let triangles = &mut triangles[face as usize];
         let mut picture = Picture::new(scene, side, std::mem::take(triangles), slits);

@@ -10,16 +10,16 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
 use super::picture::Slits;
-use super::piece::{CurveId, NOTHING, Piece, Side};
+use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
 use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::undecided::{Stop, Why};
 
 /// For edges between faces of one surface that look different, by their ends in
 /// ascending order, the other surface on whose curve they are.
-pub(crate) type Borders = FxHashMap<[u32; 2], u32>;
+pub(crate) type Borders = FxHashMap<[u32; 2], SurfaceId>;
 
 /// An index that stands for nothing.
 pub(super) const NONE: u32 = u32::MAX;
@@ -137,17 +137,20 @@ impl Boundary {
     ) -> Option<[&'a Surface; 2]> {
         let HalfEdge { twin, curve, .. } = *self.at(half_edge);
         let [first, second] = [half_edge, twin].map(|h| &self.faces[self.at(h).face as usize]);
-        let surface = &scene.surfaces[first.plane as usize];
+        let surface = scene.surface(first.plane);
         if first.plane != second.plane {
-            return Some([surface, &scene.surfaces[second.plane as usize]]);
+            return Some([surface, scene.surface(second.plane)]);
         }
         if first.shares_patch(second) {
             // Where its look changes, or other faces touch it.
-            let is_one_curve = curve == self.at(twin).curve;
-            let [one, other] = curve.surfaces.map(|id| scene.surfaces.get(id as usize));
-            return one.zip(other).filter(|_| is_one_curve).map(Into::into);
+            return match curve {
+                CurveId::Common { surfaces, .. } if curve == self.at(twin).curve => {
+                    Some(surfaces.map(|id| scene.surface(id)))
+                }
+                _ => None,
+            };
         }
-        let frame = scene.frames[first.plane as usize].as_ref()?;
+        let frame = scene.frame(first.plane)?;
         let bit = (first.patch ^ second.patch).trailing_zeros() as usize;
         frame.planes().nth(bit).map(|seam| [surface, seam])
     }
@@ -170,8 +173,7 @@ impl Boundary {
                 twin, face, curve, ..
             } = *self.at(half_edge);
             let surface = self.faces[face as usize].plane;
-            let mut others = curve.surfaces.into_iter();
-            let other = others.find(|&id| id != surface && id != NOTHING)?;
+            let other = curve.surfaces().find(|&id| id != surface)?;
             let mut ends = [half_edge, twin].map(|half| fan_of[half as usize]);
             ends.sort_unstable();
             Some((ends, other))

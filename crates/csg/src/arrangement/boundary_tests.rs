@@ -11,7 +11,7 @@ use super::piece::{CurveId, Piece, Side};
 use super::relations::Relations;
 use super::scene::{Plane, Scene};
 use crate::control::Control;
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::surface::solve;
 use crate::undecided::{Stop, Undecided, Why};
 
@@ -35,7 +35,7 @@ fn cylinder(center: DVec3, radius: f64) -> Surface {
 /// A face of a surface by its number.
 fn side(plane: u32, along_normal: bool) -> Side {
     Side {
-        plane,
+        plane: SurfaceId(plane),
         look: 0,
         along_normal,
         patch: 0,
@@ -101,7 +101,10 @@ fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<
         Ok::<_, Stop>(boundary)
     })
     .ok()?;
-    let face = boundary.faces.iter().position(|f| f.plane == surface)?;
+    let face = boundary
+        .faces
+        .iter()
+        .position(|f| f.plane == SurfaceId(surface))?;
     let start = |&half_edge: &u32| boundary.points[boundary.at(half_edge).from as usize];
     let contours = boundary.contours().swap_remove(face);
     let vertices = contours.iter().map(|c| c.iter().map(start).collect());
@@ -266,7 +269,7 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
         plane(0.0),
     ];
     with_scene(&surfaces, |scene| {
-        let found = scene.contacts([0, 1, 2]);
+        let found = scene.contacts([0, 1, 2].map(SurfaceId));
         assert_eq!(found.len(), 1, "{found:?}");
         // Rounding blurs a place to the fourth order to a quarter of its digits.
         let at = found[0].center;
@@ -276,12 +279,12 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
             assert!(off <= scene.rounding, "{off}");
         }
         for ids in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
-            let same = scene.contacts(ids);
+            let same = scene.contacts(ids.map(SurfaceId));
             assert_eq!(same.len(), 1);
             assert_eq!(same[0].center, at);
         }
         // They cross.
-        assert!(scene.contacts([0, 2, 3]).is_empty());
+        assert!(scene.contacts([0, 2, 3].map(SurfaceId)).is_empty());
     });
 }
 

@@ -2,37 +2,13 @@
 
 use glam::DVec3;
 
+use super::block::Block;
 use crate::control::{Control, Stage};
 use crate::error::Error;
 use crate::numeric::tolerance::COORDINATE;
-use crate::program::{Cell, Crown, Given, Narrowed, Narrower, Program, Pruner, Side, Surface};
-
-/// A box, half-open, with the program pruned to it. The boxes of one scene
-/// share their coordinates to the bit, so that they partition every line.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Block {
-    pub low: DVec3,
-    pub high: DVec3,
-    pub cell: Cell,
-}
-
-impl Block {
-    pub fn center(&self) -> DVec3 {
-        0.5 * (self.low + self.high)
-    }
-
-    /// Whether a point is in this block and in no neighbour.
-    pub fn contains(&self, point: DVec3) -> bool {
-        point.cmpge(self.low).all() && point.cmplt(self.high).all()
-    }
-
-    /// The planes of its six sides.
-    pub fn sides(&self) -> impl Iterator<Item = Surface> {
-        [self.low, self.high]
-            .into_iter()
-            .flat_map(|corner| DVec3::AXES.map(|axis| Surface::plane(corner * axis, axis)))
-    }
-}
+use crate::program::{
+    Cell, Crown, Given, Narrowed, Narrower, Program, Pruner, Side, Surface, SurfaceId,
+};
 
 /// So few planes are not worth another cut: the time that a block takes grows
 /// with the third power of their number, but most is spent on cutting then. Tunes speed only.
@@ -154,7 +130,7 @@ impl Cutter<'_> {
         let beyond = self.beyond;
         let side = |id: u32| {
             let surface = &surfaces[id as usize];
-            if !given.is_cut(id) || given.are_walls() {
+            if !given.is_cut(SurfaceId(id)) || given.are_walls() {
                 return surface.side_of_box(center, half);
             }
             // Blocks end there: on neither side it matters any more.
@@ -171,7 +147,7 @@ impl Cutter<'_> {
         let formula = self.program.formula();
         let mut cell = Cell::default();
         let is_cut = |id: u32| {
-            given.is_cut(id) && {
+            given.is_cut(SurfaceId(id)) && {
                 let (axis, at) = coordinate(&surfaces[id as usize]);
                 low[axis] < at + beyond && at + beyond < high[axis]
             }
@@ -240,8 +216,8 @@ impl Cutter<'_> {
         let others = match self.given {
             None => planes,
             Some(given) => {
-                let ids = block.cell.surfaces.iter();
-                ids.filter(|&&id| !given.has_faces(id)).count()
+                let ids = block.cell.ids();
+                ids.filter(|&id| !given.has_faces(id)).count()
             }
         };
         let is_last = others <= FEW_PLANES || vain == MOST_VAIN_CUTS || cuts == MOST_CUTS;

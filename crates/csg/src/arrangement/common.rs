@@ -10,35 +10,37 @@ use super::piece::CurveId;
 use super::relations::Common;
 use super::scene::Scene;
 use super::triple::contacts;
+use crate::program::SurfaceId;
 
 impl Scene<'_> {
-    /// The curves common to two surfaces, by number, or, if the second is
-    /// [`super::piece::NOTHING`], to the first and one of its seams.
-    pub fn common(&self, [first, second]: [u32; 2], seam: u16) -> Common {
+    /// The curves common to two surfaces, or to one and a seam of it, by any of them.
+    pub fn common(&self, id: CurveId) -> Common {
         let decide = || {
-            let one = &self.surfaces[first as usize];
-            let other = self.surfaces.get(second as usize).or_else(|| {
-                let frame = self.frames[first as usize].as_ref()?;
-                frame.seams.get(seam as usize)
-            });
-            let other = other.ok_or_else(|| Arc::new(Unknown::NoForm))?;
+            let surfaces = match id {
+                CurveId::Common { surfaces, .. } => Some(surfaces.map(|id| self.surface(id))),
+                CurveId::Seam { surface, seam, .. } => {
+                    let seams = self.frame(surface).map(|frame| &frame.seams);
+                    let seam = seams.and_then(|seams| seams.get(usize::from(seam)));
+                    seam.map(|seam| [self.surface(surface), seam])
+                }
+            };
+            let [one, other] = surfaces.ok_or_else(|| Arc::new(Unknown::NoForm))?;
             let common = curves(one, other, self.near).map_err(Arc::new)?;
             Ok(common.into_iter().collect())
         };
-        let key = [first, second, u32::from(seam)];
-        self.relations.pairs.get(key, decide)
+        self.relations.pairs.get(id.with_branch(0), decide)
     }
 
     /// A curve by its name; none would be a mistake.
     pub fn curve(&self, id: CurveId) -> Option<Curve> {
-        let common = self.common(id.surfaces, id.seam).ok()?;
-        let branch = common.get(id.branch as usize)?;
+        let common = self.common(id).ok()?;
+        let branch = common.get(usize::from(id.branch()))?;
         Some(branch.curve.clone())
     }
 
     /// Where three surfaces touch: in each ball is one point of all three, its centre. The
     /// same in whatever order they are named.
-    pub fn contacts(&self, mut ids: [u32; 3]) -> Arc<[Ball]> {
+    pub fn contacts(&self, mut ids: [SurfaceId; 3]) -> Arc<[Ball]> {
         ids.sort_unstable();
         let decide = || contacts(self, ids).into_iter().collect();
         self.relations.triples.get(ids, decide)

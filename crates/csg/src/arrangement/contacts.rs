@@ -9,13 +9,14 @@ use smallvec::SmallVec;
 use super::picture::{Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
+use crate::program::SurfaceId;
 
 /// A point in which surfaces touch each other.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
     pub at: DVec3,
-    /// Those that may, by number.
-    pub surfaces: SmallVec<[u32; 3]>,
+    /// Those that may.
+    pub surfaces: SmallVec<[SurfaceId; 3]>,
 }
 
 /// Makes vertices of contacts that lie inside of faces.
@@ -30,7 +31,7 @@ pub(super) fn add_contacts(
     if contacts.is_empty() {
         return;
     }
-    let mut of_surface: FxHashMap<u32, Vec<&Contact>> = FxHashMap::default();
+    let mut of_surface: FxHashMap<SurfaceId, Vec<&Contact>> = FxHashMap::default();
     for contact in contacts {
         for &surface in &contact.surfaces {
             of_surface.entry(surface).or_default().push(contact);
@@ -40,8 +41,8 @@ pub(super) fn add_contacts(
         let Some(contacts) = of_surface.get(&side.plane) else {
             continue;
         };
-        let surface = &scene.surfaces[side.plane as usize];
-        let frame = scene.frames[side.plane as usize].as_ref();
+        let surface = scene.surface(side.plane);
+        let frame = scene.frame(side.plane);
         let is_inside = |contact: &&&Contact| {
             let patch = frame.map_or(0, |f| f.patch(contact.at, DVec3::ZERO, scene.near));
             let is_corner =

@@ -86,7 +86,7 @@ impl Boundary {
             return near.is_some_and(|near| near.distance(point) <= scene.weld);
         }
         // Within a face, which others touch there.
-        let surface = &scene.surfaces[self.faces[face as usize].plane as usize];
+        let surface = scene.surface(self.faces[face as usize].plane);
         surface.value(point).abs() <= scene.weld * surface.gradient(point).length()
     }
 

@@ -6,19 +6,19 @@ use smallvec::SmallVec;
 use super::curve::Curve;
 use super::roots::Roots;
 use super::scene::Scene;
-use crate::program::{Ends, Given, Surface};
+use crate::program::{Ends, Given, Surface, SurfaceId};
 
 impl Scene<'_> {
     /// The given edges in which two surfaces alone meet, if these carry faces of one
     /// polyhedron and of nothing else.
-    pub fn only_edges(&self, one: u32, other: u32) -> Option<&[Ends]> {
+    pub fn only_edges(&self, pair: [SurfaceId; 2]) -> Option<&[Ends]> {
         let given = self.given?;
-        let are_of_one = given.are_of_one(one, other);
-        are_of_one.then(|| given.edges_of([one, other]))
+        let are_of_one = given.are_of_one(pair[0], pair[1]);
+        are_of_one.then(|| given.edges_of(pair))
     }
 
     /// Where the edges that faces on two planes share cross a surface.
-    pub fn on_edges(&self, pair: [u32; 2], surface: &Surface) -> SmallVec<[DVec3; 2]> {
+    pub fn on_edges(&self, pair: [SurfaceId; 2], surface: &Surface) -> SmallVec<[DVec3; 2]> {
         let mut points = SmallVec::new();
         let Some(given) = self.given else {
             return points;
@@ -36,14 +36,14 @@ impl Scene<'_> {
         points
     }
 
-    /// Of the planes through a curve, and other surfaces, by their numbers, the two that
+    /// Of the planes through a curve, and other surfaces, the two that
     /// it is traced by: the first of which one may carry a face and that are not of one
     /// polyhedron. None if all are: then its edges are.
     pub fn first_of_through(
         &self,
-        through: &[u32],
-        may_carry: impl Fn(u32) -> bool,
-    ) -> Option<[u32; 2]> {
+        through: &[SurfaceId],
+        may_carry: impl Fn(SurfaceId) -> bool,
+    ) -> Option<[SurfaceId; 2]> {
         let given = self.given?;
         let rest = |k: usize| through[k + 1..].iter();
         let pairs = (0..through.len()).flat_map(|k| rest(k).map(move |&b| [through[k], b]));

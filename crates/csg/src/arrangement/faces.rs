@@ -1,15 +1,15 @@
 //! Which surfaces of a block may carry faces, and what matters on each: mostly far
 //! less than in all of the block.
 
-use super::cells::Block;
+use super::block::Block;
 use super::scene::Scene;
-use crate::program::Pruner;
+use crate::program::{Pruner, SurfaceId};
 
 /// The surfaces of a block that may carry faces: those that matter in a box around
 /// themselves. Holds scratch memory.
 pub(super) struct Faces {
     /// Ascending.
-    carriers: Vec<u32>,
+    carriers: Vec<SurfaceId>,
     /// For each of them, and more, the block with only what matters on it, or touches
     /// it.
     blocks: Vec<Block>,
@@ -31,8 +31,8 @@ impl Faces {
     /// Forgets another block.
     pub fn enter(&mut self, scene: &Scene<'_>, block: &Block) {
         self.carriers.clear();
-        for &id in &block.cell.surfaces {
-            let own = scene.surfaces[id as usize].own_bounds();
+        for id in block.cell.ids() {
+            let own = scene.surface(id).own_bounds();
             let low = own.min.max(block.low);
             let high = own.max.min(block.high);
             let half = 0.5 * (high - low) + 2.0 * scene.near;
@@ -49,20 +49,19 @@ impl Faces {
             let pruner = &mut self.pruner;
             let whole = &block.cell;
             whole.prune_into(scene.surfaces, center, half, pruner, &mut part.cell);
-            if part.cell.position_of(id).is_some() {
+            if part.position_of(id).is_some() {
                 self.carriers.push(id);
             }
         }
     }
 
     /// All of them in ascending order.
-    pub fn carriers(&self) -> &[u32] {
+    pub fn carriers(&self) -> &[SurfaceId] {
         &self.carriers
     }
 
-    /// Each with its position in the block with only what matters on it.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Block)> {
-        let faces = self.carriers.iter().zip(&self.blocks);
-        faces.filter_map(|(&id, block)| Some((block.cell.position_of(id)?, block)))
+    /// Each with the block with only what matters on it.
+    pub fn iter(&self) -> impl Iterator<Item = (SurfaceId, &Block)> {
+        self.carriers.iter().copied().zip(&self.blocks)
     }
 }

@@ -11,6 +11,7 @@ use super::curve::Curve;
 use super::frame::Frame;
 use super::piece::{CurveId, Side};
 use super::scene::Scene;
+use crate::program::SurfaceId;
 
 /// A piece of an edge with a face on its left as seen from outside.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +47,11 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
+    /// Of a curved surface.
+    pub fn frame(&self, surface: SurfaceId) -> Option<&Frame> {
+        self.frames[surface.index()].as_ref()
+    }
+
     pub(super) fn new(scene: &Scene<'_>, boundary: &Boundary) -> Self {
         let mut number = vec![NONE; boundary.half_edges.len()];
         let kept: Vec<u32> = (0..boundary.half_edges.len() as u32)

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::cells::Block;
+use super::block::{Block, Position};
 use super::scene::{Plane, Scene};
 use crate::numeric::tolerance::PARALLEL_PLANES;
 
@@ -17,11 +17,8 @@ pub(super) struct Line {
 impl Line {
     /// The whole line common to two planes of a block, the same to the bit in
     /// every block; none if they are parallel.
-    pub fn of_pair(scene: &Scene<'_>, block: &Block, pair: [u32; 2]) -> Option<Self> {
-        let [p, q] = pair.map(|position| {
-            let id = block.cell.surfaces[position as usize];
-            &scene.planes[id as usize]
-        });
+    pub fn of_pair(scene: &Scene<'_>, block: &Block, pair: [Position; 2]) -> Option<Self> {
+        let [p, q] = pair.map(|position| scene.plane(block.id(position)));
         let direction = p.normal.cross(q.normal);
         let square = direction.length_squared();
         if square < PARALLEL_PLANES * PARALLEL_PLANES {
@@ -42,13 +39,10 @@ impl Line {
     pub fn along_edge(
         scene: &Scene<'_>,
         block: &Block,
-        pair: [u32; 2],
+        pair: [Position; 2],
         ends: [DVec3; 2],
     ) -> Option<Self> {
-        let [p, q] = pair.map(|position| {
-            let id = block.cell.surfaces[position as usize];
-            scene.planes[id as usize].normal
-        });
+        let [p, q] = pair.map(|position| scene.plane(block.id(position)).normal);
         let along = ends[1] - ends[0];
         let length = along.length();
         let runs_back = p.cross(q).dot(along) < 0.0;

@@ -4,13 +4,13 @@
 use crate::elementary;
 use smallvec::SmallVec;
 
-use super::cells::Block;
+use super::block::{Block, Position};
 use super::line::Line;
 use super::piece::{CurveId, Piece};
 use super::regions::{Candidate, Finder, merge};
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges, emit};
-use crate::program::{Ends, Given};
+use crate::program::{Ends, Given, SurfaceId};
 use crate::undecided::{Stop, Why};
 
 /// Finds the edges in blocks. Holds scratch memory.
@@ -20,7 +20,7 @@ pub(super) struct Tracer {
     candidates: Vec<Candidate>,
     sectors: Sectors,
     /// Positions of the planes through the line, but for the first two.
-    others: SmallVec<[u32; 4]>,
+    others: SmallVec<[Position; 4]>,
 }
 
 /// In blocks of no more planes every pair of them is traced: it takes less time
@@ -31,7 +31,7 @@ const ALL_PAIRS: usize = 16;
 /// found by the given edges. Less than half a digit is lost without.
 const NEARLY_ALONG: f64 = 0.3;
 
-fn everywhere(pair: [u32; 2]) -> Candidate {
+fn everywhere(pair: [Position; 2]) -> Candidate {
     Candidate {
         pair,
         start: f64::NEG_INFINITY,
@@ -49,10 +49,15 @@ pub(super) enum Along {
     Through,
 }
 
-pub(super) fn side_of_edge(scene: &Scene<'_>, given: &Given, edge: Ends, plane: u32) -> Along {
+pub(super) fn side_of_edge(
+    scene: &Scene<'_>,
+    given: &Given,
+    edge: Ends,
+    plane: SurfaceId,
+) -> Along {
     let [from, to] = edge.map(|vertex| {
         let is_corner = given.has_vertex(plane, vertex);
-        let value = scene.planes[plane as usize].value(given.vertex(vertex));
+        let value = scene.plane(plane).value(given.vertex(vertex));
         // As when the formula was made.
         let is_on = is_corner || value.abs() <= given.slack();
         if is_on { 0.0 } else { value }
@@ -68,7 +73,7 @@ pub(super) fn side_of_edge(scene: &Scene<'_>, given: &Given, edge: Ends, plane: 
 
 /// Whether faces on two surfaces may meet along a line that is no given edge: not if they are of
 /// one polyhedron, or those of one on one side of the other.
-fn may_meet(scene: &Scene<'_>, given: &Given, one: u32, other: u32) -> bool {
+fn may_meet(scene: &Scene<'_>, given: &Given, one: SurfaceId, other: SurfaceId) -> bool {
     /// Of more vertices it is not told.
     const FEW: usize = 8;
     if given.are_of_one(one, other) {
@@ -82,7 +87,7 @@ fn may_meet(scene: &Scene<'_>, given: &Given, one: u32, other: u32) -> bool {
         .into_iter()
         .all(|(plane, face)| {
             let corners = given.vertices_on(face);
-            let plane = &scene.planes[plane as usize];
+            let plane = scene.plane(plane);
             let none = (f64::INFINITY, f64::NEG_INFINITY);
             let (low, high) = corners.iter().take(FEW).fold(none, |(low, high), &corner| {
                 let value = plane.value(given.vertex(corner));
@@ -106,14 +111,12 @@ impl Tracer {
         pieces: &mut Vec<Piece>,
     ) -> Result<(), Stop> {
         self.sectors.enter(scene, block);
-        let count = block.cell.surfaces.len();
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.clear();
         if let Some(given) = scene.given {
             self.find_beside(scene, given, block, &mut candidates);
-        } else if count <= ALL_PAIRS {
-            let pairs = (1..count as u32).flat_map(|b| (0..b).map(move |a| [a, b]));
-            candidates.extend(pairs.map(everywhere));
+        } else if block.cell.surfaces.len() <= ALL_PAIRS {
+            candidates.extend(block.pairs().map(everywhere));
         } else {
             self.finder.find(scene, block, &mut candidates);
             self.name_all(scene, block, &mut candidates);
@@ -135,20 +138,20 @@ impl Tracer {
         block: &Block,
         candidates: &mut Vec<Candidate>,
     ) {
-        let ids = &block.cell.surfaces;
-        let count = ids.len() as u32;
-        let others = ids.iter().filter(|&&id| !given.is_of_polyhedron(id));
-        let is_many = others.count() > ALL_PAIRS;
+        let others = || {
+            block
+                .surfaces()
+                .filter(|&(_, id)| !given.is_of_polyhedron(id))
+        };
+        let is_many = others().count() > ALL_PAIRS;
         if is_many {
-            for (position, &id) in (0u32..).zip(ids) {
-                if !given.is_of_polyhedron(id) {
-                    self.finder.find_on(scene, block, position, candidates);
-                }
+            for (position, _) in others() {
+                self.finder.find_on(scene, block, position, candidates);
             }
             self.name_all(scene, block, candidates);
         }
-        for pair in (1..count).flat_map(|b| (0..b).map(move |a| [a, b])) {
-            let [one, other] = pair.map(|position| ids[position as usize]);
+        for pair in block.pairs() {
+            let [one, other] = pair.map(|position| block.id(position));
             if given.are_of_one(one, other) {
                 let edges = given.edges_of([one, other]).iter();
                 candidates.extend(edges.map(|&ends| Candidate {
@@ -183,11 +186,13 @@ impl Tracer {
         if !line.clip(block.low, block.high) {
             return;
         }
-        let ids = block.cell.surfaces.iter();
-        let mut through = (0u32..).zip(ids).filter(|&(position, &id)| {
-            pair.contains(&position) || line.lies_in(scene, &scene.planes[id as usize])
+        let mut through = block.surfaces().filter(|&(position, id)| {
+            pair.contains(&position) || line.lies_in(scene, scene.plane(id))
         });
-        let first = [through.next(), through.next()].map(|p| p.map_or(0, |(position, _)| position));
+        let (Some((one, _)), Some((other, _))) = (through.next(), through.next()) else {
+            return;
+        };
+        let first = [one, other];
         if first == pair {
             return;
         }
@@ -247,7 +252,7 @@ impl Tracer {
         scene: &Scene<'_>,
         block: &Block,
         line: &Line,
-        pair: [u32; 2],
+        pair: [Position; 2],
         [start, end]: [f64; 2],
         pieces: &mut Vec<Piece>,
     ) -> bool {
@@ -256,7 +261,7 @@ impl Tracer {
         let last = self.sectors.crossings.partition_point(|&(t, _)| t <= end);
         // Stretches between crossings, as many at once as fit into a word.
         let at_once = 64 / sectors;
-        let curve = CurveId::first_of(pair.map(|position| block.cell.surfaces[position as usize]));
+        let curve = CurveId::first_of(pair.map(|position| block.id(position)));
         let mut open = Wedges::new();
         let mut from = (line.start, line.at(line.start));
         for batch in (first..=last).step_by(at_once) {
@@ -270,10 +275,10 @@ impl Tracer {
                         return false;
                     }
                     open = wedges;
-                } else if wedges != open || self.is_shared(scene, stretch - 1) {
-                    let (t, crossing) = self.sectors.crossings[stretch - 1];
-                    let triple = [pair[0], pair[1], crossing];
-                    let ids = triple.map(|p| block.cell.surfaces[p as usize]);
+                } else if (wedges != open || self.is_shared(scene, stretch - 1))
+                    && let (t, Some(crossing)) = self.sectors.crossings[stretch - 1]
+                {
+                    let ids = [pair[0], pair[1], crossing].map(|position| block.id(position));
                     let here = (t, scene.common_point(ids));
                     emit(&open, curve, [from, here], pieces);
                     (open, from) = (wedges, here);
@@ -298,17 +303,16 @@ impl Tracer {
         candidate: &Candidate,
     ) -> bool {
         let pair = candidate.pair;
-        let ids = &block.cell.surfaces;
-        let own = pair.map(|position| ids[position as usize]);
+        let own = pair.map(|position| block.id(position));
         self.sectors.crossings.clear();
         self.others.clear();
         self.sectors.inside.clear();
-        for (position, &id) in (0u32..).zip(ids) {
+        for (position, id) in block.surfaces() {
             if pair.contains(&position) {
                 self.sectors.inside.push(true);
                 continue;
             }
-            let plane = &scene.planes[id as usize];
+            let plane = scene.plane(id);
             let edge = candidate.edge.zip(scene.given);
             let edge = edge.filter(|(_, given)| given.are_of_one(id, own[0]));
             let side = edge.map(|(edge, given)| side_of_edge(scene, given, edge, id));
@@ -338,7 +342,7 @@ impl Tracer {
                 _ => -value / slope,
             };
             if line.start < at && at < line.end {
-                self.sectors.crossings.push((at, position));
+                self.sectors.crossings.push((at, Some(position)));
                 self.sectors.inside.push(slope > 0.0);
             } else {
                 self.sectors.inside.push(first + last <= 0.0);
@@ -352,9 +356,10 @@ impl Tracer {
         };
         // Of several planes through a line the first two that are not of one polyhedron
         // trace it, and its own edges, where there are no others.
-        let mut through: SmallVec<[u32; 8]> = pair.into_iter().chain(self.others.clone()).collect();
+        let others = self.others.iter().copied();
+        let mut through: SmallVec<[Position; 8]> = pair.into_iter().chain(others).collect();
         through.sort_unstable();
-        let differ = |a: u32, b: u32| may_meet(scene, given, ids[a as usize], ids[b as usize]);
+        let differ = |a, b| may_meet(scene, given, block.id(a), block.id(b));
         let mut pairs = (1..through.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
         let first = pairs.find(|&(a, b)| differ(through[a], through[b]));
         match first {
@@ -367,7 +372,7 @@ impl Tracer {
     /// the line there though none ends.
     fn is_shared(&self, scene: &Scene<'_>, crossing: usize) -> bool {
         let near = |other: usize| {
-            let gap = |&(t, _): &(f64, u32)| (t - self.sectors.crossings[crossing].0).abs();
+            let gap = |&(t, _): &(f64, _)| (t - self.sectors.crossings[crossing].0).abs();
             self.sectors
                 .crossings
                 .get(other)
@@ -379,24 +384,24 @@ impl Tracer {
     /// The half-planes around the line, counter-clockwise about its direction.
     /// The sector before the first is inside of every plane through the line
     /// whose outer half comes first.
-    fn sort_around(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [u32; 2]) {
-        let [p, q] = pair;
+    fn sort_around(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [Position; 2]) {
         self.sectors.around.clear();
         if self.others.is_empty() {
             // The direction is the cross product of their normals.
             self.sectors
                 .around
-                .extend_from_slice(&[2 * p, 2 * q, 2 * p + 1, 2 * q + 1]);
+                .extend_from_slice(&HalfPlane::of_pair(pair));
             return;
         }
-        let normal = |at: u32| scene.planes[block.cell.surfaces[at as usize] as usize].normal;
+        let normal = |at: Position| scene.plane(block.id(at)).normal;
         // The half from which the normal points counter-clockwise.
-        let outer = |at: u32| normal(at).cross(line.direction);
-        let x = outer(p).normalize_or_zero();
+        let outer = |at: Position| normal(at).cross(line.direction);
+        let [first, _] = pair;
+        let x = outer(first).normalize_or_zero();
         let y = line.direction.cross(x);
         let mut half_planes: SmallVec<[(f64, HalfPlane); 8]> = SmallVec::new();
         for &at in pair.iter().chain(&self.others) {
-            let angle = if at == p {
+            let angle = if at == first {
                 0.0
             } else {
                 elementary::atan2(outer(at).dot(y), outer(at).dot(x))
@@ -406,8 +411,7 @@ impl Tracer {
             } else {
                 angle + std::f64::consts::PI
             };
-            half_planes.push((angle, 2 * at));
-            half_planes.push((opposite, 2 * at + 1));
+            half_planes.extend([angle, opposite].into_iter().zip(HalfPlane::both(at)));
         }
         half_planes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.sectors

@@ -37,6 +37,7 @@ mod arc;
 mod arcs;
 mod assemble;
 mod ball;
+mod block;
 mod boundary;
 #[cfg(test)]
 mod boundary_tests;
@@ -92,8 +93,9 @@ pub(crate) use self::piece::{CurveId, Side};
 
 use self::arcs::ArcTracer;
 use self::assemble::assemble;
+use self::block::Block;
 use self::boundary::Boundary;
-use self::cells::{Block, cut};
+use self::cells::cut;
 use self::contacts::Contact;
 use self::lines::Tracer;
 use self::relations::Relations;
@@ -102,7 +104,7 @@ use self::traced::Traced;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::{NEAR, ON_PLANE, VALUE, WELD};
-use crate::program::{Origin, Program, Surface};
+use crate::program::{Origin, Program, Surface, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
 use crate::undecided::{Stop, Undecided};
@@ -391,7 +393,7 @@ fn trace<T>(
 fn deviation(scene: &Scene<'_>, mesh: &Mesh) -> (f64, DVec3) {
     let mut farthest = (0.0, DVec3::ZERO);
     for (corners, &entry) in mesh.triangles.iter().zip(&mesh.triangle_surfaces) {
-        let plane = &scene.planes[mesh.surfaces[entry as usize].surface as usize];
+        let plane = scene.plane(SurfaceId(mesh.surfaces[entry as usize].surface));
         for &corner in corners {
             let point = mesh.positions[corner as usize];
             let distance = plane.value(point).abs();

@@ -13,7 +13,7 @@ use super::scene::{Plane, Scene};
 use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
 use crate::control::Control;
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::random::Random;
 
 /// All that a scene of one surface about the z axis refers to.
@@ -64,7 +64,7 @@ impl Stage {
     fn side(&self, at: DVec3) -> Side {
         let frame = self.frames[0].as_ref().expect("a frame");
         Side {
-            plane: 0,
+            plane: SurfaceId(0),
             look: 0,
             along_normal: true,
             patch: frame.patch(at, DVec3::ZERO, 0.0),

@@ -1,12 +1,16 @@
 //! A piece of an edge and the faces that meet along it.
 
+use std::iter;
+
 use glam::DVec3;
+
+use crate::program::SurfaceId;
 
 /// One of the two faces that meet along an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Side {
     /// The plane it lies on, by number.
-    pub plane: u32,
+    pub plane: SurfaceId,
     /// The first primitive of those that look like its own, by number.
     pub look: u32,
     /// Whether its outward normal is that of the plane.
@@ -22,33 +26,61 @@ impl Side {
     }
 }
 
-/// The position of what is no surface of the formula.
-pub(crate) const NOTHING: u32 = u32::MAX;
-
 /// A curve in which surfaces meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct CurveId {
-    /// The two surfaces, by number; the second [`NOTHING`] on seams.
-    pub surfaces: [u32; 2],
-    /// Which of the first one's seams, if it is on one.
-    pub seam: u16,
-    /// Which of the curves that the two have in common.
-    pub branch: u16,
+pub(crate) enum CurveId {
+    /// Which of the curves that two surfaces have in common.
+    Common {
+        surfaces: [SurfaceId; 2],
+        branch: u16,
+    },
+    /// Which of the curves in one of a surface's seams: it parts patches of that.
+    Seam {
+        surface: SurfaceId,
+        seam: u16,
+        branch: u16,
+    },
 }
 
 impl CurveId {
     /// The first curve of two surfaces.
-    pub fn first_of(surfaces: [u32; 2]) -> Self {
-        Self {
-            surfaces,
-            seam: 0,
-            branch: 0,
+    pub fn first_of(surfaces: [SurfaceId; 2]) -> Self {
+        let branch = 0;
+        Self::Common { surfaces, branch }
+    }
+
+    /// Another one of the same surfaces, or in the same seam.
+    pub fn with_branch(mut self, number: u16) -> Self {
+        let (Self::Common { branch, .. } | Self::Seam { branch, .. }) = &mut self;
+        *branch = number;
+        self
+    }
+
+    pub fn branch(self) -> u16 {
+        let (Self::Common { branch, .. } | Self::Seam { branch, .. }) = self;
+        branch
+    }
+
+    /// The surfaces that meet in it; on seams there is one alone.
+    pub fn pair(self) -> (SurfaceId, Option<SurfaceId>) {
+        match self {
+            Self::Common {
+                surfaces: [first, second],
+                ..
+            } => (first, Some(second)),
+            Self::Seam { surface, .. } => (surface, None),
         }
     }
 
+    /// The same, one after another.
+    pub fn surfaces(self) -> impl Iterator<Item = SurfaceId> {
+        let (first, second) = self.pair();
+        iter::once(first).chain(second)
+    }
+
     /// Whether it parts patches of one surface.
-    pub fn is_seam(&self) -> bool {
-        self.surfaces[1] == NOTHING
+    pub fn is_seam(self) -> bool {
+        matches!(self, Self::Seam { .. })
     }
 }
 

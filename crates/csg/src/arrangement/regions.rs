@@ -11,29 +11,26 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::cells::Block;
+use super::block::{Block, Position};
 use super::line::Line;
 use super::scene::Scene;
-use crate::program::{Cell, Ends, Operand, Pruner, Side as Half};
+use crate::program::{Cell, Ends, Operand, Pruner, Side as Half, SurfaceId};
 
-/// A stretch of the line common to two planes, which are named by position.
+/// A stretch of the line common to two planes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     /// The lesser position first.
-    pub pair: [u32; 2],
+    pub pair: [Position; 2],
     pub start: f64,
     pub end: f64,
     /// The given edge that it is, if it is one.
     pub edge: Option<Ends>,
 }
 
-/// A corner, and the plane that the side from it to the next lies on, by its
-/// number in the program.
-type Corner = (DVec3, u32);
+/// A corner, and the plane that the side from it to the next lies on; none of a side of
+/// the block.
+type Corner = (DVec3, Option<SurfaceId>);
 type Polygon = SmallVec<[Corner; 12]>;
-
-/// A side of the block.
-const OF_BLOCK: u32 = u32::MAX;
 
 /// Finds candidates. Holds scratch memory.
 pub(super) struct Finder {
@@ -42,7 +39,7 @@ pub(super) struct Finder {
     spare: Vec<Cell>,
     halves: Vec<Half>,
     /// Planes that the piece in work lies in, which cannot split it.
-    along: Vec<u32>,
+    along: Vec<SurfaceId>,
 }
 
 impl Default for Finder {
@@ -60,7 +57,7 @@ impl Default for Finder {
 impl Finder {
     /// Appends the candidates of a block, each once or more often.
     pub fn find(&mut self, scene: &Scene<'_>, block: &Block, found: &mut Vec<Candidate>) {
-        for position in 0..block.cell.surfaces.len() as u32 {
+        for (position, _) in block.surfaces() {
             self.find_on(scene, block, position, found);
         }
     }
@@ -70,10 +67,10 @@ impl Finder {
         &mut self,
         scene: &Scene<'_>,
         block: &Block,
-        position: u32,
+        position: Position,
         found: &mut Vec<Candidate>,
     ) {
-        let plane = block.cell.surfaces[position as usize];
+        let plane = block.id(position);
         let Some(whole) = section(scene, block, plane) else {
             return;
         };
@@ -88,7 +85,7 @@ impl Finder {
             let mut pruned = self.spare.pop().unwrap_or_default();
             if clip_by_root(scene, &cell, plane, &mut piece) {
                 self.prune(scene, &cell, plane, &piece, &mut pruned);
-                if pruned.constant().is_none() && pruned.surfaces.contains(&plane) {
+                if pruned.constant().is_none() && pruned.surfaces.contains(&plane.0) {
                     match self.splitter(&pruned, plane) {
                         Some(by) => self.split(scene, &piece, &pruned, by),
                         None => record(scene, block, position, &piece, found),
@@ -104,13 +101,13 @@ impl Finder {
         &mut self,
         scene: &Scene<'_>,
         cell: &Cell,
-        plane: u32,
+        plane: SurfaceId,
         piece: &Polygon,
         out: &mut Cell,
     ) {
         self.halves.clear();
         self.along.clear();
-        for &id in &cell.surfaces {
+        for id in cell.ids() {
             let (low, high) = if id == plane {
                 (0.0, 0.0)
             } else {
@@ -131,21 +128,20 @@ impl Finder {
     }
 
     /// The plane to split by: that of the literal nearest to the root.
-    fn splitter(&self, cell: &Cell, plane: u32) -> Option<u32> {
+    fn splitter(&self, cell: &Cell, plane: SurfaceId) -> Option<SurfaceId> {
         let formula = &cell.formula;
         // Gates come after their operands: from the root backwards.
         let gates = formula.gates().iter().rev();
         let operands = gates.flat_map(|gate| formula.operands_of(gate));
         operands
             .filter_map(|&operand| match operand {
-                Operand::Literal(i) => Some(formula.literals()[i as usize].surface as usize),
+                Operand::Literal(i) => Some(cell.surface_of(&formula.literals()[i as usize])),
                 _ => None,
             })
-            .map(|s| cell.surfaces[s])
             .find(|id| *id != plane && !self.along.contains(id))
     }
 
-    fn split(&mut self, scene: &Scene<'_>, piece: &Polygon, cell: &Cell, by: u32) {
+    fn split(&mut self, scene: &Scene<'_>, piece: &Polygon, cell: &Cell, by: SurfaceId) {
         for inside in [true, false] {
             let mut part = piece.clone();
             clip(scene, by, inside, &mut part);
@@ -160,19 +156,20 @@ impl Finder {
 }
 
 /// The part of a plane that lies in a block.
-fn section(scene: &Scene<'_>, block: &Block, plane: u32) -> Option<Polygon> {
-    let normal = scene.planes[plane as usize].normal;
+fn section(scene: &Scene<'_>, block: &Block, plane: SurfaceId) -> Option<Polygon> {
+    let plane = scene.plane(plane);
+    let normal = plane.normal;
     let center = 0.5 * (block.low + block.high);
-    let foot = center - scene.planes[plane as usize].value(center) * normal;
+    let foot = center - plane.value(center) * normal;
     let (u, v) = normal.any_orthonormal_pair();
     let reach = 2.0 * (block.high - block.low).length();
     let mut polygon: Polygon = [u + v, v - u, -u - v, u - v]
         .into_iter()
-        .map(|corner| (foot + reach * corner, OF_BLOCK))
+        .map(|corner| (foot + reach * corner, None))
         .collect();
     for axis in 0..3 {
         for (bound, sign) in [(block.low[axis], -1.0), (block.high[axis], 1.0)] {
-            clip_by(&mut polygon, OF_BLOCK, |p| {
+            clip_by(&mut polygon, None, |p| {
                 sign * (p[axis] - bound) - scene.weld
             });
         }
@@ -181,8 +178,8 @@ fn section(scene: &Scene<'_>, block: &Block, plane: u32) -> Option<Polygon> {
 }
 
 /// Least and greatest value of a plane on a polygon.
-fn range(scene: &Scene<'_>, plane: u32, polygon: &Polygon) -> (f64, f64) {
-    let plane = &scene.planes[plane as usize];
+fn range(scene: &Scene<'_>, plane: SurfaceId, polygon: &Polygon) -> (f64, f64) {
+    let plane = scene.plane(plane);
     polygon
         .iter()
         .map(|&(point, _)| plane.value(point))
@@ -193,7 +190,7 @@ fn range(scene: &Scene<'_>, plane: u32, polygon: &Polygon) -> (f64, f64) {
 
 /// Clips a piece to the half-spaces that all of the solid lies in, or all of
 /// its complement: the literals at the root. False if nothing is left.
-fn clip_by_root(scene: &Scene<'_>, cell: &Cell, plane: u32, piece: &mut Polygon) -> bool {
+fn clip_by_root(scene: &Scene<'_>, cell: &Cell, plane: SurfaceId, piece: &mut Polygon) -> bool {
     let formula = &cell.formula;
     let Operand::Gate(root) = formula.root() else {
         return true;
@@ -204,7 +201,7 @@ fn clip_by_root(scene: &Scene<'_>, cell: &Cell, plane: u32, piece: &mut Polygon)
             continue;
         };
         let literal = &formula.literals()[i as usize];
-        let id = cell.surfaces[literal.surface as usize];
+        let id = cell.surface_of(literal);
         if id == plane {
             continue;
         }
@@ -220,8 +217,8 @@ fn clip_by_root(scene: &Scene<'_>, cell: &Cell, plane: u32, piece: &mut Polygon)
 
 /// Keeps the part of a polygon on one side of a plane; all of it if no corner
 /// is farther on the other side than rounding.
-fn clip(scene: &Scene<'_>, plane: u32, inside: bool, polygon: &mut Polygon) {
-    let by = &scene.planes[plane as usize];
+fn clip(scene: &Scene<'_>, plane: SurfaceId, inside: bool, polygon: &mut Polygon) {
+    let by = scene.plane(plane);
     let sign = if inside { 1.0 } else { -1.0 };
     let value = |p: DVec3| sign * by.value(p);
     if polygon.iter().all(|&(p, _)| value(p) <= scene.on_plane) {
@@ -231,12 +228,12 @@ fn clip(scene: &Scene<'_>, plane: u32, inside: bool, polygon: &mut Polygon) {
         polygon.clear();
         return;
     }
-    clip_by(polygon, plane, value);
+    clip_by(polygon, Some(plane), value);
 }
 
 /// Keeps the part of a polygon where `value` is at most 0 (Sutherland and
 /// Hodgman, *Reentrant Polygon Clipping*, 1974).
-fn clip_by(polygon: &mut Polygon, label: u32, value: impl Fn(DVec3) -> f64) {
+fn clip_by(polygon: &mut Polygon, label: Option<SurfaceId>, value: impl Fn(DVec3) -> f64) {
     let mut kept = Polygon::new();
     for (k, &(p, side)) in polygon.iter().enumerate() {
         let (q, _) = polygon[(k + 1) % polygon.len()];
@@ -256,15 +253,15 @@ fn clip_by(polygon: &mut Polygon, label: u32, value: impl Fn(DVec3) -> f64) {
 fn record(
     scene: &Scene<'_>,
     block: &Block,
-    position: u32,
+    position: Position,
     piece: &Polygon,
     found: &mut Vec<Candidate>,
 ) {
     for (k, &(from, label)) in piece.iter().enumerate() {
-        let Ok(other) = block.cell.surfaces.binary_search(&label) else {
+        let Some(other) = label.and_then(|id| block.position_of(id)) else {
             continue;
         };
-        let pair = [position.min(other as u32), position.max(other as u32)];
+        let pair = [position.min(other), position.max(other)];
         let Some(line) = Line::of_pair(scene, block, pair) else {
             continue;
         };

@@ -2,7 +2,7 @@
 //! whatever block, chord or boundary asks is told the same, and only the first that asks
 //! waits for it.
 
-use std::hash::BuildHasher;
+use std::hash::{BuildHasher, Hash};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
@@ -10,6 +10,8 @@ use rustc_hash::{FxBuildHasher, FxHashMap};
 use super::ball::Ball;
 use super::curve::Branch;
 use super::intersection::Unknown;
+use super::piece::CurveId;
+use crate::program::SurfaceId;
 
 /// The curves of two surfaces, or why they are not known.
 pub(super) type Common = Result<Arc<[Branch]>, Arc<Unknown>>;
@@ -17,28 +19,28 @@ pub(super) type Common = Result<Arc<[Branch]>, Arc<Unknown>>;
 /// What has been asked for so far.
 #[derive(Default)]
 pub(super) struct Relations {
-    /// By the numbers of two surfaces, or one and [`super::piece::NOTHING`], and a seam.
-    pub pairs: Table<Common>,
+    /// By the first of the curves.
+    pub pairs: Table<CurveId, Common>,
     /// By three surfaces, ascending.
-    pub triples: Table<Arc<[Ball]>>,
+    pub triples: Table<[SurfaceId; 3], Arc<[Ball]>>,
 }
 
 /// A map that several threads fill, in parts so that they seldom wait for each other.
-pub(super) struct Table<V>([Mutex<FxHashMap<[u32; 3], V>>; PARTS]);
+pub(super) struct Table<K, V>([Mutex<FxHashMap<K, V>>; PARTS]);
 
 /// Tunes speed only.
 const PARTS: usize = 64;
 
-impl<V> Default for Table<V> {
+impl<K, V> Default for Table<K, V> {
     fn default() -> Self {
         Self(std::array::from_fn(|_| Mutex::default()))
     }
 }
 
-impl<V: Clone> Table<V> {
+impl<K: Copy + Eq + Hash, V: Clone> Table<K, V> {
     /// What is known, or else what is decided now. Two threads may decide at once, and
     /// alike.
-    pub fn get(&self, key: [u32; 3], decide: impl FnOnce() -> V) -> V {
+    pub fn get(&self, key: K, decide: impl FnOnce() -> V) -> V {
         let known = self.part(key).get(&key).cloned();
         known.unwrap_or_else(|| {
             let decided = decide();
@@ -46,7 +48,7 @@ impl<V: Clone> Table<V> {
         })
     }
 
-    fn part(&self, key: [u32; 3]) -> MutexGuard<'_, FxHashMap<[u32; 3], V>> {
+    fn part(&self, key: K) -> MutexGuard<'_, FxHashMap<K, V>> {
         // The lower bits are the map's own.
         let part = FxBuildHasher.hash_one(key) >> 40;
         let part = &self.0[part as usize % PARTS];

@@ -8,7 +8,7 @@ use super::piece::Side;
 use super::relations::Relations;
 use crate::control::Control;
 use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
-use crate::program::{Given, Surface};
+use crate::program::{Given, Surface, SurfaceId};
 use crate::undecided::Stop;
 
 /// n·x - offset, at most 0 inside.
@@ -53,7 +53,20 @@ pub(super) struct Scene<'a> {
     pub control: &'a Control,
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    pub fn surface(&self, id: SurfaceId) -> &'a Surface {
+        &self.surfaces[id]
+    }
+
+    pub fn plane(&self, id: SurfaceId) -> &'a Plane {
+        &self.planes[id.index()]
+    }
+
+    /// Of a curved surface, if it has one.
+    pub fn frame(&self, id: SurfaceId) -> Option<&'a Frame> {
+        self.frames[id.index()].as_ref()
+    }
+
     /// Whether the caller wants more.
     pub fn go_on(&self) -> Result<(), Stop> {
         self.control.check().map_err(|_| Stop::Halted)
@@ -81,13 +94,13 @@ impl Scene<'_> {
     /// The point common to three planes, the same to the bit in whatever order
     /// they are named: of faces of a polyhedron that share a vertex, this; of two
     /// that share an edge and another one, where that crosses the edge.
-    pub fn common_point(&self, mut ids: [u32; 3]) -> DVec3 {
+    pub fn common_point(&self, mut ids: [SurfaceId; 3]) -> DVec3 {
         ids.sort_unstable();
         self.given_point(ids)
             .unwrap_or_else(|| self.point_of_planes(ids))
     }
 
-    fn given_point(&self, ids: [u32; 3]) -> Option<DVec3> {
+    fn given_point(&self, ids: [SurfaceId; 3]) -> Option<DVec3> {
         let given = self.given?;
         let mut vertices = given.common_vertices(ids);
         if let Some(first) = vertices.next() {
@@ -106,7 +119,7 @@ impl Scene<'_> {
         for (pair, third) in [([a, b], c), ([a, c], b), ([b, c], a)] {
             for &ends in given.edges_of(pair) {
                 let ends = ends.map(|v| given.vertex(v));
-                let values = ends.map(|v| self.planes[third as usize].value(v));
+                let values = ends.map(|v| self.plane(third).value(v));
                 let change = values[0] - values[1];
                 let share = values[0] / change;
                 let is_on = (-1e-6..=1.0 + 1e-6).contains(&share);
@@ -120,8 +133,8 @@ impl Scene<'_> {
     }
 
     /// The point common to three planes, in ascending order.
-    fn point_of_planes(&self, ids: [u32; 3]) -> DVec3 {
-        let planes = ids.map(|id| self.planes[id as usize]);
+    fn point_of_planes(&self, ids: [SurfaceId; 3]) -> DVec3 {
+        let planes = ids.map(|id| self.plane(id));
         let [p, q, r] = planes.map(|plane| plane.normal);
         let crosses = [q.cross(r), r.cross(p), p.cross(q)];
         let solve = |values: [f64; 3]| {
@@ -136,10 +149,10 @@ impl Scene<'_> {
     /// A point of a face seen from outside, along the axis that its plane faces
     /// most: no coordinate is rounded.
     pub fn flatten(&self, side: &Side, point: DVec3) -> DVec2 {
-        if let Some(frame) = &self.frames[side.plane as usize] {
+        if let Some(frame) = self.frame(side.plane) {
             return frame.flatten(side.patch, side.along_normal, point);
         }
-        let normal = self.planes[side.plane as usize].normal;
+        let normal = self.plane(side.plane).normal;
         let axis = normal.abs().max_position();
         let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
         if (normal[axis] > 0.0) == side.along_normal {

@@ -3,13 +3,39 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::cells::Block;
-use super::piece::{CurveId, NOTHING, Piece, Side};
+use super::block::{Block, Position};
+use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
 
-/// Half a plane that ends in a line: 2 position + 1 if it is the half beyond
-/// which, turning counter-clockwise about the line, the plane's inside lies.
-pub(super) type HalfPlane = u32;
+/// Half a plane that ends in a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct HalfPlane {
+    pub position: Position,
+    /// Whether it is the half beyond which, turning counter-clockwise about the line,
+    /// the plane's inside lies.
+    pub is_inner: bool,
+}
+
+impl HalfPlane {
+    /// The outer and the inner half of a plane.
+    pub fn both(position: Position) -> [Self; 2] {
+        [false, true].map(|is_inner| Self { position, is_inner })
+    }
+
+    /// The halves of two planes, counter-clockwise about the cross product of their normals.
+    pub fn of_pair(pair: [Position; 2]) -> [Self; 4] {
+        let [[a, b], [c, d]] = pair.map(Self::both);
+        [a, c, b, d]
+    }
+
+    /// The other half of its plane.
+    pub fn opposite(self) -> Self {
+        Self {
+            is_inner: !self.is_inner,
+            ..self
+        }
+    }
+}
 
 /// The two faces at every solid wedge around a curve: mostly one wedge.
 pub(super) type Wedges = SmallVec<[[Side; 2]; 2]>;
@@ -38,12 +64,12 @@ pub(super) fn emit(
 pub(super) struct Sectors {
     /// For each position in the cell: whether all its literals look alike, and
     /// the look of the first.
-    looks: Vec<(bool, u32)>,
+    looks: Vec<Option<(bool, u32)>>,
     /// The half-planes around the curve, counter-clockwise about its direction.
     pub around: SmallVec<[HalfPlane; 8]>,
-    /// Where other surfaces cross the curve, and their positions, in order;
-    /// [`NOTHING`] where the formula does not change.
-    pub crossings: Vec<(f64, u32)>,
+    /// Where other surfaces cross the curve, in order; none where the formula does not
+    /// change.
+    pub crossings: Vec<(f64, Option<Position>)>,
     /// Per position the signs (1: inside) before the first crossing.
     pub inside: Vec<bool>,
     /// Per position the signs on all stretches and in all sectors, a bit each.
@@ -59,15 +85,12 @@ pub(super) struct Sectors {
 impl Sectors {
     /// Forgets another block.
     pub fn enter(&mut self, scene: &Scene<'_>, block: &Block) {
-        const NONE: u32 = u32::MAX;
         self.looks.clear();
-        self.looks.resize(block.cell.surfaces.len(), (true, NONE));
+        self.looks.resize(block.cell.surfaces.len(), None);
         for literal in block.cell.formula.literals() {
             let look = scene.looks[literal.origin as usize];
-            let (alike, first) = &mut self.looks[literal.surface as usize];
-            if *first == NONE {
-                *first = look;
-            }
+            let known = &mut self.looks[literal.surface as usize];
+            let (alike, first) = known.get_or_insert((true, look));
             *alike &= *first == look;
         }
     }
@@ -109,20 +132,21 @@ impl Sectors {
         self.words
             .extend(self.inside.iter().map(|&i| if i { u64::MAX } else { 0 }));
         for (rank, &(_, position)) in self.crossings.iter().enumerate() {
-            if position == NOTHING {
+            let Some(position) = position else {
                 continue;
-            }
+            };
             // Crossed before stretch rank + 1.
             let kept = (rank + 1).saturating_sub(first).min(count) * sectors;
-            self.words[position as usize] ^= !low_bits(kept);
+            self.words[position.index()] ^= !low_bits(kept);
         }
         let one_of_each = (0..count).fold(0, |word, k| word | 1u64 << (k * sectors));
         for (k, &half_plane) in self.around.iter().enumerate() {
             // Inside from beyond the inner half up to the outer half.
-            if half_plane & 1 == 1 {
+            if half_plane.is_inner {
                 continue;
             }
-            let inner = self.around.iter().position(|&h| h == half_plane + 1);
+            let inner = half_plane.opposite();
+            let inner = self.around.iter().position(|&h| h == inner);
             let inner = inner.unwrap_or(0);
             let is_inside = |sector: usize| {
                 if inner < k {
@@ -134,7 +158,7 @@ impl Sectors {
             let word = (0..sectors)
                 .filter(|&sector| is_inside(sector))
                 .fold(0, |word, sector| word | one_of_each << sector);
-            self.words[(half_plane / 2) as usize] = word;
+            self.words[half_plane.position.index()] = word;
         }
         let words = &self.words;
         block
@@ -168,9 +192,9 @@ impl Sectors {
             let [first, last] = [end, start].map(|k| {
                 let half_plane = self.around[k];
                 Side {
-                    plane: block.cell.surfaces[(half_plane / 2) as usize],
+                    plane: block.id(half_plane.position),
                     look: self.look(scene, block, k, first_bit),
-                    along_normal: (half_plane & 1 == 0) == (k == end),
+                    along_normal: half_plane.is_inner != (k == end),
                     patch: patch(half_plane),
                 }
             });
@@ -189,29 +213,29 @@ impl Sectors {
     /// solid changes. Literals that do not matter there have no say, so that
     /// blocks agree whatever they were pruned of.
     fn look(&mut self, scene: &Scene<'_>, block: &Block, k: usize, first_bit: usize) -> u32 {
-        let position = self.around[k] / 2;
-        let (alike, first) = self.looks[position as usize];
+        let HalfPlane { position, is_inner } = self.around[k];
+        let (alike, first) = self.looks[position.index()].unwrap_or_default();
         if alike {
             return first;
         }
         // The signs in the sector on the plane's inner side.
         let sectors = self.around.len();
-        let inner = if self.around[k] & 1 == 0 {
-            first_bit + k
-        } else {
+        let inner = if is_inner {
             first_bit + (k + 1) % sectors
+        } else {
+            first_bit + k
         };
         let literals = block.cell.formula.literals();
         let own = || {
             (0u32..)
                 .zip(literals)
-                .filter(|(_, l)| l.surface == position)
+                .filter(|(_, l)| l.surface == position.0)
         };
         let words = &self.words;
         // Assignment j toggles the j-th literal and all after it.
         let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
             let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
-            if s != position {
+            if s != position.0 {
                 return inside;
             }
             match own().position(|(o, _)| o == i) {

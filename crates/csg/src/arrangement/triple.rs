@@ -10,10 +10,11 @@ use smallvec::SmallVec;
 
 use super::ball::Ball;
 use super::curve::{Curve, Meets};
+use super::piece::CurveId;
 use super::roots::{Roots, bracketed};
 use super::scene::Scene;
 use crate::numeric::tolerance::DOUBTFUL;
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 use crate::surface::solve;
 
 /// A root, or several that cannot be told apart.
@@ -175,11 +176,11 @@ impl Ball {
 
 /// Where three surfaces, ascending, touch: in each ball is one point of all three, its
 /// centre. To be asked for by [`Scene::contacts`].
-pub(super) fn contacts(scene: &Scene<'_>, ids: [u32; 3]) -> SmallVec<[Ball; 2]> {
-    let surfaces = ids.map(|id| &scene.surfaces[id as usize]);
+pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball; 2]> {
+    let surfaces = ids.map(|id| scene.surface(id));
     let mut found: SmallVec<[Doubtful; 8]> = SmallVec::new();
     for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
-        let common = scene.common([ids[a], ids[b]], 0);
+        let common = scene.common(CurveId::first_of([ids[a], ids[b]]));
         for branch in common.iter().flat_map(|branches| branches.iter()) {
             let triple = Triple {
                 curve: &branch.curve,

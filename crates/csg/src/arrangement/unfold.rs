@@ -45,10 +45,10 @@ pub(super) fn unfold(
     coarse: &mut Vec<[u32; 2]>,
 ) {
     const MOST_ROUNDS: usize = 8;
-    let Some(frame) = &scene.frames[side.plane as usize] else {
+    let Some(frame) = scene.frame(side.plane) else {
         return;
     };
-    let surface = &scene.surfaces[side.plane as usize];
+    let surface = scene.surface(side.plane);
     let round = frame.round.as_ref();
     let is_good = |corners: &[u32; 3], positions: &[DVec3]| {
         let corners = corners.map(|c| positions[c as usize]);

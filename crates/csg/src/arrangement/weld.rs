@@ -99,9 +99,11 @@ impl Welded {
         around: &[usize],
     ) -> bool {
         let is_on = |vertex: u32| {
-            let ids = around.iter().flat_map(|&k| pieces[k].curve.surfaces);
-            let surfaces = ids.filter_map(|id| scene.surfaces.get(id as usize));
-            let off = solve::residual(surfaces, self.points[vertex as usize]);
+            let ids = around.iter().flat_map(|&k| pieces[k].curve.surfaces());
+            let off = solve::residual(
+                ids.map(|id| scene.surface(id)),
+                self.points[vertex as usize],
+            );
             off <= OFF * scene.rounding
         };
         if is_on(vertex) {
@@ -112,7 +114,8 @@ impl Welded {
         let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
         let touch = |&k: &usize| {
             let is_other = |&j: &usize| {
-                pieces[j].curve.surfaces != pieces[k].curve.surfaces && beyond(j) == beyond(k)
+                let [one, other] = [j, k].map(|k| pieces[k].curve.surfaces());
+                one.ne(other) && beyond(j) == beyond(k)
             };
             let is_next = beyond(k) != vertex && distance(beyond(k)) <= scene.touching_reach();
             is_next && around.iter().any(is_other) && is_on(beyond(k))
@@ -135,6 +138,7 @@ mod tests {
     use crate::arrangement::piece::{CurveId, Side};
     use crate::arrangement::relations::Relations;
     use crate::control::Control;
+    use crate::program::SurfaceId;
 
     fn ball(center: DVec3, radius: f64) -> Surface {
         Surface::of_terms(
@@ -167,7 +171,7 @@ mod tests {
             control: &control,
         };
         let side = |plane| Side {
-            plane,
+            plane: SurfaceId(plane),
             look: 0,
             along_normal: true,
             patch: 0,
@@ -181,7 +185,7 @@ mod tests {
                     from: at(radius, from),
                     to: at(radius, to),
                     sides: [side(index), side(2)],
-                    curve: CurveId::first_of([index, 2]),
+                    curve: CurveId::first_of([index, 2].map(SurfaceId)),
                     places: [0.0; 2],
                 };
                 [piece(0.0, first), piece(first, 0.5)]
@@ -198,8 +202,8 @@ mod tests {
             assert_eq!(a[0] == a[1] && c[0] == c[1], is_contracted, "{first}");
             for (piece, ends) in pieces.iter().zip(&ends) {
                 for &end in ends {
-                    let surfaces = piece.curve.surfaces.map(|id| &surfaces[id as usize]);
-                    let off = solve::residual(surfaces.into_iter(), points[end as usize]);
+                    let surfaces = piece.curve.surfaces().map(|id| scene.surface(id));
+                    let off = solve::residual(surfaces, points[end as usize]);
                     assert!(off < 1e-13, "{first}: {off}");
                 }
             }

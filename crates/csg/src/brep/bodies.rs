@@ -127,7 +127,7 @@ fn is_within(outer: &[Outline<'_>], inner: Shell<'_>) -> bool {
 fn crossings(patches: &[Outline<'_>], from: DVec3, direction: DVec3) -> Option<usize> {
     let mut count = 0;
     for outline in patches {
-        let surface = &outline.brep.surfaces[outline.patch.side.plane as usize];
+        let surface = &outline.brep.surfaces[outline.patch.side.plane.index()];
         let chart = outline.brep.chart(outline.patch);
         let square = 0.5 * surface.curvature_along(direction);
         let linear = surface.gradient(from).dot(direction);

@@ -30,7 +30,7 @@ impl Brep {
                 let curve = &self.curves[stretch.curve as usize];
                 extremes(|t| curve.at(t), stretch.places, &mut add);
             }
-            let surface = &self.surfaces[patch.side.plane as usize];
+            let surface = &self.surfaces[patch.side.plane.index()];
             let tips = DVec3::AXES.into_iter().flat_map(|axis| tips(surface, axis));
             tips.filter(|&tip| self.holds(patch, tip))
                 .for_each(&mut add);

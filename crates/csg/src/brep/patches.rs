@@ -44,8 +44,8 @@ pub(super) fn regions(
             continue;
         }
         let side = &all.faces[face as usize];
-        let surface = &surfaces[side.plane as usize];
-        let frame = all.frames[side.plane as usize].as_ref();
+        let surface = &surfaces[side.plane];
+        let frame = all.frame(side.plane);
         let about = all.points[all.half_edges[contours[0][0] as usize].from as usize];
         let chart = Chart::new(surface, frame, side, about);
         let outlines = contours.into_iter().map(|half_edges| {

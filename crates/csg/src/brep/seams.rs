@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::arrangement::{Arrangement, Frame, HalfEdge};
+use crate::arrangement::{Arrangement, CurveId, Frame, HalfEdge};
 use crate::program::{Surface, SurfaceShape};
 
 /// The seams that are edges: of cylinders and cones one line, of whole spheres half a great
@@ -40,14 +40,17 @@ impl Line {
 
     /// Whether a half-edge that lies on a seam lies on it.
     fn has(self, all: &Arrangement, half_edge: &HalfEdge) -> bool {
-        let frame = all.frames[half_edge.curve.surfaces[0] as usize].as_ref();
+        let CurveId::Seam { surface, seam, .. } = half_edge.curve else {
+            return false;
+        };
+        let frame = all.frame(surface);
         let other = frame.and_then(|frame| frame.seams.get(self.other));
         let is_beyond = |other: &Surface| {
             let end = all.half_edges[half_edge.twin as usize].from;
             let [from, to] = [half_edge.from, end].map(|point| all.points[point as usize]);
             other.value(from.midpoint(to)) > 0.0
         };
-        usize::from(half_edge.curve.seam) == self.seam
+        usize::from(seam) == self.seam
             && other.is_some_and(|other| is_beyond(other) == self.is_beyond)
     }
 }
@@ -58,7 +61,7 @@ impl Seams {
     pub fn new(all: &Arrangement, surfaces: &[Surface]) -> Self {
         let mut is_whole = vec![true; surfaces.len()];
         for half_edge in all.half_edges.iter().filter(|half| !half.curve.is_seam()) {
-            is_whole[all.faces[half_edge.face as usize].plane as usize] = false;
+            is_whole[all.faces[half_edge.face as usize].plane.index()] = false;
         }
         let mut lines: Vec<Vec<(Line, u32)>> = surfaces
             .iter()
@@ -76,7 +79,8 @@ impl Seams {
             })
             .collect();
         for half_edge in all.half_edges.iter().filter(|half| half.curve.is_seam()) {
-            for (line, count) in &mut lines[half_edge.curve.surfaces[0] as usize] {
+            let (surface, _) = half_edge.curve.pair();
+            for (line, count) in &mut lines[surface.index()] {
                 *count += u32::from(line.has(all, half_edge));
             }
         }
@@ -91,7 +95,8 @@ impl Seams {
 
     /// Whether a face is cut at a half-edge that lies on a seam.
     pub fn has(&self, all: &Arrangement, half_edge: &HalfEdge) -> bool {
-        let chosen = self.of_surface[half_edge.curve.surfaces[0] as usize];
+        let (surface, _) = half_edge.curve.pair();
+        let chosen = self.of_surface[surface.index()];
         chosen.is_none_or(|line| line.has(all, half_edge))
     }
 

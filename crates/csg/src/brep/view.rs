@@ -166,7 +166,7 @@ impl<'a> Face<'a> {
     /// The number of its surface in the program that was evaluated.
     #[must_use]
     pub fn surface_index(&self) -> usize {
-        self.data().side.plane as usize
+        self.data().side.plane.index()
     }
 
     /// Whether the gradient of the surface's function points out of the solid there.
@@ -354,7 +354,7 @@ impl<'a> Vertex<'a> {
 impl Brep {
     /// The chart of a patch, with coordinates near to a point of it.
     pub(super) fn chart(&self, patch: &Patch) -> Chart<'_> {
-        let surface = patch.side.plane as usize;
+        let surface = patch.side.plane.index();
         let first = patch.stretches.first();
         let about = first.map_or(DVec3::ZERO, |first| {
             self.curves[first.curve as usize].at(first.places[0])

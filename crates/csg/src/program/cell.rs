@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::formula::{Formula, Gate, Literal, Operand};
-use crate::surface::{Bounds, Side, Surface, half_space_bounds};
+use crate::surface::{Bounds, Side, Surface, SurfaceId, half_space_bounds};
 
 /// What is left of a program inside a box: the surfaces that may cross it
 /// (ids into the program's list) and the formula over them, whose literals
@@ -51,6 +51,16 @@ impl Cell {
     /// What it holds besides itself, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.surfaces) + self.formula.bytes()
+    }
+
+    /// The surfaces that still matter, ascending.
+    pub(crate) fn ids(&self) -> impl ExactSizeIterator<Item = SurfaceId> + DoubleEndedIterator {
+        self.surfaces.iter().map(|&id| SurfaceId(id))
+    }
+
+    /// The surface of a literal of its formula.
+    pub(crate) fn surface_of(&self, literal: &Literal) -> SurfaceId {
+        SurfaceId(self.surfaces[literal.surface as usize])
     }
 
     /// Where a surface is in its list, if it matters in it.

@@ -5,6 +5,8 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
+use crate::surface::SurfaceId;
+
 /// The number of what belongs to no polyhedron alone.
 const NONE: u32 = u32::MAX;
 
@@ -23,7 +25,7 @@ pub(crate) struct Given {
     cuts: Vec<bool>,
     are_walls: bool,
     /// For two surfaces, the lesser first, the edges in which their faces meet.
-    edges: FxHashMap<[u32; 2], SmallVec<[Ends; 1]>>,
+    edges: FxHashMap<[SurfaceId; 2], SmallVec<[Ends; 1]>>,
     /// The vertices of each surface's faces, ascending, and where they begin.
     vertices_of: Vec<u32>,
     first_of: Vec<u32>,
@@ -33,12 +35,13 @@ pub(crate) struct Given {
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     vertices: Vec<DVec3>,
-    /// Triangles with the numbers of their vertices, surfaces and polyhedra.
-    triangles: Vec<([u32; 3], u32, u32)>,
+    /// Triangles with the numbers of their vertices, their surfaces and the numbers of
+    /// their polyhedra.
+    triangles: Vec<([u32; 3], SurfaceId, u32)>,
     polyhedra: u32,
     /// Points nearer to planes were taken to be on them.
     pub slack: f64,
-    pub cuts: Vec<u32>,
+    pub cuts: Vec<SurfaceId>,
     /// Whether there may be faces on cuts.
     pub are_walls: bool,
 }
@@ -48,7 +51,7 @@ impl Gathered {
     pub fn add(
         &mut self,
         vertices: impl Iterator<Item = DVec3>,
-        triangles: impl Iterator<Item = ([u32; 3], u32)>,
+        triangles: impl Iterator<Item = ([u32; 3], SurfaceId)>,
     ) {
         let first = self.vertices.len() as u32;
         self.vertices.extend(vertices);
@@ -60,7 +63,7 @@ impl Gathered {
     }
 
     /// Gives surfaces other numbers; what is on those without one is left out.
-    pub fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+    pub fn renumber(&mut self, number: impl Fn(SurfaceId) -> Option<SurfaceId>) {
         let triangles = std::mem::take(&mut self.triangles).into_iter();
         let renumbered = |(corners, surface, owner)| Some((corners, number(surface)?, owner));
         self.triangles = triangles.filter_map(renumbered).collect();
@@ -70,7 +73,7 @@ impl Gathered {
 
     /// The edges and vertices, if there are any, of a program of so many surfaces in which
     /// `others` belong to other primitives.
-    pub fn finish(self, surfaces: usize, others: impl Iterator<Item = u32>) -> Option<Given> {
+    pub fn finish(self, surfaces: usize, others: impl Iterator<Item = SurfaceId>) -> Option<Given> {
         if self.triangles.is_empty() {
             return None;
         }
@@ -78,22 +81,22 @@ impl Gathered {
         let mut owners = vec![FREE; surfaces];
         let mut cuts = vec![false; surfaces];
         for &cut in &self.cuts {
-            cuts[cut as usize] = true;
+            cuts[cut.index()] = true;
         }
         for surface in others {
-            owners[surface as usize] = NONE;
-            cuts[surface as usize] = false;
+            owners[surface.index()] = NONE;
+            cuts[surface.index()] = false;
         }
-        let mut sides: FxHashMap<Ends, SmallVec<[u32; 2]>> = FxHashMap::default();
-        let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(3 * self.triangles.len());
+        let mut sides: FxHashMap<Ends, SmallVec<[SurfaceId; 2]>> = FxHashMap::default();
+        let mut pairs: Vec<(SurfaceId, u32)> = Vec::with_capacity(3 * self.triangles.len());
         for &([a, b, c], surface, owner) in &self.triangles {
-            let known = &mut owners[surface as usize];
+            let known = &mut owners[surface.index()];
             *known = match *known {
                 FREE => owner,
                 same if same == owner => owner,
                 _ => NONE,
             };
-            cuts[surface as usize] = false;
+            cuts[surface.index()] = false;
             for [from, to] in [[a, b], [b, c], [c, a]] {
                 let ends = [from.min(to), from.max(to)];
                 let around = sides.entry(ends).or_default();
@@ -101,12 +104,12 @@ impl Gathered {
                     around.push(surface);
                 }
             }
-            pairs.extend([a, b, c].map(|vertex| [surface, vertex]));
+            pairs.extend([a, b, c].map(|vertex| (surface, vertex)));
         }
         for owner in owners.iter_mut().filter(|owner| **owner == FREE) {
             *owner = NONE;
         }
-        let mut edges: FxHashMap<[u32; 2], SmallVec<[Ends; 1]>> = FxHashMap::default();
+        let mut edges: FxHashMap<[SurfaceId; 2], SmallVec<[Ends; 1]>> = FxHashMap::default();
         for (ends, mut around) in sides {
             around.sort_unstable();
             // More than two meet where the polyhedron touches itself: the first two stand
@@ -121,8 +124,8 @@ impl Gathered {
         pairs.sort_unstable();
         pairs.dedup();
         let mut first_of = vec![0; surfaces + 1];
-        for &[surface, _] in &pairs {
-            first_of[surface as usize + 1] += 1;
+        for &(surface, _) in &pairs {
+            first_of[surface.index() + 1] += 1;
         }
         for surface in 0..surfaces {
             first_of[surface + 1] += first_of[surface];
@@ -134,7 +137,7 @@ impl Gathered {
             cuts,
             are_walls: self.are_walls,
             edges,
-            vertices_of: pairs.into_iter().map(|[_, vertex]| vertex).collect(),
+            vertices_of: pairs.into_iter().map(|(_, vertex)| vertex).collect(),
             first_of,
         })
     }
@@ -151,34 +154,34 @@ impl Given {
     }
 
     /// The same for a program in which surfaces were replaced by others.
-    pub fn renumbered(&self, in_place: impl Fn(u32) -> u32) -> Self {
+    pub fn renumbered(&self, in_place: impl Fn(SurfaceId) -> SurfaceId) -> Self {
         let surfaces = self.owners.len();
         let mut owners = vec![NONE; surfaces];
         let mut is_met = vec![false; surfaces];
         let mut cuts = vec![true; surfaces];
         let mut pairs = Vec::with_capacity(self.vertices_of.len());
-        for (old, &owner) in (0u32..).zip(&self.owners) {
+        for (old, &owner) in (0u32..).map(SurfaceId).zip(&self.owners) {
             let new = in_place(old);
-            let slot = new as usize;
+            let slot = new.index();
             owners[slot] = if !is_met[slot] || owners[slot] == owner {
                 owner
             } else {
                 NONE
             };
             is_met[slot] = true;
-            cuts[slot] &= self.cuts[old as usize];
-            pairs.extend(self.vertices_on(old).iter().map(|&vertex| [new, vertex]));
+            cuts[slot] &= self.cuts[old.index()];
+            pairs.extend(self.vertices_on(old).iter().map(|&vertex| (new, vertex)));
         }
         pairs.sort_unstable();
         pairs.dedup();
         let mut first_of = vec![0; surfaces + 1];
-        for &[surface, _] in &pairs {
-            first_of[surface as usize + 1] += 1;
+        for &(surface, _) in &pairs {
+            first_of[surface.index() + 1] += 1;
         }
         for surface in 0..surfaces {
             first_of[surface + 1] += first_of[surface];
         }
-        let mut edges: FxHashMap<[u32; 2], SmallVec<[Ends; 1]>> = FxHashMap::default();
+        let mut edges: FxHashMap<[SurfaceId; 2], SmallVec<[Ends; 1]>> = FxHashMap::default();
         for (pair, runs) in &self.edges {
             let mut pair = pair.map(&in_place);
             pair.sort_unstable();
@@ -196,7 +199,7 @@ impl Given {
             cuts,
             are_walls: self.are_walls,
             edges,
-            vertices_of: pairs.into_iter().map(|[_, vertex]| vertex).collect(),
+            vertices_of: pairs.into_iter().map(|(_, vertex)| vertex).collect(),
             first_of,
         }
     }
@@ -216,52 +219,52 @@ impl Given {
     }
 
     /// Whether a surface only parts space, and carries no face but as a wall.
-    pub fn is_cut(&self, surface: u32) -> bool {
-        self.cuts[surface as usize]
+    pub fn is_cut(&self, surface: SurfaceId) -> bool {
+        self.cuts[surface.index()]
     }
 
     /// Whether two surfaces carry faces of one polyhedron and of nothing else: then they
     /// meet along its edges alone.
-    pub fn are_of_one(&self, one: u32, other: u32) -> bool {
-        let owner = self.owners[one as usize];
-        owner != NONE && owner == self.owners[other as usize]
+    pub fn are_of_one(&self, one: SurfaceId, other: SurfaceId) -> bool {
+        let owner = self.owners[one.index()];
+        owner != NONE && owner == self.owners[other.index()]
     }
 
     /// Whether a surface carries faces of polyhedra.
-    pub fn has_faces(&self, surface: u32) -> bool {
+    pub fn has_faces(&self, surface: SurfaceId) -> bool {
         !self.vertices_on(surface).is_empty()
     }
 
     /// Whether a surface carries faces of one polyhedron and of nothing else.
-    pub fn is_of_polyhedron(&self, surface: u32) -> bool {
-        self.owners[surface as usize] != NONE
+    pub fn is_of_polyhedron(&self, surface: SurfaceId) -> bool {
+        self.owners[surface.index()] != NONE
     }
 
     /// Whether a surface shares an edge with one of two others.
-    pub fn is_beside(&self, surface: u32, pair: [u32; 2]) -> bool {
+    pub fn is_beside(&self, surface: SurfaceId, pair: [SurfaceId; 2]) -> bool {
         pair.iter()
             .any(|&one| !self.edges_of([surface, one]).is_empty())
     }
 
     /// The edges in which faces on two surfaces meet.
-    pub fn edges_of(&self, mut pair: [u32; 2]) -> &[Ends] {
+    pub fn edges_of(&self, mut pair: [SurfaceId; 2]) -> &[Ends] {
         pair.sort_unstable();
         self.edges.get(&pair).map_or(&[], |runs| &runs[..])
     }
 
     /// The vertices of faces on a surface, ascending.
-    pub fn vertices_on(&self, surface: u32) -> &[u32] {
-        let ends = [0, 1].map(|k| self.first_of[surface as usize + k] as usize);
+    pub fn vertices_on(&self, surface: SurfaceId) -> &[u32] {
+        let ends = [0, 1].map(|k| self.first_of[surface.index() + k] as usize);
         &self.vertices_of[ends[0]..ends[1]]
     }
 
     /// Whether a face on a surface has a vertex.
-    pub fn has_vertex(&self, surface: u32, vertex: u32) -> bool {
+    pub fn has_vertex(&self, surface: SurfaceId, vertex: u32) -> bool {
         self.vertices_on(surface).binary_search(&vertex).is_ok()
     }
 
     /// The vertices that faces on three surfaces have in common.
-    pub fn common_vertices(&self, ids: [u32; 3]) -> impl Iterator<Item = DVec3> {
+    pub fn common_vertices(&self, ids: [SurfaceId; 3]) -> impl Iterator<Item = DVec3> {
         let mut lists = ids.map(|id| (self.vertices_on(id), id));
         lists.sort_unstable_by_key(|(list, _)| list.len());
         let [(shortest, _), (_, one), (_, other)] = lists;

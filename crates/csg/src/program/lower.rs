@@ -25,7 +25,7 @@ use super::lowered::{Lowered, Origin};
 use super::placed::{Convex, Polyhedra, Region};
 use super::reach::reach;
 use super::unify::WorldMap;
-use super::{Bounds, Surface};
+use super::{Bounds, Surface, SurfaceId};
 use crate::color::Color;
 use crate::error::{Error, NodeFault, NodePath, PathStep};
 use crate::numeric::tolerance::MAPPED;
@@ -484,12 +484,15 @@ impl<'a> Lowering<'a> {
         let mut others: Vec<u32> = others.map(|&(surface, _)| surface).collect();
         if matches!(self.polyhedra, Polyhedra::Written(_, Some(_))) {
             let in_use = Renumbered::of(&mut formula, surfaces.len());
-            self.gathered.renumber(|surface| in_use.number(surface));
+            let number = |surface: SurfaceId| in_use.number(surface.0).map(SurfaceId);
+            self.gathered.renumber(number);
             others.retain_mut(|surface| in_use.renumber(surface));
             surfaces = in_use.pick(&surfaces);
             ids = in_use.ids;
         }
-        let given = self.gathered.finish(surfaces.len(), others.into_iter());
+        let given = self
+            .gathered
+            .finish(surfaces.len(), others.into_iter().map(SurfaceId));
         let lowered = Lowered {
             surfaces,
             formula,

@@ -21,7 +21,7 @@ use self::chains::Chains;
 use self::rounding::Decimal;
 use super::lower::{avalanche, simplified};
 use super::lowered::Lowered;
-use super::{Program, Surface};
+use super::{Program, Surface, SurfaceId};
 use crate::error::Error;
 
 /// A program some of whose surfaces were moved, or replaced by others next to them.
@@ -71,7 +71,7 @@ impl Program {
         let step = Decimal::below(SHARE * most);
         let turn = Decimal::below(SHARE * most / reach);
         let round = |index: u32, surface: &Surface| {
-            if self.is_given(index) {
+            if self.is_given(SurfaceId(index)) {
                 return None;
             }
             let rounded = surface.rounded((origin, reach), step, turn)?;
@@ -141,7 +141,7 @@ impl Program {
     }
 
     /// Whether a surface carries faces whose vertices were given: it stays where these are.
-    fn is_given(&self, surface: u32) -> bool {
+    fn is_given(&self, surface: SurfaceId) -> bool {
         let given = self.given();
         given.is_some_and(|given| given.has_faces(surface) || given.is_cut(surface))
     }
@@ -208,9 +208,9 @@ impl Program {
             surfaces[id] == self.surfaces()[id]
         };
         let mut ids = 0..surfaces.len() as u32;
-        let are_in_place = ids.all(|id| !self.is_given(id) || is_in_place(id));
+        let are_in_place = ids.all(|id| !self.is_given(SurfaceId(id)) || is_in_place(id));
         let given = self.given().filter(|_| are_in_place);
-        let given = given.map(|given| given.renumbered(|id| in_place[id as usize].0));
+        let given = given.map(|given| given.renumbered(|id| SurfaceId(in_place[id.index()].0)));
         Ok(Some(Settled {
             program: Self::of(Lowered {
                 surfaces,

@@ -1,6 +1,7 @@
 //! Surfaces: planes and quadrics about an anchor point.
 
 mod bounds;
+mod id;
 mod kind;
 mod precise;
 mod principal;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::bounds::Bounds;
 pub(crate) use self::bounds::half_space_bounds;
+pub(crate) use self::id::SurfaceId;
 pub(crate) use self::kind::Kind;
 pub(crate) use self::quadric::from_coefficients;
 pub use self::shape::{Placement, SurfaceShape};

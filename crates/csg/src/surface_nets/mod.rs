@@ -58,7 +58,7 @@ use self::walk::{Block, WalkBlock, Walker, Wanted};
 use crate::error::Error;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::numeric::tolerance::{COORDINATE, ON_SURFACE};
-use crate::program::{Bounds, Reach};
+use crate::program::{Bounds, Reach, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
 
@@ -349,7 +349,7 @@ impl TableOfSurfaces {
         for group in parts.iter_mut().flat_map(|part| &mut part.groups) {
             let key = (group.surface, group.origin);
             group.entry = *self.index.entry(key).or_insert_with(|| {
-                let surface = task.mesh_surface(group.surface, group.origin);
+                let surface = task.mesh_surface(SurfaceId(group.surface), group.origin);
                 self.surfaces.push(surface);
                 self.surfaces.len() as u32 - 1
             });

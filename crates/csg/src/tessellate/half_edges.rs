@@ -167,7 +167,7 @@ impl<'a> HalfEdges<'a> {
             return [one, other];
         }
         let other = self.borders.get(&self.ends(half));
-        [one, other.copied().unwrap_or(one)]
+        [one, other.map_or(one, |other| other.0)]
     }
 
     #[inline(always)]

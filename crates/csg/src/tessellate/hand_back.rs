@@ -4,6 +4,7 @@ use super::fine::{Fine, INNER, ON_SIDE};
 use super::half_edges::{HalfEdges, NONE, first_of};
 use super::region::Way;
 use super::surfaced::Surfaced;
+use crate::program::SurfaceId;
 
 /// The mesh without what is gone, and with what was tessellated.
 pub(super) fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfaced) {
@@ -55,7 +56,7 @@ pub(super) fn hand_back(mesh: &HalfEdges<'_>, fine: &Fine, surfaced: &mut Surfac
         surfaced.groups.push(mesh.region(first_of(triangle)).group);
     }
     surfaced.positions = positions;
-    let renumbered = |(ends, &other): (&[u32; 2], &u32)| {
+    let renumbered = |(ends, &other): (&[u32; 2], &SurfaceId)| {
         let mut ends = ends.map(|end| places[end as usize]);
         ends.sort_unstable();
         (!ends.contains(&NONE)).then_some((ends, other))

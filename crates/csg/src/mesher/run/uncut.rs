@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::numeric::Welder;
-use crate::program::{Apart, Bounds, Program, Uncut};
+use crate::program::{Apart, Bounds, Program, SurfaceId, Uncut};
 use crate::report::Report;
 use crate::task::mesh_surface;
 
@@ -153,7 +153,7 @@ fn joined(rest: &Mesh, uncut: &Uncut, program: &Program) -> Option<Mesh> {
         let entry = *entry_of.entry((surface, primitive)).or_insert(next);
         if entry == next {
             mesh.surfaces
-                .push(mesh_surface(program, surface, primitive));
+                .push(mesh_surface(program, SurfaceId(surface), primitive));
         }
         mesh.triangle_surfaces.push(entry);
     }

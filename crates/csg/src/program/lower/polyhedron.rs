@@ -13,7 +13,7 @@ use crate::program::region::{Halved, Partition};
 use crate::program::unify::WorldMap;
 use crate::solid::partition::{Child, Tree};
 use crate::solid::{Plane, Polyhedron, Primitive};
-use crate::surface::Surface;
+use crate::surface::{Surface, SurfaceId};
 
 impl Lowering<'_> {
     /// Leaves the value of a polyhedron on the stack.
@@ -158,12 +158,12 @@ impl Lowering<'_> {
         let operand = writer.partition(&partition)?;
         let literals = writer.literals;
         self.gathered.are_walls = is_needed.is_some();
-        let is_written = |surface: u32| {
-            let written = literals.get(surface as usize);
+        let is_written = |surface: SurfaceId| {
+            let written = literals.get(surface.index());
             written.is_some_and(|written| written.iter().any(Option::is_some))
         };
         let faces = region.triangles.iter().zip(&region.surfaces);
-        let faces = faces.map(|(&corners, &(surface, _))| (corners, surface));
+        let faces = faces.map(|(&corners, &(surface, _))| (corners, SurfaceId(surface)));
         let faces = faces.filter(|&(_, surface)| is_needed.is_none() || is_written(surface));
         self.gathered.add(region.vertices.iter().copied(), faces);
         Ok(operand)
@@ -179,7 +179,7 @@ struct Writer<'a> {
     first_cut: u32,
     /// Of each surface that for its inside, and that for its outside.
     literals: Vec<[Option<Operand>; 2]>,
-    cuts: &'a mut Vec<u32>,
+    cuts: &'a mut Vec<SurfaceId>,
 }
 
 impl Writer<'_> {
@@ -240,7 +240,7 @@ impl Writer<'_> {
         };
         let (cut, flipped) = self.builder.table.insert(placed);
         let surface = self.first_cut + cut;
-        self.cuts.push(surface);
+        self.cuts.push(SurfaceId(surface));
         self.literal(surface, flipped != above)
     }
 
