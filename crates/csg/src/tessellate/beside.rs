@@ -80,7 +80,7 @@ fn side_of_triangle(mesh: &HalfEdges<'_>, triangle: u32, near: DVec3) -> Option<
     // Opposite to the corners.
     let halves = [1, 2, 0].map(|k| first_of(triangle) + k);
     let may_be_cut = |&(_, half): &(f64, u32)| {
-        let is_inside = mesh.surface_index(half) == mesh.surface_index(mesh.twin(half))
+        let is_inside = mesh.surface_id(half) == mesh.surface_id(mesh.twin(half))
             && !mesh.is_feature(half)
             && !mesh.is_contact(half);
         is_inside && splits_well(mesh, half, target)

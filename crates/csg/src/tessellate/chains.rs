@@ -83,7 +83,7 @@ pub(super) fn divide(
     let starts = chain.iter().map(|&half| mesh.at(mesh.origin(half)));
     let end = mesh.at(mesh.target(chain[chain.len() - 1]));
     let vertices: Vec<DVec3> = starts.chain([end]).collect();
-    let on = |half| goal.tolerance_on(mesh.surface_index(half));
+    let on = |half| goal.tolerance_on(mesh.surface_id(half));
     let tolerance = on(chain[0]).min(on(mesh.twin(chain[0])));
     // What ends are off their surfaces already is not left to chords, unless that
     // is most of it.

@@ -67,7 +67,7 @@ pub(super) fn coarsen(mesh: &mut HalfEdges<'_>, goal: &Goal) {
     let is_movable = |kind: &Kind| matches!(kind, Kind::Face | Kind::Curve);
     let mut is_movable: Vec<bool> = mesh.kinds.iter().map(is_movable).collect();
     if !goal.tight.is_empty() {
-        let is_tight = |&half: &u32| goal.tight.contains_key(&mesh.surface_index(half));
+        let is_tight = |&half: &u32| goal.tight.contains_key(&mesh.surface_id(half));
         for half in mesh.halves().filter(is_tight) {
             is_movable[mesh.origin(half) as usize] = false;
         }
@@ -237,7 +237,7 @@ fn is_needed(mesh: &HalfEdges<'_>, vertex: u32, goal: &Goal) -> bool {
     if !bends.contains(&Bend::Flat) || bends.iter().any(|bend| bend.is_twice()) {
         return false;
     }
-    let tolerance = sides.map(|side| goal.tolerance_on(mesh.surface_index(side)));
+    let tolerance = sides.map(|side| goal.tolerance_on(mesh.surface_id(side)));
     let [before, after] = edges.map(|edge| mesh.at(mesh.target(edge)) - mesh.at(vertex));
     let doubled_area = before.cross(after).length_squared();
     let chord = (after - before).length_squared();
@@ -304,14 +304,14 @@ impl Hole {
 
     fn may_be(&self, mesh: &HalfEdges<'_>, corners: [u32; 3]) -> bool {
         let region = &mesh.regions[self.region as usize];
-        let surface = &mesh.surfaces[region.surface as usize];
+        let surface = &mesh.surfaces[region.surface];
         faces_out(surface, region, corners.map(|v| mesh.at(v)), LEAST_COSINE)
     }
 
     /// Cuts off the ear with the shortest cut each time.
     fn cut_off_ears(&mut self, mesh: &HalfEdges<'_>, slots: &[u32]) -> bool {
         let region = &mesh.regions[self.region as usize];
-        let surface = &mesh.surfaces[region.surface as usize];
+        let surface = &mesh.surfaces[region.surface];
         self.ears.clear();
         self.rim.clear();
         self.rim.extend_from_slice(&self.corners);
@@ -353,7 +353,7 @@ impl Hole {
     /// *Minimal Triangulations of Polygonal Domains*, 1980).
     fn try_all(&mut self, mesh: &HalfEdges<'_>, slots: &[u32]) -> bool {
         let region = &mesh.regions[self.region as usize];
-        let surface = &mesh.surfaces[region.surface as usize];
+        let surface = &mesh.surfaces[region.surface];
         let n = self.corners.len();
         let corner = |i: usize| self.corners[i].0;
         // Of the part from corner i to corner j: the cost, and the apex over

@@ -285,7 +285,7 @@ pub(super) fn rows_of(mesh: &HalfEdges<'_>, triangle: u32, goal: &Goal) -> f64 {
     let estimate = judge::estimate(surface, mesh.region(half), corners);
     /// The surface over a triangle is larger than the triangle. Tunes counts only.
     const CURVED: f64 = 1.05;
-    let for_distance = (estimate / goal.aim_on(mesh.surface_index(half))).sqrt();
+    let for_distance = (estimate / goal.aim_on(mesh.surface_id(half))).sqrt();
     let for_angle = goal.angle.map_or(0.0, |angle| {
         let [a, b, c] = corners.map(|corner| surface.gradient(corner));
         let turn = elementary::angle_between(a, b)

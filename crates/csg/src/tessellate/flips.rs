@@ -66,7 +66,7 @@ fn flip_if_better(mesh: &mut HalfEdges<'_>, half: u32) -> bool {
     }
     let region = mesh.region(half);
     let quad = mesh.quad(half);
-    let surface = &mesh.surfaces[region.surface as usize];
+    let surface = &mesh.surfaces[region.surface];
     let at = |k: usize| mesh.at(quad[k]);
     let at = [at(0), at(1), at(2), at(3)];
     let sight = || Sight::new(surface, region, at);
@@ -180,6 +180,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::program::SurfaceId;
     use crate::tessellate::Surfaced;
     use crate::tessellate::deviation::Shrinkage;
 
@@ -196,7 +197,7 @@ mod tests {
         let groups = groups.map(|triangle| (triangle + 3).saturating_sub(count));
         let surfaced = Surfaced {
             positions: corners.collect(),
-            surface_of_group: vec![0; triangles.len()].into(),
+            surface_of_group: vec![SurfaceId(0); triangles.len()].into(),
             groups: groups.collect(),
             triangles,
             ..Surfaced::default()
@@ -247,7 +248,7 @@ mod tests {
         let mut all = program.surfaces().iter();
         let surface = all.find(|s| !s.is_plane()).expect("the cylinder");
         let region = Region {
-            surface: 0,
+            surface: SurfaceId(0),
             group: 0,
             bend: Bend::of(surface),
             outward: 1.0,

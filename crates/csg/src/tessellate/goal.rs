@@ -2,6 +2,8 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::program::SurfaceId;
+
 /// What is asked of a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal {
@@ -16,7 +18,7 @@ pub(crate) struct Goal {
     pub angle: Option<f64>,
     /// For every surface that needs a smaller tolerance the share that it gets:
     /// where faces run close to each other.
-    pub tight: FxHashMap<u32, f64>,
+    pub tight: FxHashMap<SurfaceId, f64>,
 }
 
 impl Goal {
@@ -41,13 +43,13 @@ impl Goal {
     }
 
     /// The tolerance on a surface.
-    pub fn tolerance_on(&self, surface: u32) -> f64 {
+    pub fn tolerance_on(&self, surface: SurfaceId) -> f64 {
         self.tolerance * self.tight.get(&surface).unwrap_or(&1.0)
     }
 
     /// The distance to aim for on a surface, so that what is found by curvature
     /// meets the tolerance as it is bounded.
-    pub fn aim_on(&self, surface: u32) -> f64 {
+    pub fn aim_on(&self, surface: SurfaceId) -> f64 {
         0.98 * self.tolerance_on(surface)
     }
 }

@@ -84,7 +84,7 @@ impl<'m, 's> Grower<'m, 's> {
         self.free_stuck();
         self.settle(far);
         for subdivision in &self.fine.subdivisions {
-            let surface = self.mesh.surface_index(first_of(subdivision.large));
+            let surface = self.mesh.surface_id(first_of(subdivision.large));
             let promised = self.goal.promised;
             self.outcome.note(
                 subdivision.deviation,

@@ -20,7 +20,7 @@ use super::contacts::Contacts;
 use super::region::Region;
 use super::shape::faces_in;
 use crate::arrangement::Borders;
-use crate::program::Surface;
+use crate::program::{Surface, SurfaceId};
 
 /// Where a vertex may go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,35 +144,35 @@ impl<'a> HalfEdges<'a> {
     }
 
     #[inline(always)]
-    pub fn surface_index(&self, half: u32) -> u32 {
+    pub fn surface_id(&self, half: u32) -> SurfaceId {
         self.region(half).surface
     }
 
     #[inline(always)]
     pub fn surface(&self, half: u32) -> &'a Surface {
-        &self.surfaces[self.surface_index(half) as usize]
+        &self.surfaces[self.surface_id(half)]
     }
 
     /// The surfaces on whose curve an edge is: those on both sides of it, and on a
     /// border within one surface another one. Twice the same one if it is on none,
     /// or on none that is known.
     #[inline(always)]
-    pub fn curve(&self, half: u32) -> [u32; 2] {
-        let one = self.surface_index(half);
+    pub fn curve(&self, half: u32) -> [SurfaceId; 2] {
+        let one = self.surface_id(half);
         if !self.is_feature(half) {
             return [one; 2];
         }
-        let other = self.surface_index(self.twin(half));
+        let other = self.surface_id(self.twin(half));
         if one != other || self.borders.is_empty() {
             return [one, other];
         }
         let other = self.borders.get(&self.ends(half));
-        [one, other.map_or(one, |other| other.0)]
+        [one, other.copied().unwrap_or(one)]
     }
 
     #[inline(always)]
     pub fn curve_surfaces(&self, half: u32) -> [&'a Surface; 2] {
-        self.curve(half).map(|index| &self.surfaces[index as usize])
+        self.curve(half).map(|id| &self.surfaces[id])
     }
 
     #[inline(always)]

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::program::SurfaceId;
+
 /// Why a promise could not be kept at some place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unkept {
@@ -41,12 +43,12 @@ pub(crate) struct Outcome {
     /// In the frame of the surfaces.
     pub unkept: Vec<(Unkept, DVec3)>,
     /// Surfaces for which a smaller tolerance may help; some several times.
-    pub tighter: Vec<u32>,
+    pub tighter: Vec<SurfaceId>,
 }
 
 impl Outcome {
     /// Notes a bound of the distance at a place, of the mesh from surfaces.
-    pub fn note(&mut self, bound: f64, place: DVec3, surfaces: &[u32], promised: f64) {
+    pub fn note(&mut self, bound: f64, place: DVec3, surfaces: &[SurfaceId], promised: f64) {
         if bound > self.deviation {
             (self.deviation, self.farthest) = (bound, place);
         }

@@ -225,6 +225,7 @@ fn zip(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::program::SurfaceId;
     use crate::tessellate::deviation::Shrinkage;
     use crate::tessellate::region::{Bend, Way};
     use crate::{Program, Solid};
@@ -243,7 +244,7 @@ mod tests {
             let program = Program::lower(&Solid::sphere(1.0)).expect("valid");
             let surface = &program.surfaces()[0];
             let region = Region {
-                surface: 0,
+                surface: SurfaceId(0),
                 group: 0,
                 bend: Bend::Double,
                 outward: 1.0,

@@ -12,6 +12,7 @@ use super::region::Way;
 use super::smooth::smooth;
 use crate::control::Control;
 use crate::error::Error;
+use crate::program::SurfaceId;
 
 /// An edge is tessellated into no more chords than about this. Tunes counts only.
 const MOST_CHORDS: f64 = 12.0;
@@ -72,14 +73,14 @@ impl Grower<'_, '_> {
 
     /// Lets the mesh know which of its vertices small triangles join; returns the
     /// surfaces of those that join two that are joined by another face.
-    fn note_fine_edges(&mut self) -> Vec<u32> {
+    fn note_fine_edges(&mut self) -> Vec<SurfaceId> {
         let mut doubled = Vec::new();
         for subdivision in &self.fine.subdivisions {
             for &[a, b, c] in &subdivision.triangles {
                 for edge in [[a, b], [b, c], [c, a]] {
                     let is_on_rim = edge.iter().all(|&vertex| vertex < INNER);
                     if is_on_rim && !self.mesh.fine_edges.insert(edge) {
-                        doubled.push(self.mesh.surface_index(first_of(subdivision.large)));
+                        doubled.push(self.mesh.surface_id(first_of(subdivision.large)));
                     }
                 }
             }
@@ -89,7 +90,7 @@ impl Grower<'_, '_> {
 
     /// Tessellates the chosen faces; returns the surfaces of those where that
     /// folds a triangle.
-    fn try_at_once(&mut self, control: &Control) -> Result<Vec<u32>, Error> {
+    fn try_at_once(&mut self, control: &Control) -> Result<Vec<SurfaceId>, Error> {
         const MOST_TRIES: usize = 2;
         self.halve_all(control, Self::parts_of_piece, Self::parts_of_edge)?;
         smooth(self.mesh, &mut self.waiting);
@@ -117,7 +118,7 @@ impl Grower<'_, '_> {
             let stuck = self.stuck.iter().flat_map(around);
             let stuck = stuck.filter(|&half| is_at_once(self.mesh, half));
             let folded = folded.into_iter().map(first_of);
-            let surface = |half| self.mesh.surface_index(half);
+            let surface = |half| self.mesh.surface_id(half);
             return Ok(folded.chain(stuck).map(surface).collect());
         }
     }
@@ -141,7 +142,7 @@ impl Grower<'_, '_> {
                 *sum = (sum.0 + chords, sum.1 + turn);
             }
         }
-        let mut of_surface: FxHashMap<u32, (f64, f64)> = FxHashMap::default();
+        let mut of_surface: FxHashMap<SurfaceId, (f64, f64)> = FxHashMap::default();
         for (region, (chords, turn)) in self.mesh.regions.iter().zip(sums) {
             let sum = of_surface.entry(region.surface).or_default();
             *sum = (sum.0 + chords, sum.1 + turn);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::deviation::{self, Shrinkage};
 use super::project::project;
-use crate::program::{Kind, Surface};
+use crate::program::{Kind, Surface, SurfaceId};
 use crate::surface::round::Round;
 
 /// How a surface bends, which says what triangles suit it.
@@ -24,7 +24,7 @@ pub(super) enum Bend {
 /// A connected face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Region {
-    pub surface: u32,
+    pub surface: SurfaceId,
     pub group: u32,
     pub bend: Bend,
     /// 1 where the surface's gradient points out of the solid, else -1.

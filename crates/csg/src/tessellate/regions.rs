@@ -3,13 +3,14 @@
 use super::deviation::Shrinkage;
 use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
 use super::region::{Bend, Region, Way};
+use crate::program::SurfaceId;
 use crate::surface::round::Round;
 
 /// The connected faces of a mesh, which its half-edges are told.
 pub(super) fn regions(
     mesh: &mut HalfEdges<'_>,
     groups: &[u32],
-    surface_of_group: &[u32],
+    surface_of_group: &[SurfaceId],
 ) -> Vec<Region> {
     let mut regions = Vec::new();
     let mut pending = Vec::new();
@@ -18,8 +19,8 @@ pub(super) fn regions(
             continue;
         }
         let group = groups[seed as usize];
-        let surface_index = surface_of_group[group as usize];
-        let surface = &mesh.surfaces[surface_index as usize];
+        let id = surface_of_group[group as usize];
+        let surface = &mesh.surfaces[id];
         let index = regions.len() as u32;
         let bend = Bend::of(surface);
         let round = Round::of(surface);
@@ -50,7 +51,7 @@ pub(super) fn regions(
             }
         }
         regions.push(Region {
-            surface: surface_index,
+            surface: id,
             group,
             bend,
             outward: if facing < 0.0 { -1.0 } else { 1.0 },

@@ -111,7 +111,7 @@ impl<'a> Separation<'a> {
                 Unkept::Crossing
             };
             self.outcome.unkept.push((reason, place));
-            let surfaces = pair.map(|triangle| self.mesh.surface_index(first_of(triangle)));
+            let surfaces = pair.map(|triangle| self.mesh.surface_id(first_of(triangle)));
             self.outcome.tighter.extend(surfaces);
         }
         hand_back(&self.mesh, &Fine::default(), surfaced);
@@ -150,11 +150,11 @@ fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
     let mut ways = vec![0.0f64; surfaced.surface_of_group.len()];
     let of_group = surfaced.surface_of_group.iter();
     let rounds: Vec<Option<Round>> = of_group
-        .map(|&surface| Round::of(&surfaces[surface as usize]))
+        .map(|&surface| Round::of(&surfaces[surface]))
         .collect();
     let mut triangles = surfaced.triangles.iter().zip(&surfaced.groups);
     triangles.all(|(triangle, &group)| {
-        let surface = &surfaces[surfaced.surface_of_group[group as usize] as usize];
+        let surface = &surfaces[surfaced.surface_of_group[group as usize]];
         let corners = triangle.map(|v| surfaced.positions[v as usize]);
         let way = facing(surface, rounds[group as usize].as_ref(), corners);
         let known = &mut ways[group as usize];
@@ -195,7 +195,7 @@ pub(super) mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::program::Program;
+    use crate::program::{Program, SurfaceId};
     use crate::solid::Solid;
     use crate::tessellate::deviation::of_triangle;
 
@@ -207,7 +207,7 @@ pub(super) mod tests {
         let program = Program::lower(&solid).expect("a valid solid");
         let surfaces = program.surfaces().to_vec();
         let mut all = Surfaced {
-            surface_of_group: [0, 1].into(),
+            surface_of_group: [0, 1].map(SurfaceId).into(),
             precision: 1e-12,
             ..Surfaced::default()
         };
@@ -219,7 +219,7 @@ pub(super) mod tests {
                 .iter()
                 .position(|s| s.value(center + radius * DVec3::X).abs() < 1e-14);
             Arc::make_mut(&mut all.surface_of_group)[group as usize] =
-                on.expect("its surface") as u32;
+                SurfaceId(on.expect("its surface") as u32);
             octahedron(radius, center, rows, group, &mut all);
         }
         (all, surfaces)
@@ -303,7 +303,7 @@ pub(super) mod tests {
                 for corner in corners {
                     assert!((corner.length() - radii[group as usize]).abs() < 1e-14);
                 }
-                let surface = surfaced.surface_of_group[group as usize] as usize;
+                let surface = surfaced.surface_of_group[group as usize].index();
                 farthest = farthest.max(of_triangle(&surfaces[surface], corners));
             }
             assert_eq!(outcome.unkept, [], "{radii:?}");
@@ -373,7 +373,7 @@ pub(super) mod tests {
             positions: rim.into_iter().chain([DVec3::Z, DVec3::ZERO]).collect(),
             triangles: upper.chain(lower).collect(),
             groups: vec![0, 0, 0, 0, 1, 1, 1, 1],
-            surface_of_group: [1 - plane, plane].into(),
+            surface_of_group: [1 - plane, plane].map(SurfaceId).into(),
             precision: 1e-12,
             ..Surfaced::default()
         };

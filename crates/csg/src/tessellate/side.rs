@@ -38,7 +38,7 @@ pub(super) fn cut_of(mesh: &HalfEdges<'_>, half: u32, near: DVec3, precision: f6
     } else {
         mesh.curve(half)
     };
-    let surfaces = curve.map(|index| &mesh.surfaces[index as usize]);
+    let surfaces = curve.map(|id| &mesh.surfaces[id]);
     let (target, kind) = if std::ptr::eq(surfaces[0], surfaces[1]) {
         let kind = if mesh.is_feature(half) {
             Kind::Corner

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::arrangement::Borders;
 use crate::numeric::tolerance::ON_REFINED;
+use crate::program::SurfaceId;
 
 /// A mesh whose triangles know their surfaces.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +17,7 @@ pub(crate) struct Surfaced {
     /// For each triangle its group. Groups are kept apart.
     pub groups: Vec<u32>,
     /// For each group its surface.
-    pub surface_of_group: Arc<[u32]>,
+    pub surface_of_group: Arc<[SurfaceId]>,
     /// Edges between groups of one surface whose curves are known.
     pub borders: Borders,
     /// How near points must come to their surfaces.

@@ -26,8 +26,8 @@ impl<'a> Whole<'a> {
     /// None if there is more to the part.
     pub fn of(part: &Surfaced, surfaces: &'a [Surface]) -> Option<Self> {
         let group = *part.groups.first()?;
-        let index = part.surface_of_group[group as usize];
-        let surface = &surfaces[index as usize];
+        let id = part.surface_of_group[group as usize];
+        let surface = &surfaces[id];
         let is_whole = surface.kind == Kind::Ellipsoid && part.groups.iter().all(|&g| g == group);
         if !is_whole {
             return None;
@@ -40,7 +40,7 @@ impl<'a> Whole<'a> {
         is_real.then(|| Self {
             surface,
             region: Region {
-                surface: index,
+                surface: id,
                 group,
                 bend: Bend::of(surface),
                 outward: if is_void == grows_outward { -1.0 } else { 1.0 },

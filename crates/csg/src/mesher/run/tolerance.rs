@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
 use crate::mesher::fit::{HALVINGS, fit, is_too_much};
-use crate::program::Program;
+use crate::program::{Program, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
 use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced};
@@ -37,7 +37,7 @@ impl Run<'_> {
             positions: std::mem::take(&mut mesh.positions),
             triangles: std::mem::take(&mut mesh.triangles),
             groups: std::mem::take(&mut mesh.triangle_surfaces),
-            surface_of_group: mesh.surfaces.iter().map(|s| s.surface).collect(),
+            surface_of_group: mesh.surfaces.iter().map(|s| SurfaceId(s.surface)).collect(),
             borders,
         };
         let asked = goal.tolerance;
@@ -155,16 +155,17 @@ impl Run<'_> {
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
         let control = self.refining(&goal);
-        let finish = |mut refined: Refined, goal: &Goal| -> Result<(Refined, Vec<u32>), Error> {
-            if self.mesher.check {
-                let Refined { surfaced, outcome } = &mut refined;
-                self.separate(surfaced, outcome, task, goal)?;
-            }
-            let mut narrow = std::mem::take(&mut refined.outcome.tighter);
-            narrow.sort_unstable();
-            narrow.dedup();
-            Ok((refined, narrow))
-        };
+        let finish =
+            |mut refined: Refined, goal: &Goal| -> Result<(Refined, Vec<SurfaceId>), Error> {
+                if self.mesher.check {
+                    let Refined { surfaced, outcome } = &mut refined;
+                    self.separate(surfaced, outcome, task, goal)?;
+                }
+                let mut narrow = std::mem::take(&mut refined.outcome.tighter);
+                narrow.sort_unstable();
+                narrow.dedup();
+                Ok((refined, narrow))
+            };
         let attempt = |goal: &Goal| {
             let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
             let refined: Vec<&Refined> = refined.iter().collect();

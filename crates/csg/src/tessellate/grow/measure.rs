@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::Grower;
+use crate::program::SurfaceId;
 use crate::tessellate::deviation;
 use crate::tessellate::half_edges::{first_of, triangle_of};
 use crate::tessellate::outcome::Unkept;
@@ -45,7 +46,7 @@ impl Grower<'_, '_> {
         if self.mesh.is_gone(triangle) || region.bend == Bend::Flat || region.way == Way::Done {
             return true;
         }
-        let surface = &self.mesh.surfaces[region.surface as usize];
+        let surface = &self.mesh.surfaces[region.surface];
         let corners = self.mesh.corners(triangle);
         let tolerance = self.goal.tolerance_on(region.surface);
         let is_within =
@@ -61,7 +62,7 @@ impl Grower<'_, '_> {
         }
         if bound <= tolerance {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let surface = self.mesh.surface_index(first_of(triangle));
+            let surface = self.mesh.surface_id(first_of(triangle));
             self.outcome
                 .note(bound, middle, &[surface], self.goal.promised);
         }
@@ -74,7 +75,7 @@ impl Grower<'_, '_> {
             return;
         }
         let region = self.mesh.region(first_of(triangle));
-        let surface = &self.mesh.surfaces[region.surface as usize];
+        let surface = &self.mesh.surfaces[region.surface];
         let corners = self.mesh.corners(triangle);
         let promised = self.goal.promised;
         let bound = if deviation::is_within(surface, region.shrinkage, corners, promised) {
@@ -104,7 +105,8 @@ impl Grower<'_, '_> {
             for (vertex, place) in stuck {
                 let around = self.mesh.around(vertex);
                 let folded = around.filter(|&half| self.mesh.is_folded(triangle_of(half)));
-                let surfaces: Vec<u32> = folded.map(|half| self.mesh.surface_index(half)).collect();
+                let surfaces: Vec<SurfaceId> =
+                    folded.map(|half| self.mesh.surface_id(half)).collect();
                 if !surfaces.is_empty() {
                     self.outcome.unkept.push((Unkept::Folded, place));
                     self.outcome.tighter.extend(surfaces);

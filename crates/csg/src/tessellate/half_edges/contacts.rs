@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 
 use super::{HalfEdges, Kind};
 use crate::numeric::tolerance::{NEAR_OF_REFINED, TOUCHING_AT_ENDS};
+use crate::program::SurfaceId;
 use crate::tessellate::contacts::Contacts;
 use crate::tessellate::curves::on_curve;
 
@@ -67,7 +68,7 @@ impl HalfEdges<'_> {
         let Some(curve) = self.contact_curve(&edges) else {
             return Vec::new();
         };
-        let curve = curve.map(|index| &self.surfaces[index as usize]);
+        let curve = curve.map(|id| &self.surfaces[id]);
         let [p, q] = edges[0].map(|v| self.at(v));
         if let Some(middle) = on_curve(curve, p.midpoint(q), 0.5 * p.distance(q), self.precision) {
             let is_on = |half: u32| {
@@ -96,16 +97,16 @@ impl HalfEdges<'_> {
     /// The surfaces on whose curve edges at the same place are: those on both sides of
     /// the first that runs between two, or, if all run along faces, two that touch each
     /// other at both ends.
-    pub fn contact_curve(&self, edges: &[[u32; 2]]) -> Option<[u32; 2]> {
+    pub fn contact_curve(&self, edges: &[[u32; 2]]) -> Option<[SurfaceId; 2]> {
         let halves = edges.iter().filter_map(|&ends| self.between(ends));
         if let Some(border) = halves.clone().find(|&half| self.is_on_curve(half)) {
             return Some(self.curve(border));
         }
         let ends = edges.first()?.map(|end| self.at(end));
-        let mut surfaces = halves.map(|half| self.surface_index(half));
+        let mut surfaces = halves.map(|half| self.surface_id(half));
         let one = surfaces.next()?;
-        let touches = |&other: &u32| {
-            let pair = [one, other].map(|index| &self.surfaces[index as usize]);
+        let touches = |&other: &SurfaceId| {
+            let pair = [one, other].map(|id| &self.surfaces[id]);
             let is_parallel = |&at: &DVec3| {
                 let [n, m] = pair.map(|s| s.gradient(at).normalize_or_zero());
                 n.cross(m).length() <= TOUCHING_AT_ENDS
