@@ -3,9 +3,10 @@
 
 use glam::DVec3;
 
-use super::block::{Block, Position};
+use super::block::Block;
 use super::contacts::Contact;
 use super::curve::Curve;
+use super::ids::Position;
 use super::lines::{Along, side_of_edge};
 use super::piece::{CurveId, Piece};
 use super::scene::Scene;

@@ -11,12 +11,13 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::arc::{Arc, Ends};
-use super::block::{Block, Position};
+use super::block::Block;
 use super::contacts::Contact;
 use super::curve::{Branch, Meets};
 use super::edges::along;
 use super::faces::Faces;
 use super::frame::Frame;
+use super::ids::Position;
 use super::intersection::Unknown;
 use super::lines::Tracer;
 use super::piece::CurveId;

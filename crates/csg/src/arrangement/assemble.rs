@@ -7,6 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::boundary::Boundary;
 use super::contacts::{Contact, add_contacts};
+use super::ids::{FaceId, HalfEdgeId};
 use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
@@ -119,7 +120,7 @@ fn finished(
 struct Cut {
     positions: Vec<DVec3>,
     /// Of each face its half-edges.
-    contours: Vec<Vec<Vec<u32>>>,
+    contours: Vec<Vec<Vec<HalfEdgeId>>>,
     slits: Slits,
     /// Of each face; none where it could not be cut.
     triangles: Vec<Option<Vec<[u32; 3]>>>,
@@ -132,20 +133,20 @@ impl Cut {
         const ROUNDS: u32 = 12;
         let mut cut = Self::default();
         let mut place = DVec3::ZERO;
-        let mut faces: Vec<u32> = (0..boundary.faces.len() as u32).collect();
+        let mut faces: Vec<FaceId> = FaceId::all(boundary.faces.len()).collect();
         for round in 0..=ROUNDS {
             cut.cut_faces(scene, boundary, &faces);
-            let failed = |&face: &u32| cut.triangles[face as usize].is_none();
-            let failed: Vec<u32> = faces.iter().copied().filter(failed).collect();
+            let failed = |&face: &FaceId| cut.triangles[face.index()].is_none();
+            let failed: Vec<FaceId> = faces.iter().copied().filter(failed).collect();
             let Some(&first) = failed.first() else {
                 return Ok(cut);
             };
             scene.go_on()?;
-            let corner = cut.contours[first as usize][0][0];
-            place = boundary.points[boundary.at(corner).from as usize];
+            let corner = cut.contours[first.index()][0][0];
+            place = boundary.point(boundary.at(corner).from);
             let mut splits = Vec::new();
             for face in failed {
-                let contours = &cut.contours[face as usize];
+                let contours = &cut.contours[face.index()];
                 boundary.part(scene, face, contours, &mut splits);
             }
             if round == ROUNDS || splits.is_empty() {
@@ -163,24 +164,24 @@ impl Cut {
 
     /// Cuts some faces, for the first time or once more. Vertices keep their
     /// numbers when edges are split.
-    fn cut_faces(&mut self, scene: &Scene<'_>, boundary: &Boundary, faces: &[u32]) {
+    fn cut_faces(&mut self, scene: &Scene<'_>, boundary: &Boundary, faces: &[FaceId]) {
         const MANY_FACES: usize = 64;
         let (fan_of, point_of) = boundary.fans();
-        let points = point_of.iter().map(|&p| boundary.points[p as usize]);
+        let points = point_of.iter().map(|&vertex| boundary.point(vertex));
         self.positions = points.collect();
         self.contours = boundary.contours();
         self.slits = boundary.slits(&fan_of);
         self.triangles.resize(boundary.faces.len(), None);
         let stage = scene.control.stage(faces.len() as u64, 0.9, 1.0);
-        let cut_face = |scratch: &mut Scratch, face: u32| {
+        let cut_face = |scratch: &mut Scratch, face: FaceId| {
             scene.control.check().ok()?;
             stage.add(1);
-            let side = &boundary.faces[face as usize];
-            let name = |&half_edge: &u32| {
-                let fan = fan_of[half_edge as usize];
+            let side = &boundary.faces[face.index()];
+            let name = |&half_edge: &HalfEdgeId| {
+                let fan = fan_of[half_edge.index()];
                 (scene.flatten(side, self.positions[fan as usize]), fan)
             };
-            let flat: Vec<Vec<Named>> = self.contours[face as usize]
+            let flat: Vec<Vec<Named>> = self.contours[face.index()]
                 .iter()
                 .map(|contour| contour.iter().map(name).collect())
                 .collect();
@@ -196,7 +197,7 @@ impl Cut {
                 .collect()
         };
         for (&face, triangles) in faces.iter().zip(cut) {
-            self.triangles[face as usize] = triangles;
+            self.triangles[face.index()] = triangles;
         }
     }
 }
@@ -204,7 +205,7 @@ impl Cut {
 /// Directed edges that occur twice, with the faces: diagonals of two faces, or a
 /// diagonal and an edge, may join the same two vertices. And those of triangles
 /// back to back: of a lens of which three vertices are known.
-fn doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<([u32; 2], u32)> {
+fn doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<([u32; 2], FaceId)> {
     // The edges that leave each vertex, by counting.
     let mut starts = vec![0u32; vertices + 2];
     for &corner in triangles.iter().flatten().flatten() {
@@ -213,8 +214,8 @@ fn doubled_edges(triangles: &[Vec<[u32; 3]>], vertices: usize) -> Vec<([u32; 2],
     for vertex in 2..starts.len() {
         starts[vertex] += starts[vertex - 1];
     }
-    let mut edges = vec![(0u32, 0u32); starts[vertices + 1] as usize];
-    for (face, triangles) in (0u32..).zip(triangles) {
+    let mut edges = vec![(0u32, FaceId(0)); starts[vertices + 1] as usize];
+    for (face, triangles) in FaceId::all(triangles.len()).zip(triangles) {
         for [from, to] in triangles.iter().flat_map(|&corners| sides(corners)) {
             let slot = &mut starts[from as usize + 1];
             edges[*slot as usize] = (to, face);
@@ -254,23 +255,23 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
 fn split_diagonals(
     scene: &Scene<'_>,
     faces: &[Side],
-    doubled: &[([u32; 2], u32)],
+    doubled: &[([u32; 2], FaceId)],
     slits: &Slits,
     triangles: &mut [Vec<[u32; 3]>],
     positions: &mut Vec<DVec3>,
 ) {
     let ends: FxHashSet<[u32; 2]> = doubled.iter().map(|&(ends, _)| ends).collect();
-    let mut concerned: Vec<u32> = doubled.iter().map(|&(_, face)| face).collect();
+    let mut concerned: Vec<FaceId> = doubled.iter().map(|&(_, face)| face).collect();
     concerned.sort_unstable();
     concerned.dedup();
     for face in concerned {
-        let side = &faces[face as usize];
+        let side = &faces[face.index()];
         let Some(frame) = scene.frame(side.plane) else {
             continue;
         };
         let surface = scene.surface(side.plane);
         let lift = |sum: DVec3, count: f64| frame.lift(surface, side.patch, sum / count);
-        let triangles = &mut triangles[face as usize];
+        let triangles = &mut triangles[face.index()];
         let mut picture = Picture::new(scene, side, std::mem::take(triangles), slits);
         if let &[corners] = picture.triangles.as_slice() {
             let sum = corners.iter().map(|&c| positions[c as usize]).sum();

@@ -2,19 +2,8 @@
 
 use glam::DVec3;
 
+use super::ids::Position;
 use crate::program::{Cell, Surface, SurfaceId};
-
-/// A surface of a block, by its position in the list of those that matter in it: literals
-/// of the block's formula name it so.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Position(pub u32);
-
-impl Position {
-    #[inline]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
 
 /// A box, half-open, with the program pruned to it. The boxes of one scene
 /// share their coordinates to the bit, so that they partition every line.
@@ -28,7 +17,7 @@ pub(super) struct Block {
 impl Block {
     /// The surfaces that matter in it, in ascending order.
     pub fn surfaces(&self) -> impl Iterator<Item = (Position, SurfaceId)> {
-        (0..).map(Position).zip(self.cell.ids())
+        Position::all(self.cell.surfaces.len()).zip(self.cell.ids())
     }
 
     /// All pairs of them, each with the lesser first.

@@ -5,10 +5,13 @@
 //! coordinates are. Where faces touch along an edge or at a point, contours keep
 //! to their own sector of the face, and twins to their own wedge of the solid.
 
+use std::mem::replace;
+
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::contacts::Contact;
+use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::picture::Slits;
 use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
@@ -21,18 +24,18 @@ use crate::undecided::{Stop, Why};
 /// ascending order, the other surface on whose curve they are.
 pub(crate) type Borders = FxHashMap<[u32; 2], SurfaceId>;
 
-/// An index that stands for nothing.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// A half-edge; removed ones have no twin.
+/// A half-edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfEdge {
     /// The vertex it starts from.
-    pub from: u32,
-    pub twin: u32,
-    pub next: u32,
-    pub previous: u32,
-    pub face: u32,
+    pub from: VertexId,
+    pub twin: HalfEdgeId,
+    /// Its neighbours along the contour, once that is linked.
+    pub next: HalfEdgeId,
+    pub previous: HalfEdgeId,
+    pub face: FaceId,
+    /// Whether it was taken out.
+    pub is_removed: bool,
     /// The curve that it is a piece of.
     pub curve: CurveId,
     /// Where on that it starts and ends, but for rounding; along lines it may go on.
@@ -65,27 +68,28 @@ impl Boundary {
         let mut all = Self::default();
         let Welded { points, ends } = weld(scene, pieces, contacts)?;
         all.points = points;
-        let mut face_of: FxHashMap<Side, u32> = FxHashMap::default();
+        let mut face_of: FxHashMap<Side, FaceId> = FxHashMap::default();
         all.half_edges.reserve(2 * pieces.len());
         for (piece, [from, to]) in pieces.iter().zip(ends) {
             scene.go_on()?;
             if from == to {
                 continue;
             }
-            let first = all.half_edges.len() as u32;
+            let halves = [0, 1].map(|k| HalfEdgeId(all.half_edges.len() as u32 + k));
             let [start, end] = piece.places;
             let ways = [(from, [start, end]), (to, [end, start])];
             for (k, (side, (from, places))) in piece.sides.iter().zip(ways).enumerate() {
                 let face = *face_of.entry(*side).or_insert_with(|| {
                     all.faces.push(*side);
-                    all.faces.len() as u32 - 1
+                    FaceId(all.faces.len() as u32 - 1)
                 });
                 all.half_edges.push(HalfEdge {
                     from,
-                    twin: first + 1 - k as u32,
-                    next: NONE,
-                    previous: NONE,
+                    twin: halves[1 - k],
+                    next: halves[k],
+                    previous: halves[k],
                     face,
+                    is_removed: false,
                     curve: piece.curve,
                     places,
                 });
@@ -96,36 +100,66 @@ impl Boundary {
         Ok(all)
     }
 
-    pub fn at(&self, half_edge: u32) -> &HalfEdge {
-        &self.half_edges[half_edge as usize]
+    pub fn at(&self, half_edge: HalfEdgeId) -> &HalfEdge {
+        &self.half_edges[half_edge.index()]
     }
 
-    /// The vertex that a half-edge ends in.
-    pub fn end(&self, half_edge: u32) -> u32 {
-        self.at(self.at(half_edge).twin).from
+    fn at_mut(&mut self, half_edge: HalfEdgeId) -> &mut HalfEdge {
+        &mut self.half_edges[half_edge.index()]
     }
 
-    pub fn join(&mut self, half_edge: u32, next: u32) {
-        self.half_edges[half_edge as usize].next = next;
-        self.half_edges[next as usize].previous = half_edge;
+    pub fn point(&self, vertex: VertexId) -> DVec3 {
+        self.points[vertex.index()]
     }
 
-    fn make_twins(&mut self, a: u32, b: u32) {
-        self.half_edges[a as usize].twin = b;
-        self.half_edges[b as usize].twin = a;
+    /// Of the face on its left.
+    pub fn side(&self, half_edge: HalfEdgeId) -> &Side {
+        &self.faces[self.at(half_edge).face.index()]
     }
 
-    fn remove(&mut self, half_edge: u32) {
-        self.half_edges[half_edge as usize].twin = NONE;
+    /// All half-edges but those that were taken out.
+    pub fn halves(&self) -> impl Iterator<Item = HalfEdgeId> {
+        let all = HalfEdgeId::all(self.half_edges.len());
+        all.filter(|&half_edge| !self.at(half_edge).is_removed)
     }
 
-    pub fn is_removed(&self, half_edge: u32) -> bool {
-        self.at(half_edge).twin == NONE
+    /// One half of each edge.
+    pub fn edges(&self) -> impl Iterator<Item = HalfEdgeId> {
+        self.halves().filter(|&half| half < self.at(half).twin)
+    }
+
+    /// A half-edge and its twin.
+    pub fn both(&self, half_edge: HalfEdgeId) -> [HalfEdgeId; 2] {
+        [half_edge, self.at(half_edge).twin]
     }
 
     /// The faces on both sides of an edge.
-    pub fn faces_of(&self, half_edge: u32) -> [u32; 2] {
-        [half_edge, self.at(half_edge).twin].map(|h| self.at(h).face)
+    pub fn faces_of(&self, half_edge: HalfEdgeId) -> [FaceId; 2] {
+        self.both(half_edge).map(|half| self.at(half).face)
+    }
+
+    /// The vertices that a half-edge leads from and to.
+    pub fn ends(&self, half_edge: HalfEdgeId) -> [VertexId; 2] {
+        self.both(half_edge).map(|half| self.at(half).from)
+    }
+
+    /// The points of these.
+    pub fn chord(&self, half_edge: HalfEdgeId) -> [DVec3; 2] {
+        self.ends(half_edge).map(|vertex| self.point(vertex))
+    }
+
+    pub fn join(&mut self, half_edge: HalfEdgeId, next: HalfEdgeId) {
+        self.at_mut(half_edge).next = next;
+        self.at_mut(next).previous = half_edge;
+    }
+
+    fn make_twins(&mut self, a: HalfEdgeId, b: HalfEdgeId) {
+        self.at_mut(a).twin = b;
+        self.at_mut(b).twin = a;
+    }
+
+    fn remove(&mut self, half_edge: HalfEdgeId) {
+        self.at_mut(half_edge).is_removed = true;
     }
 
     /// The surfaces on whose curve an edge is; none where a face goes on across it
@@ -133,10 +167,10 @@ impl Boundary {
     pub fn surfaces_of<'a>(
         &self,
         scene: &'a Scene<'_>,
-        half_edge: u32,
+        half_edge: HalfEdgeId,
     ) -> Option<[&'a Surface; 2]> {
         let HalfEdge { twin, curve, .. } = *self.at(half_edge);
-        let [first, second] = [half_edge, twin].map(|h| &self.faces[self.at(h).face as usize]);
+        let [first, second] = self.both(half_edge).map(|half| self.side(half));
         let surface = scene.surface(first.plane);
         if first.plane != second.plane {
             return Some([surface, scene.surface(second.plane)]);
@@ -158,23 +192,21 @@ impl Boundary {
     /// The edges where the look of a surface changes, by the numbers of their
     /// vertices in fans.
     pub fn borders(&self) -> Borders {
-        let is_border = |&half_edge: &u32| {
-            let sides = self.faces_of(half_edge).map(|f| &self.faces[f as usize]);
-            is_border(sides) && self.at(half_edge).curve == self.at(self.at(half_edge).twin).curve
+        let is_border = |&half_edge: &HalfEdgeId| {
+            let both = self.both(half_edge);
+            let [one, other] = both.map(|half| self.at(half).curve);
+            is_border(both.map(|half| self.side(half))) && one == other
         };
-        let halves = (0..self.half_edges.len() as u32).filter(|&h| !self.is_removed(h));
-        let halves: Vec<u32> = halves.filter(is_border).collect();
+        let halves: Vec<HalfEdgeId> = self.halves().filter(is_border).collect();
         if halves.is_empty() {
             return Borders::default();
         }
         let (fan_of, _) = self.fans();
-        let border = |half_edge: u32| {
-            let HalfEdge {
-                twin, face, curve, ..
-            } = *self.at(half_edge);
-            let surface = self.faces[face as usize].plane;
-            let other = curve.surfaces().find(|&id| id != surface)?;
-            let mut ends = [half_edge, twin].map(|half| fan_of[half as usize]);
+        let border = |half_edge: HalfEdgeId| {
+            let surface = self.side(half_edge).plane;
+            let mut others = self.at(half_edge).curve.surfaces();
+            let other = others.find(|&id| id != surface)?;
+            let mut ends = self.both(half_edge).map(|half| fan_of[half.index()]);
             ends.sort_unstable();
             Some((ends, other))
         };
@@ -190,21 +222,24 @@ impl Boundary {
     fn simplify(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let mut leaving = vec![0u32; self.points.len()];
         for half_edge in &self.half_edges {
-            leaving[half_edge.from as usize] += 1;
+            leaving[half_edge.from.index()] += 1;
         }
-        let mut pending: Vec<u32> = (0..self.half_edges.len() as u32).rev().collect();
+        let halves = HalfEdgeId::all(self.half_edges.len());
+        let mut pending: Vec<HalfEdgeId> = halves.rev().collect();
         while let Some(half_edge) = pending.pop() {
             scene.go_on()?;
-            if self.is_removed(half_edge) {
-                continue;
-            }
             let HalfEdge {
+                from,
                 twin,
                 next,
                 previous,
+                is_removed,
                 ..
             } = *self.at(half_edge);
-            let is_alone = |h: u32| leaving[self.at(h).from as usize] == 1;
+            if is_removed {
+                continue;
+            }
+            let is_alone = |half: HalfEdgeId| leaving[self.at(half).from.index()] == 1;
             if next == half_edge || next == twin && previous == twin {
                 // Nothing but this edge.
                 let is_touched = next == twin && !(is_alone(half_edge) && is_alone(twin));
@@ -247,7 +282,7 @@ impl Boundary {
             }
             let opposite = self.at(around).previous;
             if self.at(opposite).twin == half_edge
-                && leaving[self.at(half_edge).from as usize] == 2
+                && leaving[from.index()] == 2
                 && self.goes_straight(scene, half_edge)
             {
                 // Two edges and two faces meet here, in one line.
@@ -266,16 +301,16 @@ impl Boundary {
     }
 
     /// Lets a half-edge end on its curve where the one behind it does.
-    fn lengthen(&mut self, half_edge: u32, next: u32) {
+    fn lengthen(&mut self, half_edge: HalfEdgeId, next: HalfEdgeId) {
         let HalfEdge { curve, places, .. } = *self.at(next);
-        let joined = &mut self.half_edges[half_edge as usize];
+        let joined = self.at_mut(half_edge);
         if joined.curve == curve {
             joined.places[1] = places[1];
         }
     }
 
     /// Whether a face of two corners is one between two curves, wider than rounding.
-    fn is_lens(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+    fn is_lens(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> bool {
         let edges = [half_edge, self.at(half_edge).next];
         match edges.map(|edge| self.middle(scene, edge)) {
             [Some(one), Some(other)] => one.distance(other) > scene.near,
@@ -286,41 +321,43 @@ impl Boundary {
     /// Whether the middle of an edge lies within other contours of its face: then
     /// two edges between the same vertices are a slit, along which other faces
     /// touch it, and else all that is left of a face thinner than rounding.
-    fn lies_within_face(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+    fn lies_within_face(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> bool {
         let HalfEdge { face, next, .. } = *self.at(half_edge);
-        let side = &self.faces[face as usize];
-        let flat = |vertex: u32| scene.flatten(side, self.points[vertex as usize]);
-        let [a, b] = [half_edge, next].map(|h| flat(self.at(h).from));
-        let others = (0..self.half_edges.len() as u32)
-            .filter(|&h| h != half_edge && h != next)
-            .filter(|&h| !self.is_removed(h) && self.at(h).face == face)
-            .map(|h| [flat(self.at(h).from), flat(self.end(h))]);
+        let side = self.side(half_edge);
+        let flat = |vertex: VertexId| scene.flatten(side, self.point(vertex));
+        let [a, b] = [half_edge, next].map(|half| flat(self.at(half).from));
+        let others = self
+            .halves()
+            .filter(|&other| other != half_edge && other != next)
+            .filter(|&other| self.at(other).face == face)
+            .map(|other| self.ends(other).map(flat));
         is_surrounded(others, 0.5 * (a + b))
     }
 
     /// Whether an edge goes on in the direction of the one before it. It does
     /// between faces of two planes, but borders of looks turn within one.
-    fn goes_straight(&self, scene: &Scene<'_>, half_edge: u32) -> bool {
+    fn goes_straight(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> bool {
         let before = self.at(self.at(half_edge).previous).from;
-        let ends = [before, self.at(half_edge).from, self.end(half_edge)];
-        let [a, b, c] = ends.map(|p| self.points[p as usize]);
+        let [from, to] = self.ends(half_edge);
+        let [a, b, c] = [before, from, to].map(|vertex| self.point(vertex));
         let off = (b - a).cross(c - b).length();
-        before != self.end(half_edge) && off <= scene.weld * (c - a).length()
+        before != to && off <= scene.weld * (c - a).length()
     }
 
     /// For each half-edge the number of the vertex of the finished mesh that it
     /// starts from: each point once for every fan of faces around it. And the
     /// points of these vertices.
-    pub fn fans(&self) -> (Vec<u32>, Vec<u32>) {
-        let mut fan_of = vec![NONE; self.half_edges.len()];
+    pub fn fans(&self) -> (Vec<u32>, Vec<VertexId>) {
+        let mut fan_of = vec![0; self.half_edges.len()];
+        let mut seen = vec![false; self.half_edges.len()];
         let mut point_of = Vec::with_capacity(self.points.len());
-        for start in 0..self.half_edges.len() as u32 {
-            if self.is_removed(start) || fan_of[start as usize] != NONE {
+        for start in self.halves() {
+            if seen[start.index()] {
                 continue;
             }
             let mut at = start;
-            while fan_of[at as usize] == NONE {
-                fan_of[at as usize] = point_of.len() as u32;
+            while !replace(&mut seen[at.index()], true) {
+                fan_of[at.index()] = point_of.len() as u32;
                 at = self.at(self.at(at).previous).twin;
             }
             point_of.push(self.at(start).from);
@@ -334,20 +371,17 @@ impl Boundary {
     pub fn split_double_edges(&mut self, scene: &Scene<'_>) -> Result<(), Stop> {
         let (fan_of, _) = self.fans();
         // One half of each edge, with its ends.
-        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(fan_of.len() / 2);
-        for half_edge in 0..fan_of.len() as u32 {
-            let twin = self.at(half_edge).twin;
-            if !self.is_removed(half_edge) && half_edge < twin {
-                let mut ends = [half_edge, twin].map(|h| fan_of[h as usize]);
-                ends.sort_unstable();
-                edges.push((ends, half_edge));
-            }
-        }
+        let mut edges: Vec<([u32; 2], HalfEdgeId)> = Vec::with_capacity(fan_of.len() / 2);
+        edges.extend(self.edges().map(|half_edge| {
+            let mut ends = self.both(half_edge).map(|half| fan_of[half.index()]);
+            ends.sort_unstable();
+            (ends, half_edge)
+        }));
         edges.sort_unstable();
         let doubled = edges.chunk_by(|a, b| a.0 == b.0).filter(|e| e.len() > 1);
-        let doubled: Vec<u32> = doubled.flatten().map(|edge| edge.1).collect();
+        let doubled: Vec<HalfEdgeId> = doubled.flatten().map(|edge| edge.1).collect();
         if !doubled.is_empty() {
-            let at = self.points[self.at(doubled[0]).from as usize];
+            let at = self.point(self.at(doubled[0]).from);
             let split = self.split(scene, &doubled);
             split.ok_or(Stop::undecided(Why::Edge, at))?;
         }
@@ -356,75 +390,72 @@ impl Boundary {
 
     /// One half of each edge along a curve that joins two vertices, by their
     /// numbers in fans.
-    pub fn curves_between(&self, scene: &Scene<'_>, pairs: &[[u32; 2]]) -> Vec<u32> {
+    pub fn curves_between(&self, scene: &Scene<'_>, pairs: &[[u32; 2]]) -> Vec<HalfEdgeId> {
         if pairs.is_empty() {
             return Vec::new();
         }
         let (fan_of, _) = self.fans();
         let both_ways = pairs.iter().flat_map(|&[a, b]| [[a, b], [b, a]]);
         let pairs: FxHashSet<[u32; 2]> = both_ways.collect();
-        let joins = |&half_edge: &u32| {
-            let twin = self.at(half_edge).twin;
-            let is_first = !self.is_removed(half_edge) && half_edge < twin;
-            is_first
-                && pairs.contains(&[half_edge, twin].map(|h| fan_of[h as usize]))
+        let joins = |&half_edge: &HalfEdgeId| {
+            pairs.contains(&self.both(half_edge).map(|half| fan_of[half.index()]))
                 && self
                     .surfaces_of(scene, half_edge)
                     .is_some_and(|s| !s.iter().all(|s| s.is_plane()))
         };
-        (0..self.half_edges.len() as u32).filter(joins).collect()
+        self.edges().filter(joins).collect()
     }
 
     /// Puts a vertex on an edge, at a place on the curve of each half.
-    pub fn split_at(&mut self, half_edge: u32, point: DVec3, places: [f64; 2]) {
-        let twin = self.at(half_edge).twin;
-        let middle = self.points.len() as u32;
+    pub fn split_at(&mut self, half_edge: HalfEdgeId, point: DVec3, places: [f64; 2]) {
+        let both = self.both(half_edge);
+        let middle = VertexId(self.points.len() as u32);
         self.points.push(point);
-        let first = self.half_edges.len() as u32;
-        for (k, (half, place)) in [half_edge, twin].into_iter().zip(places).enumerate() {
+        let rests = [0, 1].map(|k| HalfEdgeId(self.half_edges.len() as u32 + k));
+        for ((half, rest), place) in both.into_iter().zip(rests).zip(places) {
             let whole = *self.at(half);
-            let HalfEdge { next, .. } = whole;
-            let rest = first + k as u32;
             self.half_edges.push(HalfEdge {
                 from: middle,
                 places: [place, whole.places[1]],
                 ..whole
             });
-            self.half_edges[half as usize].places[1] = place;
-            self.join(rest, next);
+            self.at_mut(half).places[1] = place;
+            self.join(rest, whole.next);
             self.join(half, rest);
         }
-        self.make_twins(half_edge, first + 1);
-        self.make_twins(twin, first);
+        self.make_twins(both[0], rests[1]);
+        self.make_twins(both[1], rests[0]);
     }
 
     /// Edges with one face on both sides, by the numbers of their vertices in fans.
     pub fn slits(&self, fan_of: &[u32]) -> Slits {
-        let halves = (0..self.half_edges.len() as u32).filter(|&h| !self.is_removed(h));
-        let slits = halves.filter(|&h| self.at(h).face == self.at(self.at(h).twin).face);
+        let is_slit = |&half: &HalfEdgeId| {
+            let [face, other] = self.faces_of(half);
+            face == other
+        };
+        let slits = self.halves().filter(is_slit);
         slits
-            .map(|h| [h, self.at(h).twin].map(|h| fan_of[h as usize]))
+            .map(|half| self.both(half).map(|half| fan_of[half.index()]))
             .collect()
     }
 
     /// The contours, by face: for each face its half-edges in runs.
-    pub fn contours(&self) -> Vec<Vec<Vec<u32>>> {
+    pub fn contours(&self) -> Vec<Vec<Vec<HalfEdgeId>>> {
         let mut of_face = vec![Vec::new(); self.faces.len()];
         let mut seen = vec![false; self.half_edges.len()];
-        for start in 0..self.half_edges.len() as u32 {
-            if self.is_removed(start) || seen[start as usize] {
+        for start in self.halves() {
+            if seen[start.index()] {
                 continue;
             }
             let count = std::iter::successors(Some(start), |&at| Some(self.at(at).next));
             let count = 1 + count.skip(1).take_while(|&at| at != start).count();
             let mut contour = Vec::with_capacity(count);
             let mut at = start;
-            while !seen[at as usize] {
-                seen[at as usize] = true;
+            while !replace(&mut seen[at.index()], true) {
                 contour.push(at);
                 at = self.at(at).next;
             }
-            of_face[self.at(start).face as usize].push(contour);
+            of_face[self.at(start).face.index()].push(contour);
         }
         of_face
     }

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::boundary::Boundary;
 use super::frame::Frame;
+use super::ids::HalfEdgeId;
 use super::piece::{CurveId, Piece, Side};
 use super::relations::Relations;
 use super::scene::{Plane, Scene};
@@ -105,7 +106,7 @@ fn contours(surfaces: &[Surface], pieces: &[Piece], surface: u32) -> Option<Vec<
         .faces
         .iter()
         .position(|f| f.plane == SurfaceId(surface))?;
-    let start = |&half_edge: &u32| boundary.points[boundary.at(half_edge).from as usize];
+    let start = |&half_edge: &HalfEdgeId| boundary.point(boundary.at(half_edge).from);
     let contours = boundary.contours().swap_remove(face);
     let vertices = contours.iter().map(|c| c.iter().map(start).collect());
     Some(vertices.collect())
@@ -238,7 +239,8 @@ fn points_of_edges_are_on_their_own_stretch() {
             for x in [-0.8, -0.3, 0.4, 0.9] {
                 for beside in [-1e-4, 0.0, 1e-4] {
                     let near = DVec3::new(x, beside, 0.0);
-                    let found = boundary.on_curve(scene, half, near).expect("a point");
+                    let found = boundary.on_curve(scene, HalfEdgeId(half), near);
+                    let found = found.expect("a point");
                     let right = DVec3::new(x, side * 1e-4 * (1.0 - x * x).sqrt(), 0.0);
                     // (In a plane across the chord, which is not quite along x.)
                     let off = found.distance(right);

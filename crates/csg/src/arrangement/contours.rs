@@ -2,10 +2,13 @@
 //! by the directions in which the curves leave.
 
 use crate::elementary;
+use std::mem::replace;
+
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::boundary::{Boundary, NONE};
+use super::boundary::Boundary;
+use super::ids::{HalfEdgeId, VertexId};
 use super::scene::Scene;
 use crate::numeric::tolerance::{SAME_ANGLE, SAME_BEND, TOUCHING};
 use crate::undecided::{Stop, Why};
@@ -13,7 +16,7 @@ use crate::undecided::{Stop, Why};
 /// How a curve leaves a vertex in the plane in which its face is seen.
 #[derive(Clone, Copy, Debug)]
 struct Departure {
-    half_edge: u32,
+    half_edge: HalfEdgeId,
     /// The vertex, and the edge's other end.
     ends: [DVec3; 2],
     /// Of its tangent.
@@ -29,35 +32,36 @@ impl Boundary {
         // Half-edges by the vertex they start from.
         let mut first_at = vec![0u32; self.points.len() + 1];
         for half_edge in &self.half_edges {
-            first_at[half_edge.from as usize + 1] += 1;
+            first_at[half_edge.from.index() + 1] += 1;
         }
         for vertex in 0..self.points.len() {
             first_at[vertex + 1] += first_at[vertex];
         }
         let mut filled = first_at.clone();
-        let mut leaving = vec![0u32; self.half_edges.len()];
-        for (index, half_edge) in (0u32..).zip(&self.half_edges) {
-            let slot = &mut filled[half_edge.from as usize];
-            leaving[*slot as usize] = index;
+        let mut leaving = vec![HalfEdgeId(0); self.half_edges.len()];
+        for half_edge in self.halves() {
+            let slot = &mut filled[self.at(half_edge).from.index()];
+            leaving[*slot as usize] = half_edge;
             *slot += 1;
         }
-        let mut out: SmallVec<[u32; 4]> = SmallVec::new();
-        for vertex in 0..self.points.len() {
+        let mut is_next = vec![false; self.half_edges.len()];
+        let mut out: SmallVec<[HalfEdgeId; 4]> = SmallVec::new();
+        for vertex in VertexId::all(self.points.len()) {
             scene.go_on()?;
-            let open = Stop::undecided(Why::Contour, self.points[vertex]);
-            let here = first_at[vertex] as usize..first_at[vertex + 1] as usize;
-            for k in here.clone() {
+            let open = Stop::undecided(Why::Contour, self.point(vertex));
+            let [start, end] = [0, 1].map(|k| first_at[vertex.index() + k] as usize);
+            for k in start..end {
                 // Each arrives as another one's twin.
                 let arriving = self.at(leaving[k]).twin;
                 let face = self.at(arriving).face;
-                let same_face = |&h: &u32| self.at(h).face == face;
+                let same_face = |&half: &HalfEdgeId| self.at(half).face == face;
                 out.clear();
-                out.extend(leaving[here.clone()].iter().copied().filter(same_face));
+                out.extend(leaving[start..end].iter().copied().filter(same_face));
                 let next = match out.as_slice() {
                     &[only] => only,
                     many => self.end_of_sector(scene, arriving, many).ok_or(open)?,
                 };
-                if self.at(next).previous != NONE {
+                if replace(&mut is_next[next.index()], true) {
                     return Err(open);
                 }
                 self.join(arriving, next);
@@ -68,13 +72,18 @@ impl Boundary {
 
     /// Of the half-edges that leave the vertex where another arrives, in the
     /// same face, the first clockwise from it: between the two lies the face.
-    fn end_of_sector(&self, scene: &Scene<'_>, arriving: u32, leaving: &[u32]) -> Option<u32> {
+    fn end_of_sector(
+        &self,
+        scene: &Scene<'_>,
+        arriving: HalfEdgeId,
+        leaving: &[HalfEdgeId],
+    ) -> Option<HalfEdgeId> {
         use std::f64::consts::TAU;
         let back = self.departure(scene, arriving, true);
         // Next to where curves touch they are one curve but for rounding, too, and
         // their order is that of their bends.
         let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_ANGLE);
-        let clockwise = |&half_edge: &u32| {
+        let clockwise = |&half_edge: &HalfEdgeId| {
             let leaves = self.departure(scene, half_edge, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);
             let is_same = turn.min(TAU - turn) < same(back.bend - leaves.bend);
@@ -118,7 +127,7 @@ impl Boundary {
         let Some(near) = self.on_curve(scene, longer.half_edge, at) else {
             return false;
         };
-        let side = &self.faces[self.at(one.half_edge).face as usize];
+        let side = self.side(one.half_edge);
         let off = scene.flatten(side, at) - scene.flatten(side, near);
         let left = elementary::direction(one.angle).perp_dot(off);
         at.distance(near) > scene.weld && (left > 0.0) == is_shorter
@@ -127,9 +136,9 @@ impl Boundary {
     /// How a half-edge leaves the vertex it starts from, or, going back, the one
     /// it ends in, as its face is seen. By the curve, not by its chord: of curves
     /// that touch there the chords may be the other way round.
-    fn departure(&self, scene: &Scene<'_>, half_edge: u32, is_back: bool) -> Departure {
-        let side = &self.faces[self.at(half_edge).face as usize];
-        let ends = [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize]);
+    fn departure(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, is_back: bool) -> Departure {
+        let side = self.side(half_edge);
+        let ends = self.chord(half_edge);
         let ends @ [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
         let flat =
             |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);

@@ -7,6 +7,7 @@ use smallvec::SmallVec;
 
 use super::boundary::Boundary;
 use super::curve::Curve;
+use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::roots::bracketed;
 use super::scene::Scene;
 use super::triangulate::orient;
@@ -16,7 +17,7 @@ use crate::surface::solve;
 /// half of the edge stands for both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
-    pub half_edge: u32,
+    pub half_edge: HalfEdgeId,
     at: DVec3,
 }
 
@@ -24,46 +25,46 @@ impl Boundary {
     /// Puts a vertex of their curve in the middle of edges, and of all others along
     /// the same stretch of it, where the solid touches itself. One half of each edge
     /// that was split; none if one has no such point.
-    pub fn split(&mut self, scene: &Scene<'_>, edges: &[u32]) -> Option<Vec<u32>> {
+    pub fn split(&mut self, scene: &Scene<'_>, edges: &[HalfEdgeId]) -> Option<Vec<HalfEdgeId>> {
         let splits = edges.iter().map(|&half_edge| self.halve(scene, half_edge));
         let splits: Vec<Split> = splits.collect::<Option<_>>()?;
         Some(self.split_all(scene, &splits))
     }
 
     /// The split of an edge in its middle.
-    fn halve(&self, scene: &Scene<'_>, half_edge: u32) -> Option<Split> {
+    fn halve(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> Option<Split> {
         Some(self.split_of(half_edge, self.middle(scene, half_edge)?))
     }
 
     /// The split of an edge, given by either half, at a point of its curve.
-    fn split_of(&self, half_edge: u32, at: DVec3) -> Split {
+    fn split_of(&self, half_edge: HalfEdgeId, at: DVec3) -> Split {
         let half_edge = half_edge.min(self.at(half_edge).twin);
         Split { half_edge, at }
     }
 
     /// Splits edges, each no more than once, and all others along the same stretch
     /// of their curves. One half of each edge that was split.
-    pub fn split_all(&mut self, scene: &Scene<'_>, splits: &[Split]) -> Vec<u32> {
-        let mut between: FxHashMap<[u32; 2], SmallVec<[u32; 2]>> = FxHashMap::default();
-        for half_edge in 0..self.half_edges.len() as u32 {
-            if !self.is_removed(half_edge) && half_edge < self.at(half_edge).twin {
-                between
-                    .entry(self.ends(half_edge))
-                    .or_default()
-                    .push(half_edge);
-            }
+    pub fn split_all(&mut self, scene: &Scene<'_>, splits: &[Split]) -> Vec<HalfEdgeId> {
+        let mut between: FxHashMap<[VertexId; 2], SmallVec<[HalfEdgeId; 2]>> = FxHashMap::default();
+        let sorted_ends = |all: &Self, half_edge| {
+            let mut ends = all.ends(half_edge);
+            ends.sort_unstable();
+            ends
+        };
+        for half_edge in self.edges() {
+            let alike = between.entry(sorted_ends(self, half_edge));
+            alike.or_default().push(half_edge);
         }
-        let mut split: Vec<u32> = Vec::new();
+        let mut split = Vec::new();
         for &Split { half_edge, at } in splits {
-            let alike = between.get(&self.ends(half_edge));
+            let alike = between.get(&sorted_ends(self, half_edge));
             let Some(alike) = alike.filter(|alike| alike.contains(&half_edge)) else {
                 // Split already, with another one.
                 continue;
             };
             for &other in alike {
                 if other == half_edge || self.runs_through(scene, other, at) {
-                    let twin = self.at(other).twin;
-                    let places = [other, twin].map(|half| self.place_of(scene, half, at));
+                    let places = self.both(other).map(|half| self.place_of(scene, half, at));
                     self.split_at(other, at, places);
                     split.push(other);
                 }
@@ -72,37 +73,27 @@ impl Boundary {
         split
     }
 
-    /// The points that an edge joins, in ascending order.
-    fn ends(&self, half_edge: u32) -> [u32; 2] {
-        let [a, b] = [self.at(half_edge).from, self.end(half_edge)];
-        [a.min(b), a.max(b)]
-    }
-
     /// Whether an edge's curve goes through a point next to its chord.
-    fn runs_through(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> bool {
+    fn runs_through(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> bool {
         let [face, other] = self.faces_of(half_edge);
         if face != other && self.surfaces_of(scene, half_edge).is_some() {
             let near = self.next_to(scene, half_edge, point);
             return near.is_some_and(|near| near.distance(point) <= scene.weld);
         }
         // Within a face, which others touch there.
-        let surface = scene.surface(self.faces[face as usize].plane);
+        let surface = scene.surface(self.side(half_edge).plane);
         surface.value(point).abs() <= scene.weld * surface.gradient(point).length()
     }
 
-    fn chord(&self, half_edge: u32) -> [DVec3; 2] {
-        [self.at(half_edge).from, self.end(half_edge)].map(|p| self.points[p as usize])
-    }
-
     /// The point of an edge's curve next to the middle of its chord.
-    pub fn middle(&self, scene: &Scene<'_>, half_edge: u32) -> Option<DVec3> {
+    pub fn middle(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> Option<DVec3> {
         let [a, b] = self.chord(half_edge);
         self.next_to(scene, half_edge, 0.5 * (a + b))
     }
 
     /// The point of an edge's curve next to another point; none if that is not
     /// between the edge's ends, or these are one but for rounding.
-    fn next_to(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
+    fn next_to(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> Option<DVec3> {
         let [a, b] = self.chord(half_edge);
         let half = 0.5 * a.distance(b);
         let found = self.on_curve(scene, half_edge, point)?;
@@ -112,7 +103,12 @@ impl Boundary {
 
     /// The point of an edge's curve beside another point, or else the end that is nearer
     /// to that; none if the ends are one but for rounding.
-    pub fn on_curve(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> Option<DVec3> {
+    pub fn on_curve(
+        &self,
+        scene: &Scene<'_>,
+        half_edge: HalfEdgeId,
+        point: DVec3,
+    ) -> Option<DVec3> {
         let [a, b] = self.chord(half_edge);
         let straight = || Some(a + (point - a).project_onto(b - a));
         let surfaces = self.surfaces_of(scene, half_edge);
@@ -137,7 +133,7 @@ impl Boundary {
     }
 
     /// Where on its curve an edge is beside a point.
-    fn place_of(&self, scene: &Scene<'_>, half_edge: u32, point: DVec3) -> f64 {
+    fn place_of(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> f64 {
         let curve = scene.curve(self.at(half_edge).curve);
         let place = curve.map(|curve| self.place_beside(&curve, half_edge, point));
         place.unwrap_or(self.at(half_edge).places[0])
@@ -145,7 +141,7 @@ impl Boundary {
 
     /// Where an edge is in the plane through a point across its chord, or else the end
     /// that is nearer to that.
-    fn place_beside(&self, curve: &Curve, half_edge: u32, point: DVec3) -> f64 {
+    fn place_beside(&self, curve: &Curve, half_edge: HalfEdgeId, point: DVec3) -> f64 {
         let [a, b] = self.chord(half_edge);
         let mut ends = self.at(half_edge).places;
         let beyond = |place: f64| (curve.at(place) - point).dot(b - a);
@@ -171,20 +167,17 @@ impl Boundary {
     pub fn part(
         &self,
         scene: &Scene<'_>,
-        face: u32,
-        contours: &[Vec<u32>],
+        face: FaceId,
+        contours: &[Vec<HalfEdgeId>],
         splits: &mut Vec<Split>,
     ) {
-        let side = &self.faces[face as usize];
-        let flat = |vertex: u32| scene.flatten(side, self.points[vertex as usize]);
-        let edges: Vec<(u32, [u32; 2], [DVec2; 2])> = contours
-            .iter()
-            .flatten()
-            .map(|&h| {
-                let ends = [self.at(h).from, self.end(h)];
-                (h, ends, ends.map(flat))
-            })
-            .collect();
+        let side = &self.faces[face.index()];
+        let flat = |vertex: VertexId| scene.flatten(side, self.point(vertex));
+        let edges = contours.iter().flatten().map(|&half_edge| {
+            let ends = self.ends(half_edge);
+            (half_edge, ends, ends.map(flat))
+        });
+        let edges: Vec<(HalfEdgeId, [VertexId; 2], [DVec2; 2])> = edges.collect();
         let known = splits.len();
         let crosses = |one: usize, other: usize| {
             let [(first, ends, places), (second, others, other_places)] =
@@ -200,17 +193,21 @@ impl Boundary {
         if splits.len() > known {
             return;
         }
-        let beside = |edge: &(u32, _, _)| self.split_beside_corner(scene, edge.0, contours);
+        let beside = |edge: &(HalfEdgeId, _, _)| self.split_beside_corner(scene, edge.0, contours);
         splits.extend(edges.iter().filter_map(beside));
         if splits.len() > known {
             return;
         }
         // A face narrower than its curves bend may be turned over as a whole.
         for contour in contours {
-            let area = |&h: &u32| flat(self.at(h).from).perp_dot(flat(self.end(h)));
+            let area = |&half_edge: &HalfEdgeId| {
+                let [from, to] = self.ends(half_edge).map(flat);
+                from.perp_dot(to)
+            };
             if contour.iter().map(area).sum::<f64>() <= 0.0 {
-                let sagitta = |half_edge: &u32| self.sagitta(scene, *half_edge);
-                let by_sagitta = |a: &&u32, b: &&u32| sagitta(a).total_cmp(&sagitta(b));
+                let sagitta = |half_edge: &HalfEdgeId| self.sagitta(scene, *half_edge);
+                let by_sagitta =
+                    |a: &&HalfEdgeId, b: &&HalfEdgeId| sagitta(a).total_cmp(&sagitta(b));
                 let worst = contour.iter().max_by(by_sagitta);
                 splits.extend(worst.and_then(|&h| self.halve(scene, h)));
             }
@@ -223,13 +220,13 @@ impl Boundary {
     pub fn refine(
         &self,
         scene: &Scene<'_>,
-        edges: &[u32],
-        contours: &[Vec<Vec<u32>>],
+        edges: &[HalfEdgeId],
+        contours: &[Vec<Vec<HalfEdgeId>>],
     ) -> Option<Vec<Split>> {
-        let split = |&half_edge: &u32| {
-            let both = [half_edge, self.at(half_edge).twin].into_iter();
+        let split = |&half_edge: &HalfEdgeId| {
+            let both = self.both(half_edge).into_iter();
             let mut beside = both.filter_map(|half| {
-                let contours = &contours[self.at(half).face as usize];
+                let contours = &contours[self.at(half).face.index()];
                 self.split_beside_corner(scene, half, contours)
             });
             beside.next().or_else(|| self.halve(scene, half_edge))
@@ -244,16 +241,16 @@ impl Boundary {
     fn split_beside_corner(
         &self,
         scene: &Scene<'_>,
-        half_edge: u32,
-        contours: &[Vec<u32>],
+        half_edge: HalfEdgeId,
+        contours: &[Vec<HalfEdgeId>],
     ) -> Option<Split> {
         /// Of an arc's middle no other point is much farther from the chord.
         const FARTHEST: f64 = 1.5;
         let [a, b] = self.chord(half_edge);
         let off_chord = |point: DVec3| (point - a).reject_from(b - a).length();
         let reach = 2.0 * FARTHEST * off_chord(self.middle(scene, half_edge)?);
-        let corners = contours.iter().flatten().map(|&h| self.at(h).from);
-        let corners = corners.map(|corner| self.points[corner as usize]);
+        let corners = contours.iter().flatten();
+        let corners = corners.map(|&corner| self.point(self.at(corner).from));
         let beside = corners.filter(|&corner| off_chord(corner) < reach);
         let beside = beside.filter_map(|corner| {
             let at = self.next_to(scene, half_edge, corner)?;
@@ -265,7 +262,7 @@ impl Boundary {
     }
 
     /// How far an edge's curve is from the middle of its chord.
-    fn sagitta(&self, scene: &Scene<'_>, half_edge: u32) -> f64 {
+    fn sagitta(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> f64 {
         let [a, b] = self.chord(half_edge);
         let middle = self.middle(scene, half_edge);
         middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
@@ -276,7 +273,7 @@ impl Boundary {
     /// edge more closely than that, a vertex beside this end: next to where curves
     /// touch, chords of about the same curvature cross however short they are,
     /// unless their vertices are side by side.
-    fn split_between(&self, scene: &Scene<'_>, [first, second]: [u32; 2]) -> Option<Split> {
+    fn split_between(&self, scene: &Scene<'_>, [first, second]: [HalfEdgeId; 2]) -> Option<Split> {
         let [one, other] = [first, second].map(|h| self.sagitta(scene, h));
         let beside = [(first, second), (second, first)].into_iter();
         let beside = beside.flat_map(|(half_edge, other)| {
@@ -312,7 +309,12 @@ fn pairs_that_overlap(
 }
 
 /// Whether two edges have more in common than their ends.
-fn cross(ends: [u32; 2], [a, b]: [DVec2; 2], others: [u32; 2], [c, d]: [DVec2; 2]) -> bool {
+fn cross(
+    ends: [VertexId; 2],
+    [a, b]: [DVec2; 2],
+    others: [VertexId; 2],
+    [c, d]: [DVec2; 2],
+) -> bool {
     let apart = |p: DVec2, q: DVec2, r: DVec2, s: DVec2| {
         p.max(q).cmplt(r.min(s)).any() || r.max(s).cmplt(p.min(q)).any()
     };

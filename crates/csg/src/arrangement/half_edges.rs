@@ -6,9 +6,10 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::boundary::{Boundary, NONE};
+use super::boundary::{self, Boundary};
 use super::curve::Curve;
 use super::frame::Frame;
+use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::piece::{CurveId, Side};
 use super::scene::Scene;
 use crate::program::SurfaceId;
@@ -17,13 +18,13 @@ use crate::program::SurfaceId;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HalfEdge {
     /// The vertex it starts from.
-    pub from: u32,
+    pub from: VertexId,
     /// The half-edge of the face on the other side.
-    pub twin: u32,
+    pub twin: HalfEdgeId,
     /// The one that follows around the face.
-    pub next: u32,
+    pub next: HalfEdgeId,
     /// The patch of a surface that it bounds, which may have several parts.
-    pub face: u32,
+    pub face: FaceId,
     pub curve: CurveId,
     /// Whether that is a straight line; along others places are angles, or like these.
     pub is_line: bool,
@@ -47,26 +48,46 @@ pub(crate) struct Arrangement {
 }
 
 impl Arrangement {
+    pub fn at(&self, half_edge: HalfEdgeId) -> &HalfEdge {
+        &self.half_edges[half_edge.index()]
+    }
+
+    /// Of the face on its left.
+    pub fn side(&self, half_edge: HalfEdgeId) -> &Side {
+        &self.faces[self.at(half_edge).face.index()]
+    }
+
+    pub fn halves(&self) -> impl Iterator<Item = HalfEdgeId> + Clone {
+        HalfEdgeId::all(self.half_edges.len())
+    }
+
+    /// The points that a half-edge joins.
+    pub fn chord(&self, half_edge: &HalfEdge) -> [DVec3; 2] {
+        let ends = [half_edge.from, self.at(half_edge.twin).from];
+        ends.map(|vertex| self.points[vertex.index()])
+    }
+
     /// Of a curved surface.
     pub fn frame(&self, surface: SurfaceId) -> Option<&Frame> {
         self.frames[surface.index()].as_ref()
     }
 
     pub(super) fn new(scene: &Scene<'_>, boundary: &Boundary) -> Self {
-        let mut number = vec![NONE; boundary.half_edges.len()];
-        let kept: Vec<u32> = (0..boundary.half_edges.len() as u32)
-            .filter(|&half| !boundary.is_removed(half))
-            .collect();
-        for (new, &old) in (0u32..).zip(&kept) {
-            number[old as usize] = new;
-        }
+        // Without those that were taken out.
+        let mut kept = 0;
+        let number = |half: &boundary::HalfEdge| {
+            let number = HalfEdgeId(kept);
+            kept += u32::from(!half.is_removed);
+            number
+        };
+        let numbers: Vec<HalfEdgeId> = boundary.half_edges.iter().map(number).collect();
         let (fan_of, point_of) = boundary.fans();
-        let half_edge = |&old: &u32| {
+        let half_edge = |old: HalfEdgeId| {
             let half = boundary.at(old);
             HalfEdge {
-                from: fan_of[old as usize],
-                twin: number[half.twin as usize],
-                next: number[half.next as usize],
+                from: VertexId(fan_of[old.index()]),
+                twin: numbers[half.twin.index()],
+                next: numbers[half.next.index()],
                 face: half.face,
                 curve: half.curve,
                 is_line: false,
@@ -76,10 +97,10 @@ impl Arrangement {
         let mut all = Self {
             points: point_of
                 .iter()
-                .map(|&p| boundary.points[p as usize])
+                .map(|&vertex| boundary.point(vertex))
                 .collect(),
             faces: boundary.faces.clone(),
-            half_edges: kept.iter().map(half_edge).collect(),
+            half_edges: boundary.halves().map(half_edge).collect(),
             curves: FxHashMap::default(),
             frames: scene.frames.to_vec(),
             rounding: scene.rounding,
@@ -105,11 +126,11 @@ impl Arrangement {
             let Some(curve) = self.curves.get(&curve) else {
                 continue;
             };
-            let ends = [from, self.half_edges[twin as usize].from];
+            let ends = [from, self.at(twin).from];
             self.half_edges[half].is_line = matches!(curve, Curve::Line { .. });
             let places = &mut self.half_edges[half].places;
             for (place, end) in places.iter_mut().zip(ends) {
-                let point = self.points[end as usize];
+                let point = self.points[end.index()];
                 *place = match curve {
                     Curve::Line { .. } => curve.place(point).unwrap_or(*place),
                     _ => nearest(curve, *place, point, self.rounding),

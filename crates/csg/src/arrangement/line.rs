@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::block::{Block, Position};
+use super::block::Block;
+use super::ids::Position;
 use super::scene::{Plane, Scene};
 use crate::numeric::tolerance::PARALLEL_PLANES;
 

@@ -4,7 +4,8 @@
 use crate::elementary;
 use smallvec::SmallVec;
 
-use super::block::{Block, Position};
+use super::block::Block;
+use super::ids::Position;
 use super::line::Line;
 use super::piece::{CurveId, Piece};
 use super::regions::{Candidate, Finder, merge};

@@ -52,6 +52,7 @@ mod edges;
 mod faces;
 mod frame;
 mod half_edges;
+mod ids;
 mod intersection;
 mod line;
 mod lines;
@@ -87,6 +88,7 @@ pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
 pub(crate) use self::frame::Frame;
 pub(crate) use self::half_edges::{Arrangement, HalfEdge};
+pub(crate) use self::ids::HalfEdgeId;
 #[cfg(test)]
 pub(crate) use self::pairs::tests::quadric as random_quadric;
 pub(crate) use self::piece::{CurveId, Side};

@@ -11,7 +11,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::block::{Block, Position};
+use super::block::Block;
+use super::ids::Position;
 use super::line::Line;
 use super::scene::Scene;
 use crate::program::{Cell, Ends, Operand, Pruner, Side as Half, SurfaceId};
@@ -57,7 +58,7 @@ impl Default for Finder {
 impl Finder {
     /// Appends the candidates of a block, each once or more often.
     pub fn find(&mut self, scene: &Scene<'_>, block: &Block, found: &mut Vec<Candidate>) {
-        for (position, _) in block.surfaces() {
+        for position in Position::all(block.cell.surfaces.len()) {
             self.find_on(scene, block, position, found);
         }
     }

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::block::{Block, Position};
+use super::block::Block;
+use super::ids::Position;
 use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
 

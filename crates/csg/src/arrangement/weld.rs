@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::contacts::Contact;
+use super::ids::VertexId;
 use super::piece::Piece;
 use super::scene::Scene;
 use crate::numeric::Welder;
@@ -19,7 +20,7 @@ const OFF: f64 = 100.0;
 pub(super) struct Welded {
     pub points: Vec<DVec3>,
     /// The two that each piece joins.
-    pub ends: Vec<[u32; 2]>,
+    pub ends: Vec<[VertexId; 2]>,
 }
 
 /// Finds the vertices of pieces, and moves contacts to those at the same places.
@@ -40,12 +41,12 @@ pub(super) fn weld(
     }
     let mut ends = Vec::with_capacity(pieces.len());
     // Pieces by vertices in which points are together that differ.
-    let mut mixed: FxHashMap<u32, SmallVec<[usize; 8]>> = FxHashMap::default();
+    let mut mixed: FxHashMap<VertexId, SmallVec<[usize; 8]>> = FxHashMap::default();
     for piece in pieces {
         scene.go_on()?;
         ends.push([piece.from, piece.to].map(|point| {
-            let vertex = welder.number(point);
-            if welder.points[vertex as usize].distance(point) > OFF * scene.rounding {
+            let vertex = VertexId(welder.number(point));
+            if welder.points[vertex.index()].distance(point) > OFF * scene.rounding {
                 mixed.entry(vertex).or_default();
             }
             vertex
@@ -62,7 +63,7 @@ pub(super) fn weld(
                 pieces.push(index);
             }
         }
-        let mut mixed: Vec<(u32, SmallVec<[usize; 8]>)> = mixed.into_iter().collect();
+        let mut mixed: Vec<(VertexId, SmallVec<[usize; 8]>)> = mixed.into_iter().collect();
         mixed.sort_unstable();
         welded.contract(scene, pieces, mixed);
     }
@@ -77,7 +78,7 @@ impl Welded {
         &mut self,
         scene: &Scene<'_>,
         pieces: &[Piece],
-        mut mixed: Vec<(u32, SmallVec<[usize; 8]>)>,
+        mut mixed: Vec<(VertexId, SmallVec<[usize; 8]>)>,
     ) {
         loop {
             let before = mixed.len();
@@ -95,22 +96,19 @@ impl Welded {
         &mut self,
         scene: &Scene<'_>,
         pieces: &[Piece],
-        vertex: u32,
+        vertex: VertexId,
         around: &[usize],
     ) -> bool {
-        let is_on = |vertex: u32| {
+        let is_on = |vertex: VertexId| {
             let ids = around.iter().flat_map(|&k| pieces[k].curve.surfaces());
-            let off = solve::residual(
-                ids.map(|id| scene.surface(id)),
-                self.points[vertex as usize],
-            );
+            let off = solve::residual(ids.map(|id| scene.surface(id)), self.points[vertex.index()]);
             off <= OFF * scene.rounding
         };
         if is_on(vertex) {
             return true;
         }
-        let at = self.points[vertex as usize];
-        let distance = |v: u32| self.points[v as usize].distance(at);
+        let at = self.points[vertex.index()];
+        let distance = |v: VertexId| self.points[v.index()].distance(at);
         let beyond = |k: usize| self.ends[k][usize::from(self.ends[k][0] == vertex)];
         let touch = |&k: &usize| {
             let is_other = |&j: &usize| {
@@ -203,7 +201,7 @@ mod tests {
             for (piece, ends) in pieces.iter().zip(&ends) {
                 for &end in ends {
                     let surfaces = piece.curve.surfaces().map(|id| scene.surface(id));
-                    let off = solve::residual(surfaces, points[end as usize]);
+                    let off = solve::residual(surfaces, points[end.index()]);
                     assert!(off < 1e-13, "{first}: {off}");
                 }
             }

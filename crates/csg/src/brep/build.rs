@@ -10,7 +10,7 @@ use super::data::{
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
 use super::seams::Seams;
-use crate::arrangement::{Arrangement, CurveId, Side};
+use crate::arrangement::{Arrangement, CurveId, HalfEdgeId};
 use crate::numeric::Groups;
 use crate::undecided::{Undecided, Why};
 
@@ -19,12 +19,13 @@ const NONE: u32 = u32::MAX;
 
 /// Whether a half-edge bounds a face: the surface, its look or the side of it that is solid
 /// changes there, or faces are to be cut at seams.
-fn is_edge(all: &Arrangement, half: u32, seams: Option<&Seams>) -> bool {
-    let half_edge = &all.half_edges[half as usize];
-    let sides = [half_edge.face, all.half_edges[half_edge.twin as usize].face];
-    let look = |side: &Side| (side.plane, side.along_normal, side.look);
-    let [one, other] = sides.map(|face| look(&all.faces[face as usize]));
-    one != other
+fn is_edge(all: &Arrangement, half: HalfEdgeId, seams: Option<&Seams>) -> bool {
+    let half_edge = all.at(half);
+    let look = |half: HalfEdgeId| {
+        let side = all.side(half);
+        (side.plane, side.along_normal, side.look)
+    };
+    look(half) != look(half_edge.twin)
         || half_edge.curve.is_seam() && seams.is_some_and(|seams| seams.has(all, half_edge))
 }
 
@@ -37,33 +38,30 @@ pub(super) fn build(
     let curves = curves(&all)?;
     let regions = regions(&all, &brep.surfaces, &curves)?;
     let seams = cut_at_seams.then(|| Seams::new(&all, &brep.surfaces));
-    let is_edge = |half: u32| is_edge(&all, half, seams.as_ref());
+    let is_edge = |half| is_edge(&all, half, seams.as_ref());
     let faces = Faces::new(&all, regions, is_edge)?;
     let links = Links::new(&all, is_edge);
     let chains = links.edges(&all);
     let mut vertex_of = vec![NONE; all.points.len()];
     let mut coedge_of = vec![NONE; all.half_edges.len()];
-    brep.number_coedges(&all, &faces, &links, &mut coedge_of);
+    brep.number_coedges(&faces, &links, &mut coedge_of);
     for chain in &chains {
-        let mut places = chain
-            .half_edges
-            .iter()
-            .map(|&half| all.half_edges[half as usize].places);
+        let mut places = chain.half_edges.iter().map(|&half| all.at(half).places);
         let start = places.clone().next().map_or(0.0, |[from, _]| from);
         let end = start + places.by_ref().map(|[from, to]| to - from).sum::<f64>();
         let (first, last) = (
             chain.half_edges[0],
             chain.half_edges[chain.half_edges.len() - 1],
         );
-        let ends = [first, all.half_edges[last as usize].twin];
-        let mut coedges = ends.map(|half| CoedgeId::new(coedge_of[half as usize] as usize));
+        let ends = [first, all.at(last).twin];
+        let mut coedges = ends.map(|half| CoedgeId::new(coedge_of[half.index()] as usize));
         let mut vertices = (!chain.is_ring).then(|| {
             ends.map(|half| {
-                let point = all.half_edges[half as usize].from;
-                let vertex = &mut vertex_of[point as usize];
+                let point = all.at(half).from.index();
+                let vertex = &mut vertex_of[point];
                 if *vertex == NONE {
                     *vertex = brep.points.len() as u32;
-                    brep.points.push(all.points[point as usize]);
+                    brep.points.push(all.points[point]);
                 }
                 VertexId::new(*vertex as usize)
             })
@@ -79,7 +77,7 @@ pub(super) fn build(
             brep.coedges[coedge.index()].edge = edge;
         }
         brep.edges.push(EdgeData {
-            curve: curves.of_half_edge[first as usize],
+            curve: curves.of_half_edge[first.index()],
             range: [start.min(end), start.max(end)],
             coedges,
             vertices,
@@ -107,7 +105,7 @@ fn curves(all: &Arrangement) -> Result<Curves, Undecided> {
             None => {
                 let curve = all.curves.get(&half_edge.curve).ok_or(Undecided {
                     why: Why::Curve,
-                    place: all.points[half_edge.from as usize],
+                    place: all.points[half_edge.from.index()],
                 })?;
                 curves.all.push(curve.clone());
                 let id = curves.all.len() as u32 - 1;
@@ -136,18 +134,18 @@ impl Faces {
     fn new(
         all: &Arrangement,
         regions: Vec<Region>,
-        is_edge: impl Fn(u32) -> bool,
+        is_edge: impl Fn(HalfEdgeId) -> bool,
     ) -> Result<Self, Undecided> {
         let mut region_of = vec![NONE; all.half_edges.len()];
         for (index, region) in (0u32..).zip(&regions) {
             for &half in region.contours.iter().flatten() {
-                region_of[half as usize] = index;
+                region_of[half.index()] = index;
             }
         }
         let mut faces = Groups::new(regions.len());
         let mut shells = Groups::new(regions.len());
-        for (half, half_edge) in (0u32..).zip(&all.half_edges) {
-            let pair = [half, half_edge.twin].map(|half| region_of[half as usize]);
+        for half in all.halves() {
+            let pair = [half, all.at(half).twin].map(|half| region_of[half.index()]);
             shells.join(pair);
             if !is_edge(half) {
                 faces.join(pair);
@@ -193,7 +191,7 @@ impl Faces {
             sums[shell] += 2 * (2 - region.contours.len() as i64);
             for &half in region.contours.iter().flatten() {
                 sums[shell] -= 1;
-                let vertex = all.half_edges[half as usize].from as usize;
+                let vertex = all.at(half).from.index();
                 place[shell] = all.points[vertex];
                 if !std::mem::replace(&mut is_seen[vertex], true) {
                     sums[shell] += 2;
@@ -216,13 +214,7 @@ impl Faces {
 
 impl Brep {
     /// Adds faces, loops and coedges, whose edges are not known yet.
-    fn number_coedges(
-        &mut self,
-        all: &Arrangement,
-        faces: &Faces,
-        links: &Links,
-        coedge_of: &mut [u32],
-    ) {
+    fn number_coedges(&mut self, faces: &Faces, links: &Links, coedge_of: &mut [u32]) {
         let mut loops = Loops::new(links);
         for (index, region) in faces.regions.iter().enumerate() {
             let face = faces.face_of[index];
@@ -235,7 +227,7 @@ impl Brep {
                     });
                 }
                 self.faces.push(FaceData {
-                    side: all.faces[region.face as usize],
+                    side: region.side,
                     shell: ShellId::new(shell as usize),
                     loops: (self.loops.len() as u32, 0),
                     patches: (index as u32, 0),
@@ -253,7 +245,7 @@ impl Brep {
                 let first = self.coedges.len() as u32;
                 for edge in &around {
                     for &half in edge {
-                        coedge_of[half as usize] = self.coedges.len() as u32;
+                        coedge_of[half.index()] = self.coedges.len() as u32;
                     }
                     self.coedges.push(CoedgeData {
                         edge: EdgeId::new(NONE as usize),
@@ -274,7 +266,7 @@ impl Brep {
             let stretches = region.contours.iter();
             let stretches = stretches.flat_map(|contour| stretches_of(all, curves, contour));
             self.patches.push(Patch {
-                side: all.faces[region.face as usize],
+                side: region.side,
                 stretches: stretches.collect(),
             });
         }
@@ -282,16 +274,16 @@ impl Brep {
 }
 
 /// The pieces of curves around a contour; pieces that go on and on are one.
-fn stretches_of(all: &Arrangement, curves: &Curves, contour: &[u32]) -> Vec<Stretch> {
+fn stretches_of(all: &Arrangement, curves: &Curves, contour: &[HalfEdgeId]) -> Vec<Stretch> {
     let mut stretches: Vec<Stretch> = Vec::new();
     for &half in contour {
-        let half_edge = &all.half_edges[half as usize];
-        let id = curves.of_half_edge[half as usize];
+        let half_edge = all.at(half);
+        let id = curves.of_half_edge[half.index()];
         let curve = &curves.all[id as usize];
-        let end = all.half_edges[half_edge.twin as usize].from;
-        let off = |place: f64, vertex: u32| curve.at(place).distance(all.points[vertex as usize]);
+        let [start, end] = all.chord(half_edge);
         let [from, to] = half_edge.places;
-        let gap = off(from, half_edge.from).max(off(to, end));
+        let off = |place: f64, point: DVec3| curve.at(place).distance(point);
+        let gap = off(from, start).max(off(to, end));
         match stretches.last_mut() {
             // To the bit: only chords of one stretch are.
             Some(last) if last.curve == id && last.places[1] == from => {

@@ -2,55 +2,48 @@
 
 use std::f64::consts::TAU;
 
-use crate::arrangement::{Arrangement, HalfEdge};
+use crate::arrangement::{Arrangement, HalfEdge, HalfEdgeId};
 use crate::numeric::tolerance::SAME_PLACE;
-
-/// No half-edge.
-const NONE: u32 = u32::MAX;
 
 /// For each half-edge of a face's border the one that follows along it.
 pub(super) struct Links {
-    /// [`NONE`] for those within a face.
-    next: Vec<u32>,
+    /// None for those within a face.
+    next: Vec<Option<HalfEdgeId>>,
     /// Whether it is one edge with the next.
     goes_on: Vec<bool>,
 }
 
 /// The half-edges of an edge, one after another along one of its faces.
 pub(super) struct Chain {
-    pub half_edges: Vec<u32>,
+    pub half_edges: Vec<HalfEdgeId>,
     /// Whether it closes on itself without a vertex.
     pub is_ring: bool,
 }
 
 impl Links {
     /// Of half-edges of which some are edges, on both sides, and others lie within a face.
-    pub fn new(all: &Arrangement, is_edge: impl Fn(u32) -> bool) -> Self {
-        let halves = 0..all.half_edges.len() as u32;
-        let next = |half: u32| {
-            if !is_edge(half) {
-                return NONE;
-            }
-            let mut at = all.half_edges[half as usize].next;
-            while !is_edge(at) {
-                let twin = all.half_edges[at as usize].twin;
-                at = all.half_edges[twin as usize].next;
-            }
-            at
+    pub fn new(all: &Arrangement, is_edge: impl Fn(HalfEdgeId) -> bool) -> Self {
+        let next = |half: HalfEdgeId| {
+            is_edge(half).then(|| {
+                let mut at = all.at(half).next;
+                while !is_edge(at) {
+                    at = all.at(all.at(at).twin).next;
+                }
+                at
+            })
         };
-        let next: Vec<u32> = halves.clone().map(next).collect();
-        let goes_on = |half: u32| {
-            let after = next[half as usize];
-            if after == NONE {
+        let next: Vec<Option<HalfEdgeId>> = all.halves().map(next).collect();
+        let goes_on = |half: HalfEdgeId| {
+            let Some(after) = next[half.index()] else {
                 return false;
-            }
-            let pair = [half, after].map(|half| &all.half_edges[half as usize]);
-            let back = [pair[1], pair[0]].map(|half| &all.half_edges[half.twin as usize]);
-            let is_alone = next[pair[1].twin as usize] == pair[0].twin;
+            };
+            let pair = [half, after].map(|half| all.at(half));
+            let back = [pair[1], pair[0]].map(|half| all.at(half.twin));
+            let is_alone = next[pair[1].twin.index()] == Some(pair[0].twin);
             is_alone && is_one_curve(pair) && is_one_curve(back)
         };
         Self {
-            goes_on: halves.map(goes_on).collect(),
+            goes_on: all.halves().map(goes_on).collect(),
             next,
         }
     }
@@ -59,37 +52,31 @@ impl Links {
     pub fn edges(&self, all: &Arrangement) -> Vec<Chain> {
         let mut is_seen = vec![false; self.next.len()];
         let mut chains = Vec::new();
-        let is_first = |half: u32| {
+        let is_first = |&half: &HalfEdgeId| {
             // What the edge goes on from, seen from the other side.
-            let twin = all.half_edges[half as usize].twin;
-            let before = all.half_edges[self.next[twin as usize] as usize].twin;
-            !(self.next[before as usize] == half && self.goes_on[before as usize])
+            let before = self.next[all.at(half).twin.index()].map(|after| all.at(after).twin);
+            before.and_then(|before| self.after(before)) != Some(half)
         };
-        let halves = 0..self.next.len() as u32;
         let edges = || {
-            halves
-                .clone()
-                .filter(|&half| self.next[half as usize] != NONE)
+            all.halves()
+                .filter(|half| self.next[half.index()].is_some())
         };
         // First those that begin somewhere, then rings.
         for (half, is_ring) in edges()
-            .filter(|&half| is_first(half))
+            .filter(is_first)
             .map(|half| (half, false))
             .chain(edges().map(|half| (half, true)))
         {
-            if is_seen[half as usize] {
+            if is_seen[half.index()] {
                 continue;
             }
             let mut half_edges = Vec::new();
-            let mut at = half;
-            loop {
-                is_seen[at as usize] = true;
-                is_seen[all.half_edges[at as usize].twin as usize] = true;
-                half_edges.push(at);
-                if !self.goes_on[at as usize] || self.next[at as usize] == half {
-                    break;
-                }
-                at = self.next[at as usize];
+            let mut at = Some(half);
+            while let Some(here) = at {
+                is_seen[here.index()] = true;
+                is_seen[all.at(here).twin.index()] = true;
+                half_edges.push(here);
+                at = self.after(here).filter(|&after| after != half);
             }
             chains.push(Chain {
                 half_edges,
@@ -97,6 +84,11 @@ impl Links {
             });
         }
         chains
+    }
+
+    /// What a half-edge is one edge with.
+    fn after(&self, half: HalfEdgeId) -> Option<HalfEdgeId> {
+        self.next[half.index()].filter(|_| self.goes_on[half.index()])
     }
 }
 
@@ -125,25 +117,24 @@ impl<'a> Loops<'a> {
 
     /// The loop through a half-edge as the half-edges of each of its edges; none if that
     /// lies within a face, or was asked for before.
-    pub fn from(&mut self, half: u32) -> Option<Vec<Vec<u32>>> {
-        let next = &self.links.next;
-        if next[half as usize] == NONE || self.is_seen[half as usize] {
+    pub fn from(&mut self, half: HalfEdgeId) -> Option<Vec<Vec<HalfEdgeId>>> {
+        if self.is_seen[half.index()] {
             return None;
         }
         let mut around = vec![half];
-        let mut at = next[half as usize];
+        let mut at = self.links.next[half.index()]?;
         while at != half {
             around.push(at);
-            at = next[at as usize];
+            at = self.links.next[at.index()]?;
         }
         for &half in &around {
-            self.is_seen[half as usize] = true;
+            self.is_seen[half.index()] = true;
         }
         // Begin where an edge does.
-        let goes_on = |half: u32| self.links.goes_on[half as usize];
+        let goes_on = |half: HalfEdgeId| self.links.goes_on[half.index()];
         let last = around.iter().rposition(|&half| !goes_on(half));
         around.rotate_left(last.map_or(0, |last| last + 1));
-        let mut edges: Vec<Vec<u32>> = Vec::new();
+        let mut edges: Vec<Vec<HalfEdgeId>> = Vec::new();
         let mut is_new = true;
         for half in around {
             match edges.last_mut() {

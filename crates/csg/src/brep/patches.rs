@@ -1,22 +1,24 @@
 //! Which contours bound one part of a patch together: outlines and the holes in them.
 
+use std::mem::replace;
+
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashSet;
 
 use super::chart::{self, Chart};
-use crate::arrangement::{Arrangement, Curve};
+use crate::arrangement::{Arrangement, Curve, HalfEdgeId, Side};
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
 
 /// A connected part of a patch: its contours, the outline first, each as half-edges.
 pub(super) struct Region {
-    pub face: u32,
-    pub contours: Vec<Vec<u32>>,
+    pub side: Side,
+    pub contours: Vec<Vec<HalfEdgeId>>,
 }
 
 /// A contour as it is seen.
 struct Outline {
-    half_edges: Vec<u32>,
+    half_edges: Vec<HalfEdgeId>,
     polygon: Vec<DVec2>,
     bounds: [DVec2; 2],
     area: f64,
@@ -35,25 +37,24 @@ pub(super) fn regions(
     curves: &Curves,
 ) -> Result<Vec<Region>, Undecided> {
     let mut regions = Vec::new();
-    for (face, contours) in (0u32..).zip(contours(all)) {
+    for (&side, contours) in all.faces.iter().zip(contours(all)) {
         if contours.is_empty() {
             continue;
         }
         if contours.len() == 1 {
-            regions.push(Region { face, contours });
+            regions.push(Region { side, contours });
             continue;
         }
-        let side = &all.faces[face as usize];
         let surface = &surfaces[side.plane];
         let frame = all.frame(side.plane);
-        let about = all.points[all.half_edges[contours[0][0] as usize].from as usize];
-        let chart = Chart::new(surface, frame, side, about);
+        let about = all.points[all.at(contours[0][0]).from.index()];
+        let chart = Chart::new(surface, frame, &side, about);
         let outlines = contours.into_iter().map(|half_edges| {
             let polygon = polygon(all, curves, &chart, &half_edges);
             // What is touched along a line goes on on both sides of it.
             let is_slit = {
-                let halves: FxHashSet<u32> = half_edges.iter().copied().collect();
-                let twin = |half: &u32| all.half_edges[*half as usize].twin;
+                let halves: FxHashSet<HalfEdgeId> = half_edges.iter().copied().collect();
+                let twin = |half: &HalfEdgeId| all.at(*half).twin;
                 half_edges.iter().all(|half| halves.contains(&twin(half)))
             };
             let area = if is_slit {
@@ -78,16 +79,16 @@ pub(super) fn regions(
         let mut owners = Vec::with_capacity(holes.len());
         for hole in &holes {
             let owner = owner(&outer, hole).ok_or_else(|| {
-                let at = all.half_edges[hole.half_edges[0] as usize].from;
+                let at = all.at(hole.half_edges[0]).from;
                 Undecided {
                     why: Why::Contour,
-                    place: all.points[at as usize],
+                    place: all.points[at.index()],
                 }
             })?;
             owners.push(owner);
         }
         regions.extend(outer.into_iter().map(|outline| Region {
-            face,
+            side,
             contours: vec![outline.half_edges],
         }));
         for (owner, hole) in owners.into_iter().zip(holes) {
@@ -98,32 +99,36 @@ pub(super) fn regions(
 }
 
 /// The half-edges around each face in succession.
-fn contours(all: &Arrangement) -> Vec<Vec<Vec<u32>>> {
+fn contours(all: &Arrangement) -> Vec<Vec<Vec<HalfEdgeId>>> {
     let mut of_face = vec![Vec::new(); all.faces.len()];
     let mut seen = vec![false; all.half_edges.len()];
-    for start in 0..all.half_edges.len() {
+    for start in all.halves() {
         let mut contour = Vec::new();
         let mut at = start;
-        while !seen[at] {
-            seen[at] = true;
-            contour.push(at as u32);
-            at = all.half_edges[at].next as usize;
+        while !replace(&mut seen[at.index()], true) {
+            contour.push(at);
+            at = all.at(at).next;
         }
         if !contour.is_empty() {
-            of_face[all.half_edges[start].face as usize].push(contour);
+            of_face[all.at(start).face.index()].push(contour);
         }
     }
     of_face
 }
 
 /// Points of a contour's curves, in order.
-fn polygon(all: &Arrangement, curves: &Curves, chart: &Chart<'_>, contour: &[u32]) -> Vec<DVec2> {
+fn polygon(
+    all: &Arrangement,
+    curves: &Curves,
+    chart: &Chart<'_>,
+    contour: &[HalfEdgeId],
+) -> Vec<DVec2> {
     const STEPS: u32 = 4;
     let mut polygon = Vec::with_capacity(contour.len());
     for &half in contour {
-        let half_edge = &all.half_edges[half as usize];
-        let curve = &curves.all[curves.of_half_edge[half as usize] as usize];
-        polygon.push(chart.flatten(all.points[half_edge.from as usize]));
+        let half_edge = all.at(half);
+        let curve = &curves.all[curves.of_half_edge[half.index()] as usize];
+        polygon.push(chart.flatten(all.points[half_edge.from.index()]));
         if matches!(curve, Curve::Line { .. }) {
             continue;
         }

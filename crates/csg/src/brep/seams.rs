@@ -46,8 +46,7 @@ impl Line {
         let frame = all.frame(surface);
         let other = frame.and_then(|frame| frame.seams.get(self.other));
         let is_beyond = |other: &Surface| {
-            let end = all.half_edges[half_edge.twin as usize].from;
-            let [from, to] = [half_edge.from, end].map(|point| all.points[point as usize]);
+            let [from, to] = all.chord(half_edge);
             other.value(from.midpoint(to)) > 0.0
         };
         usize::from(seam) == self.seam
@@ -61,7 +60,7 @@ impl Seams {
     pub fn new(all: &Arrangement, surfaces: &[Surface]) -> Self {
         let mut is_whole = vec![true; surfaces.len()];
         for half_edge in all.half_edges.iter().filter(|half| !half.curve.is_seam()) {
-            is_whole[all.faces[half_edge.face as usize].plane.index()] = false;
+            is_whole[all.faces[half_edge.face.index()].plane.index()] = false;
         }
         let mut lines: Vec<Vec<(Line, u32)>> = surfaces
             .iter()
