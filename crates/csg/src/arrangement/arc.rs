@@ -64,8 +64,7 @@ impl Arc<'_> {
     /// that is known.
     pub fn side_of_edge(&self, id: SurfaceId) -> Option<bool> {
         let ((edge, _), given) = self.edge.zip(self.scene.given)?;
-        let (own, _) = self.id.pair();
-        let is_own = given.are_of_one(own, id);
+        let is_own = given.are_of_one(self.id.first, id);
         match is_own.then(|| side_of_edge(self.scene, given, edge, id))? {
             Along::Beside(is_inside) => Some(is_inside),
             Along::Across | Along::Through => None,

@@ -20,7 +20,7 @@ use super::frame::Frame;
 use super::ids::Position;
 use super::intersection::Unknown;
 use super::lines::Tracer;
-use super::piece::CurveId;
+use super::piece::{CurveId, Other};
 use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
@@ -114,23 +114,16 @@ impl ArcTracer {
             traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
             let others = face.cell.ids().filter(|&second| second > first);
-            let others = others.map(|second| {
-                let id = CurveId::first_of([first, second]);
-                (id, scene.surface(second))
-            });
+            let others = others.map(|second| (Other::Surface(second), scene.surface(second)));
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
-            let seams = (0u16..).zip(seams).map(|(seam, plane)| {
-                let id = CurveId::Seam {
-                    surface: first,
-                    seam,
+            let seams = (0u16..).map(Other::Seam).zip(seams);
+            for (other, second) in others.chain(seams) {
+                let id = CurveId {
+                    first,
+                    other,
                     branch: 0,
                 };
-                (id, plane)
-            });
-            for (id, other) in others.chain(seams) {
-                if let CurveId::Common { surfaces, .. } = id
-                    && let Some(edges) = scene.only_edges(surfaces)
-                {
+                if let Some(edges) = id.pair().and_then(|pair| scene.only_edges(pair)) {
                     let lines = edges.iter().filter_map(|&ends| {
                         let (line, length) = along(scene.given?, ends)?;
                         Some((line, (ends, length)))
@@ -141,7 +134,7 @@ impl ArcTracer {
                             block: face,
                             carriers: faces.carriers(),
                             id,
-                            surfaces: [one, other],
+                            surfaces: [one, second],
                             curve: &line,
                             nodes: &[],
                             edge: Some(edge),
@@ -172,8 +165,8 @@ impl ArcTracer {
                         scene,
                         block: face,
                         carriers: faces.carriers(),
-                        id: id.with_branch(branch),
-                        surfaces: [one, other],
+                        id: CurveId { branch, ..id },
+                        surfaces: [one, second],
                         curve,
                         nodes,
                         edge: None,
@@ -264,8 +257,8 @@ impl ArcTracer {
             curve,
             ..
         } = *arc;
-        let (first, second) = id.pair();
-        let in_order = scene.given.is_none() || second.is_none();
+        let (first, second) = (id.first, id.second());
+        let in_order = scene.given.is_none() || id.is_seam();
         let tolerances = [scene.on_plane, scene.near];
         self.events.clear();
         self.planes.clear();
@@ -323,7 +316,7 @@ impl ArcTracer {
 
     /// Whether a curve beside polyhedra is the arc's pair's to trace.
     fn is_own(&self, arc: &Arc<'_>) -> bool {
-        let CurveId::Common { surfaces: own, .. } = arc.id else {
+        let Some(own) = arc.id.pair() else {
             return true;
         };
         if arc.scene.given.is_none() || self.through.len() == 2 {
@@ -352,13 +345,9 @@ impl ArcTracer {
             point: None,
         };
         let [one, other] = arc.surfaces;
-        let on_edges = match arc.id {
-            CurveId::Common { surfaces, .. } if arc.edge.is_none() && one.is_plane() => {
-                scene.on_edges([surfaces[0], id], other)
-            }
-            CurveId::Common { surfaces, .. } if arc.edge.is_none() && other.is_plane() => {
-                scene.on_edges([surfaces[1], id], one)
-            }
+        let on_edges = match arc.id.pair().filter(|_| arc.edge.is_none()) {
+            Some([own, _]) if one.is_plane() => scene.on_edges([own, id], other),
+            Some([_, own]) if other.is_plane() => scene.on_edges([own, id], one),
             _ => SmallVec::new(),
         };
         let reach = scene.touching_reach();
@@ -385,8 +374,7 @@ impl ArcTracer {
             }
             let at = triple.place(cluster, range);
             // Seams are no surfaces of the solid.
-            let (first, second) = arc.id.pair();
-            let contact = second.and_then(|second| {
+            let contact = arc.id.pair().and_then(|[first, second]| {
                 let surfaces = [one, other, triple.third];
                 let here = triple.around(cluster, at);
                 let contacts = scene.contacts([first, second, id]);
@@ -438,7 +426,7 @@ impl ArcTracer {
     /// does not matter on that, but may carry faces: then it is that one's to trace.
     fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
         let scene = arc.scene;
-        let (first, _) = arc.id.pair();
+        let first = arc.id.first;
         let lesser = arc.carriers.iter().take_while(|&&id| id < first);
         let mut others = lesser.filter(|&&id| arc.block.position_of(id).is_none());
         let start = arc.curve.at(range[0]);

@@ -177,12 +177,8 @@ impl Boundary {
         }
         if first.shares_patch(second) {
             // Where its look changes, or other faces touch it.
-            return match curve {
-                CurveId::Common { surfaces, .. } if curve == self.at(twin).curve => {
-                    Some(surfaces.map(|id| scene.surface(id)))
-                }
-                _ => None,
-            };
+            let pair = curve.pair().filter(|_| curve == self.at(twin).curve);
+            return pair.map(|pair| pair.map(|id| scene.surface(id)));
         }
         let frame = scene.frame(first.plane)?;
         let bit = (first.patch ^ second.patch).trailing_zeros() as usize;

@@ -6,7 +6,7 @@ use super::ball::Ball;
 use super::curve::Curve;
 use super::intersection::Unknown;
 use super::pairs::curves;
-use super::piece::CurveId;
+use super::piece::{CurveId, Other};
 use super::relations::Common;
 use super::scene::Scene;
 use super::triple::contacts;
@@ -16,25 +16,26 @@ impl Scene<'_> {
     /// The curves common to two surfaces, or to one and a seam of it, by any of them.
     pub fn common(&self, id: CurveId) -> Common {
         let decide = || {
-            let surfaces = match id {
-                CurveId::Common { surfaces, .. } => Some(surfaces.map(|id| self.surface(id))),
-                CurveId::Seam { surface, seam, .. } => {
-                    let seams = self.frame(surface).map(|frame| &frame.seams);
-                    let seam = seams.and_then(|seams| seams.get(usize::from(seam)));
-                    seam.map(|seam| [self.surface(surface), seam])
+            let other = match id.other {
+                Other::Surface(second) => Some(self.surface(second)),
+                Other::Seam(seam) => {
+                    let frame = self.frame(id.first);
+                    frame.and_then(|frame| frame.seams.get(usize::from(seam)))
                 }
             };
-            let [one, other] = surfaces.ok_or_else(|| Arc::new(Unknown::NoForm))?;
+            let other = other.ok_or_else(|| Arc::new(Unknown::NoForm))?;
+            let one = self.surface(id.first);
             let common = curves(one, other, self.near).map_err(Arc::new)?;
             Ok(common.into_iter().collect())
         };
-        self.relations.pairs.get(id.with_branch(0), decide)
+        let first = CurveId { branch: 0, ..id };
+        self.relations.pairs.get(first, decide)
     }
 
     /// A curve by its name; none would be a mistake.
     pub fn curve(&self, id: CurveId) -> Option<Curve> {
         let common = self.common(id).ok()?;
-        let branch = common.get(usize::from(id.branch()))?;
+        let branch = common.get(usize::from(id.branch))?;
         Some(branch.curve.clone())
     }
 

@@ -397,12 +397,11 @@ impl Tracer {
         let normal = |at: Position| scene.plane(block.id(at)).normal;
         // The half from which the normal points counter-clockwise.
         let outer = |at: Position| normal(at).cross(line.direction);
-        let [first, _] = pair;
-        let x = outer(first).normalize_or_zero();
+        let x = outer(pair[0]).normalize_or_zero();
         let y = line.direction.cross(x);
         let mut half_planes: SmallVec<[(f64, HalfPlane); 8]> = SmallVec::new();
         for &at in pair.iter().chain(&self.others) {
-            let angle = if at == first {
+            let angle = if at == pair[0] {
                 0.0
             } else {
                 elementary::atan2(outer(at).dot(y), outer(at).dot(x))

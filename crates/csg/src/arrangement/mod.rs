@@ -91,7 +91,7 @@ pub(crate) use self::half_edges::{Arrangement, HalfEdge};
 pub(crate) use self::ids::HalfEdgeId;
 #[cfg(test)]
 pub(crate) use self::pairs::tests::quadric as random_quadric;
-pub(crate) use self::piece::{CurveId, Side};
+pub(crate) use self::piece::{CurveId, Other, Side};
 
 use self::arcs::ArcTracer;
 use self::assemble::assemble;

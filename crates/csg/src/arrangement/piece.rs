@@ -26,61 +26,53 @@ impl Side {
     }
 }
 
-/// A curve in which surfaces meet.
+/// A curve in which a surface meets another one, or one of its own seams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum CurveId {
-    /// Which of the curves that two surfaces have in common.
-    Common {
-        surfaces: [SurfaceId; 2],
-        branch: u16,
-    },
-    /// Which of the curves in one of a surface's seams: it parts patches of that.
-    Seam {
-        surface: SurfaceId,
-        seam: u16,
-        branch: u16,
-    },
+pub(crate) struct CurveId {
+    pub first: SurfaceId,
+    pub other: Other,
+    /// Which of the curves that the two have in common.
+    pub branch: u16,
+}
+
+/// What a surface meets in a curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Other {
+    Surface(SurfaceId),
+    /// One of its seams, which part its patches.
+    Seam(u16),
 }
 
 impl CurveId {
     /// The first curve of two surfaces.
-    pub fn first_of(surfaces: [SurfaceId; 2]) -> Self {
-        let branch = 0;
-        Self::Common { surfaces, branch }
-    }
-
-    /// Another one of the same surfaces, or in the same seam.
-    pub fn with_branch(mut self, number: u16) -> Self {
-        let (Self::Common { branch, .. } | Self::Seam { branch, .. }) = &mut self;
-        *branch = number;
-        self
-    }
-
-    pub fn branch(self) -> u16 {
-        let (Self::Common { branch, .. } | Self::Seam { branch, .. }) = self;
-        branch
-    }
-
-    /// The surfaces that meet in it; on seams there is one alone.
-    pub fn pair(self) -> (SurfaceId, Option<SurfaceId>) {
-        match self {
-            Self::Common {
-                surfaces: [first, second],
-                ..
-            } => (first, Some(second)),
-            Self::Seam { surface, .. } => (surface, None),
+    pub fn first_of([first, second]: [SurfaceId; 2]) -> Self {
+        Self {
+            first,
+            other: Other::Surface(second),
+            branch: 0,
         }
     }
 
-    /// The same, one after another.
-    pub fn surfaces(self) -> impl Iterator<Item = SurfaceId> {
-        let (first, second) = self.pair();
-        iter::once(first).chain(second)
+    pub fn second(&self) -> Option<SurfaceId> {
+        match self.other {
+            Other::Surface(second) => Some(second),
+            Other::Seam(_) => None,
+        }
+    }
+
+    /// The two surfaces that meet in it; none on a seam.
+    pub fn pair(&self) -> Option<[SurfaceId; 2]> {
+        Some([self.first, self.second()?])
+    }
+
+    /// The surfaces that it is on.
+    pub fn surfaces(&self) -> impl Iterator<Item = SurfaceId> {
+        iter::once(self.first).chain(self.second())
     }
 
     /// Whether it parts patches of one surface.
-    pub fn is_seam(self) -> bool {
-        matches!(self, Self::Seam { .. })
+    pub fn is_seam(&self) -> bool {
+        self.second().is_none()
     }
 }
 

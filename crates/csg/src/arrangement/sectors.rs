@@ -90,7 +90,7 @@ impl Sectors {
         self.looks.resize(block.cell.surfaces.len(), None);
         for literal in block.cell.formula.literals() {
             let look = scene.looks[literal.origin as usize];
-            let known = &mut self.looks[literal.surface as usize];
+            let known = &mut self.looks[Position(literal.surface).index()];
             let (alike, first) = known.get_or_insert((true, look));
             *alike &= *first == look;
         }
@@ -230,13 +230,13 @@ impl Sectors {
         let own = || {
             (0u32..)
                 .zip(literals)
-                .filter(|(_, l)| l.surface == position.0)
+                .filter(|(_, l)| Position(l.surface) == position)
         };
         let words = &self.words;
         // Assignment j toggles the j-th literal and all after it.
         let result = block.cell.formula.evaluate_words(&mut self.gates, |i, s| {
             let inside = 0u64.wrapping_sub(words[s as usize] >> inner & 1);
-            if s != position.0 {
+            if Position(s) != position {
                 return inside;
             }
             match own().position(|(o, _)| o == i) {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::arrangement::{Arrangement, CurveId, Frame, HalfEdge};
+use crate::arrangement::{Arrangement, Frame, HalfEdge, Other};
 use crate::program::{Surface, SurfaceShape};
 
 /// The seams that are edges: of cylinders and cones one line, of whole spheres half a great
@@ -40,16 +40,13 @@ impl Line {
 
     /// Whether a half-edge that lies on a seam lies on it.
     fn has(self, all: &Arrangement, half_edge: &HalfEdge) -> bool {
-        let CurveId::Seam { surface, seam, .. } = half_edge.curve else {
-            return false;
-        };
-        let frame = all.frame(surface);
+        let frame = all.frame(half_edge.curve.first);
         let other = frame.and_then(|frame| frame.seams.get(self.other));
         let is_beyond = |other: &Surface| {
             let [from, to] = all.chord(half_edge);
             other.value(from.midpoint(to)) > 0.0
         };
-        usize::from(seam) == self.seam
+        half_edge.curve.other == Other::Seam(self.seam as u16)
             && other.is_some_and(|other| is_beyond(other) == self.is_beyond)
     }
 }
@@ -78,8 +75,7 @@ impl Seams {
             })
             .collect();
         for half_edge in all.half_edges.iter().filter(|half| half.curve.is_seam()) {
-            let (surface, _) = half_edge.curve.pair();
-            for (line, count) in &mut lines[surface.index()] {
+            for (line, count) in &mut lines[half_edge.curve.first.index()] {
                 *count += u32::from(line.has(all, half_edge));
             }
         }
@@ -94,8 +90,7 @@ impl Seams {
 
     /// Whether a face is cut at a half-edge that lies on a seam.
     pub fn has(&self, all: &Arrangement, half_edge: &HalfEdge) -> bool {
-        let (surface, _) = half_edge.curve.pair();
-        let chosen = self.of_surface[surface.index()];
+        let chosen = self.of_surface[half_edge.curve.first.index()];
         chosen.is_none_or(|line| line.has(all, half_edge))
     }
 

@@ -484,15 +484,14 @@ impl<'a> Lowering<'a> {
         let mut others: Vec<u32> = others.map(|&(surface, _)| surface).collect();
         if matches!(self.polyhedra, Polyhedra::Written(_, Some(_))) {
             let in_use = Renumbered::of(&mut formula, surfaces.len());
-            let number = |surface: SurfaceId| in_use.number(surface.0).map(SurfaceId);
-            self.gathered.renumber(number);
+            self.gathered
+                .renumber(|id| in_use.number(id.0).map(SurfaceId));
             others.retain_mut(|surface| in_use.renumber(surface));
             surfaces = in_use.pick(&surfaces);
             ids = in_use.ids;
         }
-        let given = self
-            .gathered
-            .finish(surfaces.len(), others.into_iter().map(SurfaceId));
+        let others = others.into_iter().map(SurfaceId);
+        let given = self.gathered.finish(surfaces.len(), others);
         let lowered = Lowered {
             surfaces,
             formula,

@@ -155,17 +155,16 @@ impl Run<'_> {
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
         let control = self.refining(&goal);
-        let finish =
-            |mut refined: Refined, goal: &Goal| -> Result<(Refined, Vec<SurfaceId>), Error> {
-                if self.mesher.check {
-                    let Refined { surfaced, outcome } = &mut refined;
-                    self.separate(surfaced, outcome, task, goal)?;
-                }
-                let mut narrow = std::mem::take(&mut refined.outcome.tighter);
-                narrow.sort_unstable();
-                narrow.dedup();
-                Ok((refined, narrow))
-            };
+        let finish = |mut refined: Refined, goal: &Goal| {
+            if self.mesher.check {
+                let Refined { surfaced, outcome } = &mut refined;
+                self.separate(surfaced, outcome, task, goal)?;
+            }
+            let mut narrow = std::mem::take(&mut refined.outcome.tighter);
+            narrow.sort_unstable();
+            narrow.dedup();
+            Ok::<_, Error>((refined, narrow))
+        };
         let attempt = |goal: &Goal| {
             let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
             let refined: Vec<&Refined> = refined.iter().collect();
