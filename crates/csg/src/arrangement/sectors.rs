@@ -28,14 +28,6 @@ impl HalfPlane {
         let [[a, b], [c, d]] = pair.map(Self::both);
         [a, c, b, d]
     }
-
-    /// The other half of its plane.
-    pub fn opposite(self) -> Self {
-        Self {
-            is_inner: !self.is_inner,
-            ..self
-        }
-    }
 }
 
 /// The two faces at every solid wedge around a curve: mostly one wedge.
@@ -146,7 +138,7 @@ impl Sectors {
             if half_plane.is_inner {
                 continue;
             }
-            let inner = half_plane.opposite();
+            let [_, inner] = HalfPlane::both(half_plane.position);
             let inner = self.around.iter().position(|&h| h == inner);
             let inner = inner.unwrap_or(0);
             let is_inside = |sector: usize| {
