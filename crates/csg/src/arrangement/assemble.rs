@@ -11,9 +11,9 @@ use super::ids::{FaceId, HalfEdgeId};
 use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
 use super::scene::Scene;
-use super::triangulate::{Named, Scratch, triangulate};
 use super::unfold::unfold;
 use crate::mesh::Mesh;
+use crate::mesh::triangulate::{Named, Scratch, triangulate};
 use crate::program::SurfaceId;
 use crate::task::Task;
 use crate::undecided::{Stop, Why};
@@ -185,7 +185,7 @@ impl Cut {
                 .iter()
                 .map(|contour| contour.iter().map(name).collect())
                 .collect();
-            triangulate(&flat, scene.weld, scene.control, scratch)
+            triangulate(&flat, scene.weld, &|| scene.go_on().is_ok(), scratch)
         };
         let cut: Vec<Option<Vec<[u32; 3]>>> = if faces.len() < MANY_FACES {
             let mut scratch = Scratch::default();

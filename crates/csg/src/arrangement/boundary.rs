@@ -15,8 +15,8 @@ use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::picture::Slits;
 use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
-use super::triangulate::is_surrounded;
 use super::weld::{Welded, weld};
+use crate::mesh::triangulate::is_surrounded;
 use crate::program::{Surface, SurfaceId};
 use crate::undecided::{Stop, Why};
 

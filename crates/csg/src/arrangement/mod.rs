@@ -18,7 +18,7 @@
 //!    ([`mod@faces`]). Their faces are cut into patches along seams, so that each can be
 //!    seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`], [`mod@contours`]), and these
-//!    cut into triangles ([`mod@triangulate`]), with more chords where they would
+//!    cut into triangles ([`crate::mesh::triangulate`]), with more chords where they would
 //!    run across each other ([`crossings`]). Points where something touches a face
 //!    become vertices of it ([`contacts`]), and triangles that would face away from
 //!    their surface are cut up anew ([`mod@unfold`], [`picture`]), until all faces
@@ -71,7 +71,6 @@ mod rulings;
 mod scene;
 mod sectors;
 mod traced;
-mod triangulate;
 mod trig;
 mod triple;
 mod unfold;

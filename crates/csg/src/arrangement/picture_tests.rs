@@ -10,9 +10,9 @@ use super::picture::{NONE, Picture, Slits};
 use super::piece::Side;
 use super::relations::Relations;
 use super::scene::{Plane, Scene};
-use super::triangulate::{Named, Scratch, orient, triangulate};
 use super::unfold::{faces_out, unfold};
 use crate::control::Control;
+use crate::mesh::triangulate::{Named, Scratch, orient, triangulate};
 use crate::program::{Surface, SurfaceId};
 use crate::random::Random;
 
@@ -142,12 +142,9 @@ fn long_narrow_strips_face_outwards_everywhere_once_they_are_unfolded() {
         let seen = |p: &DVec3| scene.flatten(&side, *p);
         let contour: Vec<Named> = positions.iter().map(seen).zip(0..).collect();
         // Where chords run across each other there is nothing to cut up.
-        let Some(mut triangles) = triangulate(
-            &[contour],
-            scene.weld,
-            scene.control,
-            &mut Scratch::default(),
-        ) else {
+        let Some(mut triangles) =
+            triangulate(&[contour], scene.weld, &|| true, &mut Scratch::default())
+        else {
             continue;
         };
         strips += 1;
@@ -221,7 +218,7 @@ fn chords_that_turn_a_narrow_face_over_are_told() {
         let side = stage.side(positions[0]);
         let seen = positions.iter().map(|p| scene.flatten(&side, *p));
         let named: Vec<Named> = seen.zip(0..).collect();
-        let triangles = triangulate(&[named], scene.weld, scene.control, &mut Scratch::default());
+        let triangles = triangulate(&[named], scene.weld, &|| true, &mut Scratch::default());
         let mut triangles = triangles.expect("it is convex");
         let coarse = unfolded(&scene, &side, &mut triangles, &mut positions);
         let is_out = |corners: &[u32; 3]| {

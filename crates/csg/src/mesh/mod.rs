@@ -16,6 +16,7 @@ mod predicates;
 mod sheets;
 mod shells;
 mod star;
+pub(crate) mod triangulate;
 mod twins;
 
 pub use check::{DefectPlace, MeshCheck, MeshDefect, PLACES_PER_DEFECT};
@@ -24,4 +25,5 @@ pub use data::{LengthUnit, Mesh, MeshSurface};
 pub use distance::MeshDistance;
 pub(crate) use intersections::Intersections;
 pub use measure::MeshMeasure;
+pub(crate) use predicates::flat;
 pub(crate) use shells::Shells;

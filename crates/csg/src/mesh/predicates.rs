@@ -34,7 +34,7 @@ fn sign(value: f64) -> i8 {
 /// A point seen along an axis: from its positive end, the next two axes pointing right
 /// and up.
 #[inline(always)]
-pub(super) fn flat(p: DVec3, axis: usize) -> DVec2 {
+pub(crate) fn flat(p: DVec3, axis: usize) -> DVec2 {
     match axis {
         0 => DVec2::new(p.y, p.z),
         1 => DVec2::new(p.z, p.x),

@@ -82,23 +82,33 @@ impl Shells {
         self.first_of[shell]..self.first_of[shell + 1]
     }
 
-    /// Of each triangle whether its box overlaps that of another shell's triangle.
-    pub fn beside_others(&self) -> Vec<bool> {
-        let mut is_beside = vec![false; self.corners.len()];
-        if self.bounds.len() > 1 {
-            for index in self.tree.pairs(&|_, _| true).into_iter().flatten() {
-                is_beside[index as usize] = true;
-            }
-        }
-        is_beside
+    /// The shell of a triangle.
+    pub fn shell_of(&self, triangle: u32) -> usize {
+        self.first_of
+            .partition_point(|&first| first <= triangle as usize)
+            - 1
     }
 
-    /// Whether a box overlaps that of a triangle of another shell than one.
-    pub fn has_other(&self, shell: u32, [low, high]: [DVec3; 2]) -> bool {
+    /// The triangles of different shells whose boxes overlap, the lower first.
+    pub fn pairs(&self) -> Vec<[u32; 2]> {
+        if self.bounds.len() < 2 {
+            return Vec::new();
+        }
+        self.tree.pairs(&|_, _| true)
+    }
+
+    /// Whether a box overlaps that of a triangle of another shell than one, of those that pass
+    /// a test.
+    pub fn has_other(
+        &self,
+        shell: u32,
+        [low, high]: [DVec3; 2],
+        test: impl Fn(u32) -> bool,
+    ) -> bool {
         self.bounds.len() > 1
             && self
                 .tree
-                .any_overlapping(Some(shell), &Bounds { low, high }, &mut |_| true)
+                .any_overlapping(Some(shell), &Bounds { low, high }, &mut { test })
     }
 
     /// Whether a box overlaps that of a triangle of a shell.
@@ -180,11 +190,8 @@ impl Shells {
         let mut found = Vec::new();
         self.tree.overlapping(&Bounds { low, high }, &mut |index| {
             if let Crossed::At(at, _) = cross(&self.corners[index as usize], axis, through) {
-                let shell = self
-                    .first_of
-                    .partition_point(|&first| first <= index as usize);
                 found.push(ShellCrossing {
-                    shell: shell as u32 - 1,
+                    shell: self.shell_of(index) as u32,
                     at,
                 });
             }
@@ -321,8 +328,13 @@ mod tests {
                 );
             }
         }
-        let beside = shells.beside_others();
         // Of the faces at the far corner of the one, and at the near corner of the other.
-        assert!(beside.iter().any(|&is| is) && beside.iter().any(|&is| !is));
+        let pairs = shells.pairs();
+        assert!(!pairs.is_empty() && pairs.len() < 144, "{}", pairs.len());
+        assert!(
+            pairs
+                .iter()
+                .all(|&[a, b]| shells.shell_of(a) == 0 && shells.shell_of(b) == 1)
+        );
     }
 }

@@ -63,6 +63,13 @@ pub(super) struct Finished {
     pub ids: Vec<u32>,
 }
 
+impl Finished {
+    pub const NOTHING: Self = Self {
+        lowered: Lowered::NOTHING,
+        ids: Vec::new(),
+    };
+}
+
 /// A solid whose primitives are in place, with its polyhedra dealt with in one of the ways.
 pub(super) fn lowered_with(solid: &Solid, polyhedra: Polyhedra<'_>) -> Result<Finished, Error> {
     let mut lowering = Lowering::new(solid, polyhedra);

@@ -3,9 +3,11 @@
 
 mod cell;
 mod changes;
+mod crossed;
 mod extent;
 mod formula;
 mod given;
+mod halved;
 mod local;
 mod lower;
 mod lowered;
@@ -13,7 +15,6 @@ mod narrow;
 mod outline;
 mod placed;
 mod reach;
-mod region;
 mod settle;
 mod uncut;
 mod unify;

@@ -1,7 +1,8 @@
 //! Faces of polyhedra that nothing else comes near: each is one of the solid's as it was given,
 //! or none of them, and only the rest needs to be cut by anything.
 //!
-//! A face is uncut if the box around it meets nothing but its own polyhedron. Of the rest a
+//! A face is uncut if the box around it meets nothing but its own polyhedron, or is a piece of one
+//! that clearly crosses others ([`super::crossed`]). Of the rest a
 //! solid is made that agrees with the whole one all around its faces, and is empty where only
 //! uncut ones are. Its boundary ends there on planes that part space: what lies on these and on
 //! uncut faces is left out, and those are put back as they are. As they share their edges with
@@ -14,7 +15,10 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::crossed::{Crossed, Soup};
 use super::lower::Finished;
 use super::lowered::Lowered;
 use super::outline::Outline;
@@ -52,18 +56,34 @@ impl Uncut {
         let margin = outline.margin();
         let shells = outline.shells();
         let others = Others::new(&outline.others, outline.carriers());
-        let faces: Vec<Adjacency> = outline.regions.iter().map(Adjacency::of).collect();
-        let mut is_cut = shells.beside_others();
-        for (triangle, is_cut) in is_cut.iter_mut().enumerate() {
-            *is_cut = *is_cut || others.meet(shells.box_of(triangle, margin));
+        let faces: Vec<Adjacency> = outline.regions.par_iter().map(Adjacency::of).collect();
+        let mut soup = Soup::new(&outline.regions, shells, margin);
+        let crossed = Crossed::of(&mut soup);
+        let count = outline.regions.iter().map(|r| r.triangles.len()).sum();
+        let is_met = |triangle: usize| others.meet(shells.box_of(triangle, margin));
+        let all_surfaces = || outline.regions.iter().flat_map(|region| &region.surfaces);
+        let mut on_surface = vec![0u32; outline.carriers().len()];
+        for &(surface, _) in all_surfaces() {
+            on_surface[surface as usize] += 1;
         }
-        let is_cut_on = cut_surfaces(outline, shells, &faces, &is_cut);
-        for (shell, region) in outline.regions.iter().enumerate() {
-            let own = &mut is_cut[shells.triangles_of(shell)];
-            for (is_cut, &(surface, _)) in own.iter_mut().zip(&region.surfaces) {
+        let surface_of = |triangle: u32| {
+            let (region, index) = soup.place_of(triangle);
+            outline.regions[region].surfaces[index].0
+        };
+        let is_one_of_several = |triangle: u32| on_surface[surface_of(triangle) as usize] > 1;
+        let mut is_cut: Vec<bool> = (0..count).into_par_iter().map(is_met).collect();
+        for &triangle in &crossed.in_doubt {
+            is_cut[triangle as usize] = true;
+        }
+        let is_cut_on = loop {
+            let is_cut_on = cut_surfaces(outline, shells, &faces, &is_cut);
+            for (is_cut, &(surface, _)) in is_cut.iter_mut().zip(all_surfaces()) {
                 *is_cut = is_cut_on[surface as usize];
             }
-        }
+            if !crossed.cut_where_faces_are_one(&mut is_cut, &is_one_of_several) {
+                break is_cut_on;
+            }
+        };
         let uncut = is_cut.iter().filter(|&&is_cut| !is_cut).count();
         if (uncut as f64) < WORTHWHILE * is_cut.len() as f64 {
             return None;
@@ -71,11 +91,15 @@ impl Uncut {
         let is_needed = |region: u32, parts: &[Part], ends: [DVec3; 2]| {
             let first = shells.triangles_of(region as usize).start;
             parts.iter().any(|part| is_cut[first + part.facet as usize])
-                || shells.has_other(region, ends)
+                || shells.has_other(region, ends, |triangle| is_cut[triangle as usize])
                 || others.meet(ends)
         };
         let is_needed: IsNeeded<'_> = &is_needed;
-        let Finished { lowered, ids } = outline.written(Some(is_needed)).ok()?;
+        let Finished { lowered, ids } = if others.convex.is_empty() && uncut == is_cut.len() {
+            Finished::NOTHING
+        } else {
+            outline.written(Some(is_needed)).ok()?
+        };
         let is_meant = |&id: &u32| is_cut_on.get(id as usize).copied().unwrap_or(false);
         let mut found = Self {
             meant: ids
@@ -88,52 +112,59 @@ impl Uncut {
             faces: Vec::new(),
             rims: Vec::new(),
         };
-        found.add_all(outline, shells, &faces, &is_cut);
-        Some((found, lowered))
+        let pieces = Pieces::of(&soup, &crossed, &faces, &is_cut);
+        let patches = Patches::of(&pieces, outline);
+        let idle = patches.idle_lines(&pieces);
+        let is_whole = if idle.is_empty() {
+            found.add_all(outline, &pieces, &patches)
+        } else {
+            // These have no vertices at their ends in the rest, either.
+            let crossed = crossed.without(&soup, &idle);
+            let pieces = Pieces::of(&soup, &crossed, &faces, &is_cut);
+            found.add_all(outline, &pieces, &Patches::of(&pieces, outline))
+        };
+        is_whole.then_some((found, lowered))
     }
 
-    /// Adds the uncut faces that are on the boundary.
-    fn add_all(
-        &mut self,
-        outline: &Outline,
-        shells: &Shells,
-        faces: &[Adjacency],
-        is_cut: &[bool],
-    ) {
-        let all_patches = Patches::of(outline, shells, faces, is_cut);
-        let patches = all_patches.tell(outline).into_iter();
-        // Of the vertices of the region that comes next.
-        let mut vertex_of: Vec<Option<u32>> = Vec::new();
-        let mut current = None;
-        for (patch, is_flipped) in all_patches.all.iter().zip(patches) {
-            let Some(is_flipped) = is_flipped else {
+    /// Adds the pieces that are on the boundary; whether it ends nowhere but beside the rest.
+    fn add_all(&mut self, outline: &Outline, pieces: &Pieces<'_>, patches: &Patches) -> bool {
+        let mut vertex_of: Vec<Option<u32>> = vec![None; pieces.soup.points.len()];
+        // Where two polyhedra cross, by their ends.
+        let mut open: FxHashSet<[u32; 2]> = FxHashSet::default();
+        for (patch, is_flipped) in patches.all.iter().zip(&patches.told) {
+            let &Some(is_flipped) = is_flipped else {
                 continue;
             };
-            let number = patch.region as usize;
-            let (region, faces) = (&outline.regions[number], &faces[number]);
-            let is_cut = &is_cut[shells.triangles_of(number)];
-            if current.replace(number) != Some(number) {
-                vertex_of.clear();
-                vertex_of.resize(region.vertices.len(), None);
-            }
-            for &triangle in &all_patches.triangles[patch.triangles.clone()] {
-                let index = triangle as usize;
-                let mut corners = region.triangles[index].map(|vertex| {
-                    *vertex_of[vertex as usize].get_or_insert_with(|| {
-                        self.vertices.push(region.vertices[vertex as usize]);
-                        self.vertices.len() as u32 - 1
-                    })
-                });
-                let mut rims = faces.twins[index].map(|twin| is_cut[twin as usize]);
+            for &piece in &patches.pieces[patch.pieces.clone()] {
+                let mut corners = pieces.corners(piece);
+                let mut beyond = [0, 1, 2].map(|side| pieces.beyond(piece, side));
                 if is_flipped {
                     corners.swap(1, 2);
-                    rims.swap(0, 2);
+                    beyond.swap(0, 2);
                 }
-                self.triangles.push(corners);
-                self.faces.push((region.surfaces[index].0, region.origin));
-                self.rims.push(rims);
+                for side in 0..3 {
+                    let [from, to] = [corners[side], corners[(side + 1) % 3]];
+                    if beyond[side] == Beyond::Line && !open.remove(&[to, from]) {
+                        // (Twice if both polyhedra are on the boundary on both sides.)
+                        if !open.insert([from, to]) {
+                            return false;
+                        }
+                    }
+                }
+                self.triangles.push(corners.map(|vertex| {
+                    *vertex_of[vertex as usize].get_or_insert_with(|| {
+                        self.vertices.push(pieces.soup.points[vertex as usize]);
+                        self.vertices.len() as u32 - 1
+                    })
+                }));
+                let (region, triangle) = pieces.soup.place_of(pieces.owner(piece));
+                let region = &outline.regions[region];
+                self.faces
+                    .push((region.surfaces[triangle].0, region.origin));
+                self.rims.push(beyond.map(|beyond| beyond == Beyond::Rest));
             }
         }
+        open.is_empty()
     }
 
     /// The box around the uncut faces.
@@ -335,60 +366,186 @@ impl<'a> Others<'a> {
     }
 }
 
-/// Uncut faces of a region that lead to each other.
+/// What is on the other side of a side of a piece.
+#[derive(Clone, Copy, PartialEq)]
+enum Beyond {
+    /// Another piece of the same polyhedron.
+    Piece(u32),
+    /// A line in which another polyhedron crosses.
+    Line,
+    /// What is cut by half-spaces.
+    Rest,
+}
+
+/// Uncut triangles, and behind all triangles the pieces of those that are crossed.
+struct Pieces<'a> {
+    soup: &'a Soup<'a>,
+    crossed: &'a Crossed,
+    faces: &'a [Adjacency],
+    is_cut: &'a [bool],
+    /// Whether a triangle is uncut.
+    is_whole: Vec<bool>,
+    /// Each, and the triangle that it is a piece of.
+    parts: Vec<([u32; 3], u32)>,
+    /// The pieces by their sides.
+    by_side: FxHashMap<[u32; 2], u32>,
+}
+
+impl<'a> Pieces<'a> {
+    fn of(
+        soup: &'a Soup<'a>,
+        crossed: &'a Crossed,
+        faces: &'a [Adjacency],
+        is_cut: &'a [bool],
+    ) -> Self {
+        let mut found = Self {
+            soup,
+            crossed,
+            faces,
+            is_cut,
+            is_whole: is_cut.iter().map(|is_cut| !is_cut).collect(),
+            parts: Vec::new(),
+            by_side: FxHashMap::default(),
+        };
+        for (triangle, pieces) in &crossed.all {
+            if !std::mem::replace(&mut found.is_whole[*triangle as usize], false) {
+                continue;
+            }
+            for &corners in pieces {
+                let piece = (is_cut.len() + found.parts.len()) as u32;
+                found.parts.push((corners, *triangle));
+                let sides = [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]);
+                found.by_side.extend(sides.map(|side| (side, piece)));
+            }
+        }
+        found
+    }
+
+    fn part(&self, piece: u32) -> Option<&([u32; 3], u32)> {
+        let index = (piece as usize).checked_sub(self.is_cut.len());
+        index.map(|index| &self.parts[index])
+    }
+
+    /// The triangle that a piece is of.
+    fn owner(&self, piece: u32) -> u32 {
+        self.part(piece).map_or(piece, |&(_, triangle)| triangle)
+    }
+
+    fn corners(&self, piece: u32) -> [u32; 3] {
+        let part = self.part(piece);
+        part.map_or_else(|| self.soup.corners(piece), |&(corners, _)| corners)
+    }
+
+    fn beyond(&self, piece: u32, side: usize) -> Beyond {
+        let owner = self.owner(piece);
+        let (region, index) = self.soup.place_of(owner);
+        // The triangle beside the owner.
+        let twin = |side: usize| owner - index as u32 + self.faces[region].twins[index][side];
+        if piece == owner && self.is_whole[twin(side) as usize] {
+            return Beyond::Piece(twin(side));
+        }
+        let corners = self.corners(piece);
+        let [from, to] = [corners[side], corners[(side + 1) % 3]];
+        if let Some(line) = self.crossed.lines.get(&[from.min(to), from.max(to)]) {
+            let is_cut = line.iter().any(|&triangle| self.is_cut[triangle as usize]);
+            return if is_cut { Beyond::Rest } else { Beyond::Line };
+        }
+        if let Some(&piece) = self.by_side.get(&[to, from]) {
+            return Beyond::Piece(piece);
+        }
+        // A whole side of the owner, or part of one, beyond which there are other parts.
+        let own = self.soup.corners(owner);
+        let whole = (0..3).find(|&k| own[k] == from && own[(k + 1) % 3] == to);
+        match whole.map(twin) {
+            Some(twin) if !self.is_cut[twin as usize] => Beyond::Piece(twin),
+            _ => Beyond::Rest,
+        }
+    }
+}
+
+/// Pieces of a region that lead to each other.
 struct Patch {
     region: u32,
-    triangles: Range<usize>,
+    pieces: Range<usize>,
     /// In one of them.
     point: DVec3,
 }
 
-/// All uncut faces.
+/// All pieces.
 struct Patches {
     all: Vec<Patch>,
-    /// The numbers of their triangles, ascending in each.
-    triangles: Vec<u32>,
+    /// Their numbers, ascending in each.
+    pieces: Vec<u32>,
+    /// Of each patch whether it is the other way round on the boundary; none if it is not there.
+    told: Vec<Option<bool>>,
 }
 
 impl Patches {
-    fn of(outline: &Outline, shells: &Shells, faces: &[Adjacency], is_cut: &[bool]) -> Self {
+    fn of(pieces: &Pieces<'_>, outline: &Outline) -> Self {
         let mut found = Self {
             all: Vec::new(),
-            triangles: Vec::new(),
+            pieces: Vec::new(),
+            told: Vec::new(),
         };
         let mut waiting = Vec::new();
-        for ((number, region), faces) in (0u32..).zip(&outline.regions).zip(faces) {
-            let mut is_done = is_cut[shells.triangles_of(number as usize)].to_vec();
-            for start in 0..is_done.len() as u32 {
-                if std::mem::replace(&mut is_done[start as usize], true) {
-                    continue;
-                }
-                let first = found.triangles.len();
-                waiting.push(start);
-                while let Some(triangle) = waiting.pop() {
-                    found.triangles.push(triangle);
-                    for &twin in &faces.twins[triangle as usize] {
-                        if !std::mem::replace(&mut is_done[twin as usize], true) {
-                            waiting.push(twin);
-                        }
+        let mut is_done: Vec<bool> = pieces.is_whole.iter().map(|is_whole| !is_whole).collect();
+        is_done.resize(is_done.len() + pieces.parts.len(), false);
+        for start in 0..is_done.len() as u32 {
+            if std::mem::replace(&mut is_done[start as usize], true) {
+                continue;
+            }
+            let first = found.pieces.len();
+            waiting.push(start);
+            while let Some(piece) = waiting.pop() {
+                found.pieces.push(piece);
+                for side in 0..3 {
+                    if let Beyond::Piece(other) = pieces.beyond(piece, side)
+                        && !std::mem::replace(&mut is_done[other as usize], true)
+                    {
+                        waiting.push(other);
                     }
                 }
-                let own = &mut found.triangles[first..];
-                own.sort_unstable();
-                // The largest of some.
-                let corners = |&triangle: &u32| region.corners(region.triangles[triangle as usize]);
-                let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length_squared();
-                let some = own.iter().step_by(own.len().div_ceil(64)).map(corners);
-                let largest = some.max_by(|&s, &t| area(s).total_cmp(&area(t)));
-                let corners = largest.unwrap_or_default();
-                found.all.push(Patch {
-                    region: number,
-                    triangles: first..found.triangles.len(),
-                    point: corners.into_iter().sum::<DVec3>() / 3.0,
-                });
+            }
+            let own = &mut found.pieces[first..];
+            own.sort_unstable();
+            // The largest of some.
+            let corners = |&piece: &u32| {
+                let corners = pieces.corners(piece);
+                corners.map(|vertex| pieces.soup.points[vertex as usize])
+            };
+            let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length_squared();
+            let some = own.iter().step_by(own.len().div_ceil(64)).map(corners);
+            let largest = some.max_by(|&s, &t| area(s).total_cmp(&area(t)));
+            let corners = largest.unwrap_or_default();
+            found.all.push(Patch {
+                region: pieces.soup.place_of(pieces.owner(start)).0 as u32,
+                pieces: first..found.pieces.len(),
+                point: corners.into_iter().sum::<DVec3>() / 3.0,
+            });
+        }
+        found.told = found.tell(outline);
+        found
+    }
+
+    /// The lines on both sides of which the boundary is the same.
+    fn idle_lines(&self, pieces: &Pieces<'_>) -> Vec<[u32; 2]> {
+        let mut first_told: FxHashMap<([u32; 2], u32), Option<bool>> = FxHashMap::default();
+        let mut idle = Vec::new();
+        for (patch, &told) in self.all.iter().zip(&self.told) {
+            let own = self.pieces[patch.pieces.clone()].iter();
+            for (corners, owner) in own.filter_map(|&piece| pieces.part(piece)) {
+                for side in 0..3 {
+                    let [from, to] = [corners[side], corners[(side + 1) % 3]];
+                    let line = [from.min(to), from.max(to)];
+                    if pieces.crossed.lines.contains_key(&line)
+                        && first_told.insert((line, *owner), told) == Some(told)
+                    {
+                        idle.push(line);
+                    }
+                }
             }
         }
-        found
+        idle
     }
 
     /// Of each whether it is the other way round on the boundary; none if it is not there. 64

@@ -1,9 +1,8 @@
 //! Canonical surfaces: the same plane or quadric, reached through different
 //! transforms or seen from its two sides, becomes one surface.
 
-use std::collections::BTreeMap;
-
 use glam::{DAffine3, DMat3, DVec3};
+use rustc_hash::FxHashMap;
 
 use crate::surface::Surface;
 
@@ -191,64 +190,100 @@ impl Placed {
     }
 }
 
+/// Numbers, found by nearness: a hashed grid of cells.
+#[derive(Debug, Default)]
+struct NearNumbers {
+    all: Vec<f64>,
+    width: f64,
+    /// The last number in each cell, and the one before each in the same.
+    last: FxHashMap<i64, u32>,
+    before: Vec<u32>,
+}
+
+impl NearNumbers {
+    const NONE: u32 = u32::MAX;
+
+    /// (Whatever is too large is in a cell at the end.)
+    fn cell_of(&self, number: f64) -> i64 {
+        (number / self.width).floor() as i64
+    }
+
+    /// Readies it for being asked at a distance.
+    fn widen(&mut self, reach: f64) {
+        if reach <= 0.5 * self.width {
+            return;
+        }
+        self.width = 4.0 * reach;
+        self.last.clear();
+        self.before.clear();
+        for index in 0..self.all.len() {
+            self.link(index);
+        }
+    }
+
+    fn link(&mut self, index: usize) {
+        let cell = self.cell_of(self.all[index]);
+        let before = self.last.insert(cell, index as u32);
+        self.before.push(before.unwrap_or(Self::NONE));
+    }
+
+    fn push(&mut self, number: f64) -> u32 {
+        let index = self.all.len();
+        self.all.push(number);
+        self.link(index);
+        index as u32
+    }
+
+    /// All within a distance of a number, and some more, each with its place.
+    fn near(&self, number: f64, reach: f64) -> impl Iterator<Item = (f64, u32)> {
+        let [low, high] = [number - reach, number + reach].map(|end| self.cell_of(end));
+        (low..=high).flat_map(move |cell| {
+            let last = self.last.get(&cell).copied();
+            let before = |&index: &u32| {
+                Some(self.before[index as usize]).filter(|&before| before != Self::NONE)
+            };
+            std::iter::successors(last, before).map(|index| (self.all[index as usize], index))
+        })
+    }
+}
+
 /// The table of canonical surfaces under construction.
 #[derive(Debug, Default)]
 pub(super) struct SurfaceTable {
     placed: Vec<Placed>,
-    by_key: BTreeMap<OrderedKey, Vec<u32>>,
+    by_key: NearNumbers,
     widest_tolerance: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OrderedKey(f64);
-
-impl Eq for OrderedKey {}
-impl PartialOrd for OrderedKey {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for OrderedKey {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 impl SurfaceTable {
     /// The index of the surface, and whether the table holds it the other way
     /// round (so that f <= 0 of the caller is the outside of the table's).
     pub fn insert(&mut self, placed: Placed) -> (u32, bool) {
-        if let Some(found) = self.find(&placed) {
+        let (key, tolerance) = placed.key();
+        self.widest_tolerance = self.widest_tolerance.max(tolerance);
+        let reach = tolerance + self.widest_tolerance;
+        self.by_key.widen(reach);
+        if let Some(found) = self.find(&placed, key, reach) {
             return (found, false);
         }
+        // (Its key is the other one's but for the sign.)
         let flipped = Placed {
             surface: placed.surface.negated(),
             ..placed
         };
-        if let Some(found) = self.find(&flipped) {
+        if let Some(found) = self.find(&flipped, flipped.key().0, reach) {
             return (found, true);
         }
-        let index = self.placed.len() as u32;
-        let (key, tolerance) = placed.key();
         self.placed.push(placed);
-        self.by_key.entry(OrderedKey(key)).or_default().push(index);
-        self.widest_tolerance = self.widest_tolerance.max(tolerance);
-        (index, false)
+        (self.by_key.push(key), false)
     }
 
-    fn find(&self, placed: &Placed) -> Option<u32> {
-        let (key, tolerance) = placed.key();
-        let reach = tolerance + self.widest_tolerance;
-        let (from, to) = if (key.abs() + reach).is_finite() {
-            (key - reach, key + reach)
-        } else {
-            (f64::NEG_INFINITY, f64::INFINITY)
-        };
-        self.by_key
-            .range(OrderedKey(from)..=OrderedKey(to))
-            .flat_map(|(_, indices)| indices)
-            .copied()
-            .find(|&index| self.placed[index as usize].coincides(placed))
+    /// Of those that coincide with a surface the one with the least key.
+    fn find(&self, placed: &Placed, key: f64, reach: f64) -> Option<u32> {
+        let near = self.by_key.near(key, reach);
+        let coinciding = near.filter(|&(_, index)| self.placed[index as usize].coincides(placed));
+        let first = coinciding.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        first.map(|(_, index)| index)
     }
 
     pub fn len(&self) -> usize {
@@ -257,5 +292,53 @@ impl SurfaceTable {
 
     pub fn surfaces(&self) -> Vec<Surface> {
         self.placed.iter().map(|placed| placed.surface).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// As far as they are asked for at growing distances.
+    #[test]
+    fn all_numbers_near_another_are_found() {
+        let mut random = Random(3);
+        let mut numbers = NearNumbers::default();
+        let mut found = 0;
+        for step in 0..600 {
+            let reach = 1e-3 * f64::from(1 + step / 100);
+            numbers.widen(reach);
+            let asked = 2.0 * random.unit() - 1.0;
+            let is_near = |number: f64| (number - asked).abs() <= reach;
+            let told: Vec<u32> = numbers
+                .near(asked, reach)
+                .filter(|&(number, _)| is_near(number))
+                .map(|(_, index)| index)
+                .collect();
+            let mut told_once = told.clone();
+            told_once.sort_unstable();
+            told_once.dedup();
+            let all = (0u32..).zip(&numbers.all);
+            let truth: Vec<u32> = all.filter(|&(_, &n)| is_near(n)).map(|(k, _)| k).collect();
+            assert_eq!(told_once, truth);
+            assert_eq!(told.len(), truth.len());
+            found += truth.len();
+            numbers.push(asked);
+        }
+        assert!(found > 200, "{found}");
+    }
+
+    /// Whatever is beyond what integers tell is in a cell at the end, together with others.
+    #[test]
+    fn numbers_of_any_size_are_taken() {
+        let mut numbers = NearNumbers::default();
+        for number in [0.0, 1e300, -1e300, f64::INFINITY, f64::NAN] {
+            numbers.widen(1e-15);
+            let _ = numbers.near(number, 1e-15).count();
+            numbers.push(number);
+        }
+        numbers.widen(f64::INFINITY);
+        assert_eq!(numbers.near(0.0, 1.0).count(), 5);
     }
 }

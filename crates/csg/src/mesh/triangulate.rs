@@ -9,8 +9,6 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
-use crate::control::Control;
-
 /// A corner of the polygon in work.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
@@ -22,7 +20,7 @@ struct Corner {
 }
 
 /// A named point of a contour.
-pub(super) type Named = (DVec2, u32);
+pub(crate) type Named = (DVec2, u32);
 
 /// What lies within one contour.
 struct Region<'a> {
@@ -36,7 +34,7 @@ struct Region<'a> {
 
 /// Memory that is used again for every face.
 #[derive(Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     corners: Vec<Corner>,
     strips: Strips,
     obstacles: Obstacles,
@@ -47,10 +45,10 @@ pub(super) struct Scratch {
 /// no triangulation without flat triangles was found, or the caller does not
 /// want to go on; distances below `tolerance` are rounding. Time is quadratic
 /// in the number of corners at worst, rather linear mostly.
-pub(super) fn triangulate(
+pub(crate) fn triangulate(
     contours: &[Vec<Named>],
     tolerance: f64,
-    control: &Control,
+    go_on: &impl Fn() -> bool,
     scratch: &mut Scratch,
 ) -> Option<Vec<[u32; 3]>> {
     let mut regions: Vec<Region<'_>> = Vec::new();
@@ -89,11 +87,11 @@ pub(super) fn triangulate(
         let mut left = region.area;
         for (_, hole) in holes {
             left += signed_area(hole);
-            control.check().ok()?;
+            go_on().then_some(())?;
             work.bridge(hole)?;
         }
         let first = triangles.len();
-        let clipped = work.clip(&mut triangles, control)?;
+        let clipped = work.clip(&mut triangles, go_on)?;
         // Whatever went wrong, triangles that overlap have too much area.
         let count = (triangles.len() - first) as f64;
         let rounding = 8.0 * f64::EPSILON * count * work.extent().length_squared();
@@ -156,7 +154,7 @@ fn contains(contour: &[Named], point: DVec2) -> bool {
 
 /// Whether a point lies within closed contours, given edge by edge: the parity
 /// of crossings of a ray.
-pub(super) fn is_surrounded(edges: impl Iterator<Item = [DVec2; 2]>, point: DVec2) -> bool {
+pub(crate) fn is_surrounded(edges: impl Iterator<Item = [DVec2; 2]>, point: DVec2) -> bool {
     let crosses = |&[a, b]: &[DVec2; 2]| {
         let (a, b) = (a - point, b - point);
         (a.y > 0.0) != (b.y > 0.0) && (a.perp_dot(b) > 0.0) == (b.y > a.y)
@@ -171,7 +169,7 @@ fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
 }
 
 /// Twice the area of a triangle, exact in sign.
-pub(super) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+pub(crate) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let coordinate = |p: DVec2| robust::Coord { x: p.x, y: p.y };
     robust::orient2d(coordinate(a), coordinate(b), coordinate(c))
 }
@@ -334,7 +332,7 @@ impl<'a> Clipper<'a> {
     }
 
     /// Clips ears until nothing is left; the area of all triangles.
-    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>, control: &Control) -> Option<f64> {
+    fn clip(&mut self, triangles: &mut Vec<[u32; 3]>, go_on: &impl Fn() -> bool) -> Option<f64> {
         let mut left = self.corners.len();
         self.obstacles.find(self.corners, self.tolerance);
         let mut at = 0;
@@ -350,7 +348,7 @@ impl<'a> Clipper<'a> {
                 if doubled <= 0.0 {
                     return None;
                 }
-                control.check().ok()?;
+                go_on().then_some(())?;
                 triangles.push([previous, at, next].map(|k| self.at(k).name));
                 if left == 3 {
                     return Some(area);
@@ -566,13 +564,8 @@ mod tests {
     /// The triangles' area, after each side of a contour was found to be one of a
     /// triangle.
     fn area(contours: &[Vec<Named>]) -> f64 {
-        let triangles = triangulate(
-            contours,
-            1e-12,
-            &Control::default(),
-            &mut Scratch::default(),
-        )
-        .expect("triangles");
+        let triangles =
+            triangulate(contours, 1e-12, &|| true, &mut Scratch::default()).expect("triangles");
         let points: Vec<Named> = contours.concat();
         let at = |name: u32| points.iter().find(|p| p.1 == name).expect("known").0;
         for contour in contours {
