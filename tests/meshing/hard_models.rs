@@ -2,6 +2,7 @@
 //! thinner than a cell, surfaces that touch, apexes, points where many
 //! surfaces meet, solids that are not manifold.
 
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use csg::{Meshed, Mesher, Program, Solid};
@@ -413,4 +414,41 @@ fn nothing_is_to_be_reported_to_a_tolerance_in_both_modes() {
             assert_eq!(found.folded, 0, "{name}: {found:?}");
         }
     }
+}
+
+/// Three surfaces that cross at a small sine have one vertex there, along whichever of their
+/// curves it is found.
+#[test]
+fn rods_a_little_out_of_line_are_meshed_as_they_are() {
+    let model = model("flush-cylinders-a-millionth-off");
+    let off = |off: f64| {
+        let rod = |at: DVec3| Solid::cylinder(5.0, 0.0..10.0).translate(at);
+        rod(DVec3::ZERO) | rod(dvec3(off, 0.0, 10.0))
+    };
+    let solids = [model, off(1e-4), off(1e-5), off(3e-7), off(1e-7)];
+    for solid in &solids {
+        for pose in [HOME, TURNED] {
+            let program = Program::lower(&pose.of(solid)).expect("a valid solid");
+            for tolerance in [1e-2, 1e-3, 1e-4] {
+                let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+                let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+                let what = format!("{pose:?} at {tolerance}");
+                assert!(report.is_proven(), "{what}: {:?}", report.undecided);
+                assert_eq!((report.fallbacks, report.moved), (vec![], None), "{what}");
+                let off = (mesh.volume() - 500.0 * PI).abs();
+                assert!(off <= tolerance * mesh.area(), "{what}: {off}");
+            }
+        }
+    }
+}
+
+/// A hull of balls in a plane is made of planes, cylinders and balls.
+#[test]
+fn hulls_of_balls_in_a_plane_are_round() {
+    let program = Program::lower(&model("plate-of-balls-on-a-post")).expect("a valid solid");
+    assert!(program.surfaces().len() < 40);
+    let meshed = Mesher::new().tolerance(0.01).mesh(&program);
+    let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+    assert!(report.is_proven(), "{:?}", report.undecided);
+    assert!(mesh.self_intersections().is_empty());
 }

@@ -16,6 +16,8 @@ pub(crate) const UNSEEN: f64 = 0.01;
 pub(crate) enum Settling {
     /// Those that cannot be told apart where boundaries are evaluated are made one.
     Merged,
+    /// All that are nearer to each other than they may be moved are made one.
+    MergedFarther,
     /// All are rounded to as many decimals as are a small share of the tolerance.
     Rounded,
     /// The same as first, and then each that passes a place that made trouble within such a
@@ -24,8 +26,9 @@ pub(crate) enum Settling {
 }
 
 impl Settling {
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Merged,
+        Self::MergedFarther,
         Self::Rounded,
         Self::Perturbed { within: 0.02 },
         Self::Perturbed {
@@ -48,7 +51,7 @@ impl Settling {
         ];
         match self {
             Self::Merged => &ALL,
-            Self::Rounded | Self::Perturbed { .. } => &ALL[..1],
+            Self::MergedFarther | Self::Rounded | Self::Perturbed { .. } => &ALL[..1],
         }
     }
 }
@@ -72,6 +75,10 @@ impl Prepared {
         let merged = || program.merged(ball, unresolved.min(unseen), unseen);
         let settled = match settling {
             Settling::Merged => merged()?,
+            Settling::MergedFarther => match program.merged(ball, unseen, unseen)? {
+                None => return Ok(None),
+                farther => farther,
+            },
             Settling::Rounded => match program.rounded(ball, unseen)? {
                 None => return Ok(None),
                 rounded => rounded,

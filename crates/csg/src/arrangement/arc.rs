@@ -124,6 +124,31 @@ impl Arc<'_> {
         }
     }
 
+    /// The point where the curve crosses a third surface, from next to it: the same on all
+    /// three curves, even if the sine of the angle is so small that rounding would find
+    /// others.
+    pub fn crossing(&self, start: DVec3, third: SurfaceId) -> DVec3 {
+        /// Of the distance below which points are one, by which they may be off.
+        const TOLD: f64 = 0.1;
+        let scene = self.scene;
+        let surface = scene.surface(third);
+        let [a, b] = self.surfaces;
+        let point = self.point(start, Some(surface));
+        let Some([first, second]) = self.id.pair().filter(|_| self.edge.is_none()) else {
+            return point;
+        };
+        let [p, q, r] = [a, b, surface].map(|s| s.gradient(point).normalize_or_zero());
+        if p.cross(q).dot(r).abs() * TOLD * scene.weld >= scene.rounding {
+            return point;
+        }
+        let known = scene.crossings([first, second, third]);
+        let distance = |known: &DVec3| known.distance(point);
+        let nearest = known.iter().copied();
+        let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = nearest.filter(|known| distance(known) <= scene.touching_reach());
+        nearest.unwrap_or(point)
+    }
+
     /// The point where another branch passes through the curve, from next to it.
     pub fn node(&self, start: DVec3) -> DVec3 {
         self.apex_at(start).unwrap_or(start)

@@ -265,6 +265,9 @@ impl ArcTracer {
         self.through.clear();
         self.sectors.inside.clear();
         let at_start = curve.at(range[0]);
+        if self.is_decided(arc, range, at_start) {
+            return Ok(false);
+        }
         for (position, id) in block.surfaces() {
             let surface = scene.surface(id);
             if let Some(side) = arc.side_of_edge(id) {
@@ -314,6 +317,34 @@ impl ArcTracer {
         Ok(true)
     }
 
+    /// Whether the solid is constant around a curve as all of it is on one side of one other
+    /// surface. Tunes speed only: the same comes of looking at all surfaces.
+    fn is_decided(&mut self, arc: &Arc<'_>, range: [f64; 2], at_start: DVec3) -> bool {
+        if arc.edge.is_some() {
+            return false;
+        }
+        let scene = arc.scene;
+        let mut farthest: Option<(f64, &Surface)> = None;
+        for (&decides, (_, id)) in self.sectors.decides.iter().zip(arc.block.surfaces()) {
+            if decides.is_none() || id == arc.id.first || Some(id) == arc.id.second() {
+                continue;
+            }
+            let surface = scene.surface(id);
+            let value = surface.value(at_start);
+            let is_farther = farthest.is_none_or(|(known, _)| known < value.abs());
+            if decides == Some(value <= 0.0) && is_farther {
+                farthest = Some((value.abs(), surface));
+            }
+        }
+        let Some((_, surface)) = farthest else {
+            return false;
+        };
+        self.roots.clear();
+        let tolerances = [scene.on_plane, scene.near];
+        let meets = arc.curve.meet(surface, range, tolerances, &mut self.roots);
+        meets == Meets::Points && self.roots.is_empty()
+    }
+
     /// Whether a curve beside polyhedra is the arc's pair's to trace.
     fn is_own(&self, arc: &Arc<'_>) -> bool {
         let Some(own) = arc.id.pair() else {
@@ -331,6 +362,9 @@ impl ArcTracer {
 
     /// Adds where the curve crosses and touches a surface of the cell, by the roots found.
     fn add_crossings(&mut self, arc: &Arc<'_>, position: Position, range: f64) {
+        if self.roots.is_empty() {
+            return;
+        }
         let scene = arc.scene;
         let id = arc.block.id(position);
         let triple = arc.with(scene.surface(id));
@@ -511,9 +545,7 @@ impl ArcTracer {
             return point;
         }
         match self.events[event].ends {
-            Ends::Surface(position) => {
-                arc.point(place, Some(arc.scene.surface(arc.block.id(position))))
-            }
+            Ends::Surface(position) => arc.crossing(place, arc.block.id(position)),
             Ends::Plane(index) => arc.point(place, Some(&self.planes[index])),
             Ends::Touch => arc.point(place, None),
             Ends::Node => arc.node(place),

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::ball::Ball;
 use super::curve::Curve;
 use super::intersection::Unknown;
@@ -9,7 +11,7 @@ use super::pairs::curves;
 use super::piece::{CurveId, Other};
 use super::relations::Common;
 use super::scene::Scene;
-use super::triple::contacts;
+use super::triple::{contacts, crossings};
 use crate::program::SurfaceId;
 
 impl Scene<'_> {
@@ -45,5 +47,14 @@ impl Scene<'_> {
         ids.sort_unstable();
         let decide = || contacts(self, ids).into_iter().collect();
         self.relations.triples.get(ids, decide)
+    }
+
+    /// The points in which three surfaces cross. Where they do at small sines, rounding finds
+    /// another one along each of their curves: these are the same in whatever order they are
+    /// named.
+    pub fn crossings(&self, mut ids: [SurfaceId; 3]) -> Arc<[DVec3]> {
+        ids.sort_unstable();
+        let decide = || crossings(self, ids).into_iter().collect();
+        self.relations.slanted.get(ids, decide)
     }
 }

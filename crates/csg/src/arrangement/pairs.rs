@@ -368,4 +368,42 @@ pub(super) mod tests {
         }
         assert!(points > 500, "{points}");
     }
+
+    /// Cones and cylinders y² = z l(x, y, z), which touch the plane z = 0 along the x axis: of
+    /// two of them every quadric of the pencil is singular.
+    #[test]
+    fn curves_of_cones_that_touch_along_a_line_are_known() {
+        let mut random = Random(7);
+        let mut points = 0;
+        for round in 0..200 {
+            let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
+            let turn = DMat3::from_euler(
+                glam::EulerRot::XYZ,
+                number(0.0, 6.0),
+                number(0.0, 6.0),
+                number(0.0, 6.0),
+            );
+            let mut touching = |is_cone: bool| {
+                let [slope, skew, wide] =
+                    [(0.3, 1.0), (-0.3, 0.3), (-1.0, -0.3)].map(|(a, b)| number(a, b));
+                let (along, constant) = if is_cone {
+                    (slope, -slope * number(-1.0, 1.0))
+                } else {
+                    (0.0, slope)
+                };
+                let form = [0.0, 1.0, -wide, 0.0, -skew, -along];
+                let surface = Surface::of_terms(DVec3::ZERO, form, -constant * DVec3::Z, 0.0);
+                surface.pulled_back(&turn.transpose(), DVec3::ZERO)
+            };
+            let surfaces = [touching(true), touching(round % 3 > 0)];
+            let branches = curves(&surfaces[0], &surfaces[1], NEAR).expect("they are known");
+            let line = turn.x_axis;
+            for place in [-0.7, 0.2] {
+                let on = branches.iter().map(|b| distance(&b.curve, place * line));
+                assert!(on.fold(f64::INFINITY, f64::min) < 1e-5, "{round}");
+            }
+            points += check(&surfaces, branches, &mut random);
+        }
+        assert!(points > 500, "{points}");
+    }
 }

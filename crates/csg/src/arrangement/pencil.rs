@@ -68,6 +68,9 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
     if let Some(lines) = pencil.common_vertex(near) {
         return Ok(lines);
     }
+    if let Some(known) = pencil.along_ruling(near) {
+        return known;
+    }
     let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
     let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
         let other = pencil.combined([-y, x]);
@@ -183,6 +186,41 @@ impl<'a> Pencil<'a> {
         };
         let form = lines.form(&self.matrices[1]);
         Some(self.through_vertex(&lines, &form.a, near))
+    }
+
+    /// The curves of two cones or cylinders that touch each other along a line: then all
+    /// quadrics of the pencil have a vertex on it, and the determinant, being 0 of each, tells
+    /// nothing. One of them is the plane in which both touch, and another plane.
+    fn along_ruling(&self, near: f64) -> Option<Result<Branches, Unknown>> {
+        let [Carrier::Cone(one), Carrier::Cone(other)] = self.matrices.each_ref().map(carrier)
+        else {
+            return None;
+        };
+        let vertices = [one.q[0], other.q[0]];
+        let [a, b] = &self.matrices;
+        let polars = [*b * vertices[0], *a * vertices[1]];
+        let is_on = |vertex: DVec4, polar: DVec4| {
+            let slope = polar.truncate().length();
+            let off = near / self.unit * vertex.w.abs();
+            slope > TOUCHING && vertex.dot(polar).abs() <= (2.0 * off * slope).max(NO_VALUE)
+        };
+        if !(0..2).all(|k| is_on(vertices[k], polars[k])) {
+            return None;
+        }
+        let [plane, same] = polars.map(DVec4::normalize);
+        if (plane - plane.dot(same).signum() * same).length() > TOUCHING {
+            return None;
+        }
+        // Of a direction in that plane, off the line: there both are double lines, so that one
+        // of the pencil vanishes on all of it.
+        let aside = across([plane, vertices[0], vertices[1]]);
+        let [x, y] = [a, b].map(|matrix| aside.dot(*matrix * aside));
+        let length = elementary::hypot(x, y);
+        let member = self.combined([y / length, -x / length]);
+        let polar = member * plane;
+        let rest = 2.0 * polar - plane.dot(polar) * plane;
+        let is_plane = |vector: DVec4| vector.is_finite() && vector.length() > CANCELLED;
+        is_plane(rest).then(|| self.in_planes(&[plane, rest], near))
     }
 
     /// A point in space.
@@ -389,6 +427,16 @@ impl<'a> Pencil<'a> {
             _ => Err(Unknown::NoForm),
         }
     }
+}
+
+/// What is at right angles to three vectors.
+fn across([p, q, r]: [DVec4; 3]) -> DVec4 {
+    let minor = |but: usize| {
+        let rest = |v: DVec4| DVec3::from_array([1, 2, 3].map(|k| v[(but + k) % 4]));
+        let sign = [1.0, -1.0][but % 2];
+        sign * rest(p).dot(rest(q).cross(rest(r)))
+    };
+    DVec4::from_array([0, 1, 2, 3].map(minor)).normalize_or_zero()
 }
 
 /// Where a polynomial of degree two may have roots of multiplicity four, three and

@@ -5,6 +5,7 @@
 use std::hash::{BuildHasher, Hash};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use glam::DVec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::ball::Ball;
@@ -23,6 +24,8 @@ pub(super) struct Relations {
     pub pairs: Table<CurveId, Common>,
     /// By three surfaces, ascending.
     pub triples: Table<[SurfaceId; 3], Arc<[Ball]>>,
+    /// The same of where they cross at small sines.
+    pub slanted: Table<[SurfaceId; 3], Arc<[DVec3]>>,
 }
 
 /// A map that several threads fill, in parts so that they seldom wait for each other.

@@ -73,6 +73,11 @@ impl Roots {
         self.is_lost = false;
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.simple.is_empty() && self.touching.is_empty() && !self.is_lost
+    }
+
     /// Adds the roots between `start` and `end` of a function whose second
     /// derivative between two places is at most `bend` of them. Values within
     /// `tolerance` are as good as 0.

@@ -214,6 +214,29 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
     contacts
 }
 
+/// The points in which three surfaces, ascending, cross, by the first of their curves that
+/// tells. To be asked for by [`Scene::crossings`].
+pub(super) fn crossings(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[DVec3; 2]> {
+    let surfaces = ids.map(|id| scene.surface(id));
+    for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
+        let Ok(common) = scene.common(CurveId::first_of([ids[a], ids[b]])) else {
+            continue;
+        };
+        let found = common.iter().map(|branch| {
+            let triple = Triple {
+                curve: &branch.curve,
+                pair: [surfaces[a], surfaces[b]],
+                third: surfaces[third],
+            };
+            triple.crossings(scene)
+        });
+        if let Some(found) = found.collect::<Option<SmallVec<[_; 2]>>>() {
+            return found.into_iter().flatten().collect();
+        }
+    }
+    SmallVec::new()
+}
+
 /// Where roots along a curve cannot be told apart for sure.
 struct Doubtful {
     ball: Ball,
@@ -236,6 +259,31 @@ impl Triple<'_> {
             reach *= 2.0;
         }
         self.curve.at(at + reach).distance(self.curve.at(at))
+    }
+
+    /// Where the curve crosses the third surface; none if it runs along it.
+    fn crossings(&self, scene: &Scene<'_>) -> Option<SmallVec<[DVec3; 2]>> {
+        let Some(range) = self.curve.range(DVec3::ZERO, scene.reach) else {
+            return Some(SmallVec::new());
+        };
+        let mut roots = Roots::default();
+        let tolerances = [scene.on_plane, scene.near];
+        let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
+        if meets == Meets::Curve || roots.is_lost {
+            return None;
+        }
+        let clusters = clusters(&mut roots, |t| self.distance(t), scene.rounding);
+        let single = clusters.iter().filter(|cluster| cluster.is_single_root());
+        let [a, b] = self.pair;
+        let point = |cluster: &Cluster| {
+            let start = self.curve.at(cluster.from);
+            let reach = scene.touching_reach();
+            let surfaces = [a, b, self.third];
+            let found = solve::sharp_common_point(&surfaces, start, reach, scene.blur());
+            let is_near = found.residual <= scene.weld && found.point.distance(start) <= reach;
+            if is_near { found.point } else { start }
+        };
+        Some(single.map(point).collect())
     }
 
     /// Adds where roots cannot be told apart for sure.

@@ -70,7 +70,7 @@ impl Pencil<'_> {
     }
 
     /// The conics in planes, with nodes where these meet.
-    fn in_planes(&self, planes: &[DVec4], near: f64) -> Result<Branches, Unknown> {
+    pub(super) fn in_planes(&self, planes: &[DVec4], near: f64) -> Result<Branches, Unknown> {
         let plane = |&vector: &DVec4| {
             let normal = vector.truncate();
             let square = normal.length_squared();
