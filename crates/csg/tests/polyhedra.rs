@@ -300,6 +300,33 @@ fn hulls_of_balls_are_rounded() {
             ball + PI * r * r * 3.0_f64.sqrt(),
         ),
         (
+            "capsule, and more in line",
+            vec![
+                cube[0],
+                cube[0].midpoint(cube[7]),
+                cube[7],
+                cube[0].lerp(cube[7], 0.25),
+            ],
+            ball + PI * r * r * 3.0_f64.sqrt(),
+        ),
+        (
+            "plate",
+            vec![
+                cube[0],
+                cube[1],
+                cube[3],
+                cube[2],
+                cube[0].midpoint(cube[1]),
+                cube[0].midpoint(cube[3]),
+            ],
+            2.0 * r + 2.0 * PI * r * r + ball,
+        ),
+        (
+            "triangle",
+            vec![cube[0], cube[1], cube[2]],
+            r + 0.5 * PI * r * r * (2.0 + 2.0_f64.sqrt()) + ball,
+        ),
+        (
             "rounded box",
             cube.clone(),
             1.0 + 6.0 * r + 3.0 * PI * r * r + ball,

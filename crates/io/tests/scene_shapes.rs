@@ -94,6 +94,16 @@ fn circles_are_round_or_not() {
             2.0 / 3.0 * PI,
         ),
         (
+            "linear_extrude(height = 2) { hull() { circle($fn = 30, r = 1); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { circle($fn = 30, r = 1); } } }",
+            2.0 * (facets(30.0) + 6.0 * (PI / 30.0).cos()),
+            2.0 * (PI + 6.0),
+        ),
+        (
+            "multmatrix([[0.6, 0, -0.8, 5], [0, 1, 0, 0], [0.8, 0, 0.6, 7], [0, 0, 0, 1]]) { hull() { cylinder($fn = 30, h = 2, r1 = 1, r2 = 1); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { cylinder($fn = 30, h = 2, r1 = 1, r2 = 1); } } }",
+            2.0 * (facets(30.0) + 6.0 * (PI / 30.0).cos()),
+            2.0 * (PI + 6.0),
+        ),
+        (
             "rotate_extrude(angle = 360, $fn = 20) { square(size = [1, 2]); }",
             2.0 * facets(20.0),
             2.0 * PI,

@@ -2,7 +2,10 @@
 //! projection. The solids are meshed for that; of flat faces the corners are
 //! exact.
 
-use csg::glam::{DAffine3, DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use csg::glam::{DAffine3, DMat3, DVec2, DVec3};
 use csg::{FillRule, Limits, Made, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
 
 /// How far the mesh of a curved solid may stray, as a share of its size.
@@ -131,12 +134,79 @@ pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
     Some((centers, common?))
 }
 
+/// Cylinders with their ends in two planes.
+struct Upright {
+    /// From where these are across the z axis.
+    frame: DAffine3,
+    discs: Vec<(DVec2, f64)>,
+    z: Range<f64>,
+}
+
+impl Upright {
+    /// Cylinders that solids are the union of, if they are.
+    fn of(solids: &[Solid]) -> Option<Self> {
+        /// Of lengths, below which they are the same.
+        const SAME: f64 = 1e-12;
+        let mut known: Option<Self> = None;
+        let mut pending: Vec<(&Solid, DAffine3)> =
+            solids.iter().map(|s| (s, DAffine3::IDENTITY)).collect();
+        while let Some((solid, map)) = pending.pop() {
+            match solid.node() {
+                Node::Union(operands) => pending.extend(operands.iter().map(|o| (o, map))),
+                Node::Transform(Ok(inner), operand) => pending.push((operand, map * *inner)),
+                Node::Named(_, operand) | Node::Colored(_, operand) => pending.push((operand, map)),
+                Node::Primitive(Primitive::Cylinder { radii, z: Some(z) }) => {
+                    let [x, y, up] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+                    let upright = known.get_or_insert_with(|| {
+                        let axis = up.normalize_or_zero();
+                        let (x, y) = axis.any_orthonormal_pair();
+                        Self {
+                            frame: DAffine3::from_mat3(DMat3::from_cols(x, y, axis)),
+                            discs: Vec::new(),
+                            z: f64::NAN..f64::NAN,
+                        }
+                    });
+                    let axis = upright.frame.matrix3.z_axis;
+                    let ends = [z.start, z.end].map(|z| map.transform_point3(z * DVec3::Z));
+                    let heights = ends.map(|end| axis.dot(end));
+                    let (low, high) = (heights[0].min(heights[1]), heights[0].max(heights[1]));
+                    if upright.discs.is_empty() {
+                        upright.z = low..high;
+                    }
+                    let radius = radii.x * x.length();
+                    let size = ends[0].length().max(ends[1].length()).max(radius);
+                    let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * size;
+                    let is_upright = radii.x == radii.y
+                        && is_same(radius, radii.y * y.length())
+                        && is_same(radius * x.dot(y) / x.length_squared(), 0.0)
+                        && [x, y]
+                            .iter()
+                            .all(|v| is_same(radius * axis.dot(*v) / v.length(), 0.0))
+                        && is_same(up.cross(axis).length() / up.length() * size, 0.0)
+                        && is_same(low, upright.z.start)
+                        && is_same(high, upright.z.end);
+                    if !is_upright {
+                        return None;
+                    }
+                    let flat = upright.frame.matrix3.transpose() * ends[0];
+                    upright.discs.push((flat.truncate(), radius));
+                }
+                _ => return None,
+            }
+        }
+        known
+    }
+}
+
 /// The convex hull of solids.
 pub(super) fn hull(solids: &[Solid], allowance: &mut Allowance) -> Result<Solid, String> {
     if let Some((centers, radius)) = balls(solids)
         && let Some(rounded) = Solid::hull_of_balls(&centers, radius)
     {
         return Ok(rounded);
+    }
+    if let Some(Upright { frame, discs, z }) = Upright::of(solids) {
+        return Ok(Solid::extrude(&Profile::hull_of_discs(discs), z).affine(frame));
     }
     let mut points = Vec::new();
     for solid in solids {
@@ -202,12 +272,48 @@ pub(super) fn bounds(
 /// The solid seen along z.
 pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile, String> {
     let mesh = mesh(solid, allowance)?;
-    let triangles = (0..mesh.triangles.len()).map(|index| mesh.corners(index));
-    let seen = triangles.filter_map(|corners| {
-        let [a, b, c]: [DVec2; 3] = corners.map(DVec3::truncate);
-        ((b - a).perp_dot(c - a) > 0.0).then_some([a, b, c])
-    });
-    Ok(Profile::polygons_of(seen, FillRule::NonZero))
+    // Of the triangles that face up only the sides beyond which there is none: the others
+    // cancel each other.
+    let mut open: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+    for (index, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+        let [p, q, r]: [DVec2; 3] = mesh.corners(index).map(DVec3::truncate);
+        if (q - p).perp_dot(r - p) > 0.0 {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                if !take(&mut open, [to, from]) {
+                    *open.entry([from, to]).or_default() += 1;
+                }
+            }
+        }
+    }
+    let mut contours = Vec::new();
+    while let Some((&[start, mut to], _)) = open.first_key_value() {
+        take(&mut open, [start, to]);
+        let mut contour = vec![start];
+        while to != start {
+            contour.push(to);
+            let next = open.range([to, 0]..=[to, u32::MAX]).next();
+            let Some((&next, _)) = next else {
+                return Err("its outline does not close".to_owned());
+            };
+            take(&mut open, next);
+            to = next[1];
+        }
+        let at = |vertex: u32| mesh.positions[vertex as usize].truncate();
+        contours.push(contour.into_iter().map(at));
+    }
+    Ok(Profile::polygons_of(contours, FillRule::NonZero))
+}
+
+/// Takes one of what is counted, if there is any.
+fn take(counts: &mut BTreeMap<[u32; 2], u32>, side: [u32; 2]) -> bool {
+    let Some(count) = counts.get_mut(&side) else {
+        return false;
+    };
+    *count -= 1;
+    if *count == 0 {
+        counts.remove(&side);
+    }
+    true
 }
 
 /// The section with the plane z = 0.
@@ -221,7 +327,24 @@ pub(super) fn section(solid: &Solid, allowance: &mut Allowance) -> Result<Profil
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+
+    #[test]
+    fn shadows_have_the_corners_of_their_outlines_alone() {
+        let mut allowance = Allowance::default();
+        let ball = Solid::sphere(2.0).rotate_x(0.3);
+        let ring = ball.clone() - Solid::cylinder(1.0, -3.0..3.0).translate([0.25, 0.0, 0.0]);
+        for (solid, area) in [(ball, 4.0 * PI), (ring, 3.0 * PI)] {
+            let shadow = shadow(&solid, &mut allowance).expect("a shadow");
+            let contours = shadow.contours(1e-3).expect("contours");
+            let corners: usize = contours.iter().map(Vec::len).sum();
+            assert!(corners < 3000, "{corners}");
+            let off = (shadow.area(1e-3).expect("an area") - area).abs();
+            assert!(off < 1e-3 * area, "{off}");
+        }
+    }
 
     #[test]
     fn work_is_bounded_over_all_nodes() {

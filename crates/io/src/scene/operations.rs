@@ -63,7 +63,7 @@ impl Builder<'_> {
             }
             Kind::Hull | Kind::Minkowski => {
                 self.arguments(node, &["convexity"])?;
-                if node.kind == Kind::Minkowski || !self.holds_balls_alone(node) {
+                if node.kind == Kind::Minkowski || !self.holds_one_kind_alone(node) {
                     self.faceted_until = self.faceted_until.max(node.end);
                 }
                 Ok(if node.kind == Kind::Hull {
@@ -117,22 +117,22 @@ impl Builder<'_> {
         Ok(Operation::Map(solid, flat))
     }
 
-    /// Whether all below a node are spheres: their hull is smooth.
-    fn holds_balls_alone(&self, node: &NodeText<'_>) -> bool {
+    /// Whether all below a node are spheres, or circles, or cylinders: their hull is smooth.
+    fn holds_one_kind_alone(&self, node: &NodeText<'_>) -> bool {
         let below = &self.tree.nodes[self.index..node.end];
-        below
-            .iter()
-            .filter(|node| !node.background)
-            .all(|node| match node.kind {
-                Kind::Sphere => {
-                    let arguments = &self.tree.arguments[node.arguments.clone()];
-                    let fragments = arguments.iter().find(|a| a.key == Some("$fn"));
-                    let fragments = fragments.and_then(|a| number(&a.value)).unwrap_or(0.0);
-                    !(fragments > 0.0 && fragments <= 12.0)
-                }
-                Kind::Group | Kind::Union | Kind::Multmatrix | Kind::Color | Kind::Render => true,
-                _ => false,
-            })
+        let mut below = below.iter().filter(|node| !node.background);
+        let mut first = None;
+        below.all(|node| match node.kind {
+            Kind::Sphere | Kind::Circle | Kind::Cylinder => {
+                let arguments = &self.tree.arguments[node.arguments.clone()];
+                let fragments = arguments.iter().find(|a| a.key == Some("$fn"));
+                let fragments = fragments.and_then(|a| number(&a.value)).unwrap_or(0.0);
+                *first.get_or_insert(node.kind) == node.kind
+                    && !(fragments > 0.0 && fragments <= 12.0)
+            }
+            Kind::Group | Kind::Union | Kind::Multmatrix | Kind::Color | Kind::Render => true,
+            _ => false,
+        })
     }
 
     fn resize(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {

@@ -286,3 +286,86 @@ fn long_chains_are_flat() {
     assert_eq!(all.steps.len(), 2002);
     assert_eq!(set_of(&all).leaves().count(), 2000);
 }
+
+/// Against how far discs reach in all directions.
+#[test]
+fn hulls_of_discs_reach_as_far_as_these() {
+    /// Between two of them less than the distance below is missed along a side of length 4.
+    const DIRECTIONS: u32 = 2000;
+    const NEAR: f64 = 1e-2;
+    let mut random = Random(31);
+    let mut told = [0; 2];
+    for round in 0..300 {
+        let count = 1 + random.below(6);
+        let is_round = round % 3 == 0;
+        let discs: Vec<(DVec2, f64)> = (0..count)
+            .map(|_| {
+                let center = random_point(&mut random, 1.0);
+                let radius = match random.below(4) {
+                    0 => 0.0,
+                    1 => 0.5,
+                    _ => random.unit(),
+                };
+                // On a grid some are in line, touch from within, or reach as far.
+                let to_grid = |x: f64| if is_round { (4.0 * x).round() / 4.0 } else { x };
+                (dvec2(to_grid(center.x), to_grid(center.y)), to_grid(radius))
+            })
+            .collect();
+        if discs.iter().all(|&(_, radius)| radius == 0.0) {
+            continue;
+        }
+        let hull = Profile::hull_of_discs(discs.iter().copied());
+        let contours = hull
+            .contours(0.1 * NEAR)
+            .unwrap_or_else(|e| panic!("{e}: {discs:?}"));
+        assert_eq!(contours.len(), 1, "{discs:?}");
+        for _ in 0..50 {
+            let point = random_point(&mut random, 2.0);
+            let beyond = |k: u32| {
+                let along = DVec2::from_angle(TAU * f64::from(k) / f64::from(DIRECTIONS));
+                let reach = |&(center, radius): &(DVec2, f64)| along.dot(center) + radius;
+                along.dot(point) - discs.iter().map(reach).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let off = (0..DIRECTIONS)
+                .map(beyond)
+                .fold(f64::NEG_INFINITY, f64::max);
+            if off.abs() > NEAR {
+                assert_eq!(
+                    winding(&contours, point),
+                    i64::from(off < 0.0),
+                    "{discs:?} {point}"
+                );
+                told[usize::from(off < 0.0)] += 1;
+            }
+        }
+    }
+    assert!(told.iter().all(|&count| count > 1000), "{told:?}");
+}
+
+/// A slot, a drop, and a circle with another one in it.
+#[test]
+fn hulls_of_discs_have_arcs() {
+    let slot = [
+        (DVec2::ZERO, 1.0),
+        (dvec2(1.0, 0.0), 1.0),
+        (dvec2(3.0, 0.0), 1.0),
+    ];
+    let drop = [(DVec2::ZERO, 1.0), (dvec2(2.0, 0.0), 0.0)];
+    let within = [(DVec2::ZERO, 1.0), (dvec2(0.5, 0.0), 0.5)];
+    for (discs, area) in [
+        (&slot[..], PI + 6.0),
+        (&drop, PI - PI / 3.0 + 3f64.sqrt()),
+        (&within, PI),
+    ] {
+        let found = Profile::hull_of_discs(discs.iter().copied())
+            .area(1e-9)
+            .expect("valid");
+        assert!((found - area).abs() < 1e-7, "{found}, not {area}");
+        let circles = discs.iter().map(|&(center, radius)| match radius {
+            0.0 => Profile::polygon([center, center + 1e-12, dvec2(center.x - 1e-12, center.y)]),
+            _ => Profile::circle(radius).translate(center),
+        });
+        let hull = Profile::union(circles).hull();
+        assert!((hull.area(1e-9).expect("valid") - area).abs() < 1e-7);
+    }
+}
