@@ -19,6 +19,49 @@ pub(crate) fn surface_of<'a>(
     program.carriers().get(entry.surface as usize)
 }
 
+/// Puts triangles on surfaces that may carry faces: where a way of meshing has found others on
+/// planes that only part space, which rounding makes, on that of a triangle beside them.
+pub(crate) fn put_on_carriers(program: &Program, mesh: &mut Mesh) {
+    let count = program.carriers().len();
+    let is_carrier = |entry: u32| (mesh.surfaces[entry as usize].surface as usize) < count;
+    let Some(first) = (0..mesh.surfaces.len() as u32).find(|&entry| is_carrier(entry)) else {
+        return;
+    };
+    let sides = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+    let others = (0..mesh.triangles.len()).filter(|&t| !is_carrier(mesh.triangle_surfaces[t]));
+    let mut others: Vec<usize> = others.collect();
+    while !others.is_empty() {
+        let mut beside: FxHashMap<[u32; 2], u32> = FxHashMap::default();
+        for &triangle in &others {
+            let sides = sides(mesh.triangles[triangle]);
+            beside.extend(sides.map(|[from, to]| ([to, from], u32::MAX)));
+        }
+        let is_carrier = |entry: u32| (mesh.surfaces[entry as usize].surface as usize) < count;
+        for (triangle, &entry) in mesh.triangles.iter().zip(&mesh.triangle_surfaces) {
+            for side in sides(*triangle).into_iter().filter(|_| is_carrier(entry)) {
+                beside.entry(side).and_modify(|known| *known = entry);
+            }
+        }
+        let before = others.len();
+        let mut found = Vec::new();
+        others.retain(|&triangle| {
+            let mut known = sides(mesh.triangles[triangle])
+                .into_iter()
+                .map(|[from, to]| beside[&[to, from]]);
+            let entry = known.find(|&entry| entry != u32::MAX);
+            found.extend(entry.map(|entry| (triangle, entry)));
+            entry.is_none()
+        });
+        if others.len() == before {
+            // Nothing of them is beside any other.
+            found.extend(others.drain(..).map(|triangle| (triangle, first)));
+        }
+        for (triangle, entry) in found {
+            mesh.triangle_surfaces[triangle] = entry;
+        }
+    }
+}
+
 /// The outward unit normals at the corners of every triangle: the gradient of
 /// its surface there, on the side to which the triangle faces; the triangle's
 /// own normal where the gradient vanishes (a cone's apex).
@@ -188,4 +231,31 @@ fn polylines(edges: &[(u32, u32)]) -> Vec<Vec<u32>> {
         }
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshSurface;
+    use crate::solid::Solid;
+
+    #[test]
+    fn triangles_on_planes_that_part_space_take_the_surface_beside_them() {
+        let program = Program::lower(&Solid::cuboid([1.0; 3])).expect("valid");
+        let beyond = program.carriers().len() as u32;
+        let on = |surface: u32| MeshSurface {
+            surface,
+            ..MeshSurface::default()
+        };
+        // A strip, of which the two in the middle are on none, and one on its own.
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO; 9],
+            triangles: vec![[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [6, 7, 8]],
+            surfaces: vec![on(beyond), on(1), on(2)],
+            triangle_surfaces: vec![1, 0, 0, 2, 0],
+            ..Mesh::default()
+        };
+        put_on_carriers(&program, &mut mesh);
+        assert_eq!(mesh.triangle_surfaces, [1, 1, 2, 2, 1]);
+    }
 }

@@ -53,9 +53,11 @@ impl fmt::Display for Bounded {
         } else {
             format!("{:.decimals$}", rounded * elementary::pow(10f64, power))
         };
+        let told = format!("{value:.decimals$}");
         // Nothing has no sign.
-        let value = if value.abs() < error { 0.0 } else { value };
-        write!(f, "{value:.decimals$} ± {bound}")
+        let is_nothing = told.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
+        let told = told.trim_start_matches(if is_nothing { "-" } else { "" });
+        write!(f, "{told} ± {bound}")
     }
 }
 
@@ -75,6 +77,7 @@ mod tests {
         assert_eq!(told(-1e-17, 3e-13), "0.0000000000000 ± 3e-13");
         assert_eq!(told(1.0, 9.6e-14), "1.0000000000000 ± 1e-13");
         assert_eq!(told(1.0, 0.96), "1 ± 1");
+        assert_eq!(told(209.6, 371.0), "210 ± 400");
         assert_eq!(told(2.5, f64::INFINITY), "2.5");
         assert_eq!(told(0.0, 0.0), "0");
     }

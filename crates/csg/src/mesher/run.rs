@@ -95,6 +95,7 @@ impl<'a> Run<'a> {
         let mesher = self.mesher;
         let mut report = Report::default();
         let mut mesh = self.shape(&mut report)?;
+        finish::put_on_carriers(self.program, &mut mesh);
         mesh.unit = mesher.unit;
         let start = Instant::now();
         // Each try writes its own report, and only one of them is kept.
