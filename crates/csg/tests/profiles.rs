@@ -101,6 +101,15 @@ fn scaled_extrusions() {
         let solid = Solid::extrude_scaled(&profile, 1.0..3.0, scale);
         assert_volume(what, &solid, 2.0 * area * share(scale[0], scale[1]));
     }
+    // In flat steps.
+    for scale in [[0.5, 2.0], [1.0, 0.0], [2.0, 1.5]] {
+        let solid = Solid::extrude_scaled(&Profile::circle(1.0), 1.0..3.0, scale);
+        let program = Program::lower(&solid).expect("a program");
+        let mesh = Mesher::new().mesh(&program).expect("a mesh").mesh;
+        let volume = 2.0 * PI * share(scale[0], scale[1]);
+        let off = (mesh.volume() / volume - 1.0).abs();
+        assert!(mesh.check().is_manifold() && off < 1e-3, "{scale:?}: {off}");
+    }
     let pyramid = Solid::extrude_to_point(&l_shape(), 0.0..1.0, [0.5, 0.5]);
     assert_volume("pointed", &pyramid, 1.0);
 }

@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
+use super::twist::{extent, uneven};
 use crate::error::NodeFault;
 use crate::numeric::tolerance::PROFILE_CHORD;
 
@@ -62,8 +63,9 @@ impl Solid {
     /// ends in a point.
     ///
     /// Lines become planes, circles and arcs cones. Where the scales differ, a
-    /// line becomes a hyperbolic paraboloid (a plane if it is along x or y), and
-    /// circles and arcs become chords within 1e-4 of the profile's size first
+    /// line becomes a hyperbolic paraboloid (a plane if it is along x or y); of a profile with
+    /// circles or arcs all is in flat steps within 1e-4 of its size, if these are not
+    /// too many, or else they are chords within that
     /// (for another tolerance, see [`Profile::flattened`]).
     #[must_use]
     pub fn extrude_scaled(profile: &Profile, z: Range<f64>, scale: impl Into<DVec2>) -> Self {
@@ -84,23 +86,6 @@ impl Solid {
     }
 }
 
-pub(super) fn extent(z: &Range<f64>) -> Result<f64, NodeFault> {
-    let height = z.end - z.start;
-    if !(z.start.is_finite() && z.end.is_finite()) {
-        return Err(NodeFault::NotFinite {
-            what: "both ends of the extent",
-        });
-    }
-    if height > 0.0 {
-        Ok(height)
-    } else {
-        Err(NodeFault::NotPositive {
-            what: "the height",
-            value: height,
-        })
-    }
-}
-
 fn extruded(
     profile: &Profile,
     z: &Range<f64>,
@@ -116,6 +101,9 @@ fn extruded(
         }
     }
     let even = scale.x == scale.y;
+    if !even && let Some(in_steps) = uneven(profile, z, scale)? {
+        return Ok(in_steps);
+    }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let set = plane_set(profile, Sagitta::of_length(tolerance), &|_| even)?;
     let Some((min, max)) = profile.bounds(tolerance)? else {

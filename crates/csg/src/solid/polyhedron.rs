@@ -52,6 +52,13 @@ impl Solid {
         Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
     }
 
+    /// The same; none if the faces bound no solid.
+    pub(super) fn of_faces(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Option<Self> {
+        let faces = Faces::new(vertices, faces).ok()?;
+        faces.check().ok()?;
+        Some(faces.solid().0)
+    }
+
     /// Convex polyhedra that do not overlap and make up the solid that a mesh
     /// bounds, each as its planes.
     ///

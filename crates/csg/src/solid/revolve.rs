@@ -13,6 +13,7 @@ use super::extrude::double_cone;
 use super::primitive::Plane;
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::Solid;
+use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
 use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
@@ -190,6 +191,52 @@ fn within((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
     Ok((solid & wedge, corners))
 }
 
+/// The polyhedron through contours at all angles; none if its faces bound no solid.
+fn polyhedron(contours: &[Vec<DVec2>], radians: f64, steps: usize) -> Option<Solid> {
+    let is_full = radians.abs() == TAU;
+    let count: usize = contours.iter().map(Vec::len).sum();
+    let places = if is_full { steps } else { steps + 1 };
+    let direction = |k: usize| match is_full {
+        true => turn(k, steps),
+        false => elementary::direction(radians.abs() * k as f64 / steps as f64),
+    };
+    // Clockwise it is the mirror image.
+    let sign = if radians < 0.0 { -1.0 } else { 1.0 };
+    let vertices = (0..places).flat_map(|k| {
+        let along = direction(k);
+        let points = contours.iter().flatten();
+        points.map(move |point| {
+            let flat = point.x.max(0.0) * along;
+            DVec3::new(flat.x, sign * flat.y, point.y)
+        })
+    });
+    let mut faces: Vec<Vec<u32>> = Vec::with_capacity(count * steps);
+    for step in 0..steps {
+        let at = [step, (step + 1) % places].map(|k| k * count);
+        let mut first = 0;
+        for contour in contours {
+            for k in 0..contour.len() {
+                let [from, to] = [k, (k + 1) % contour.len()].map(|k| first + k);
+                let corners = [at[0] + from, at[1] + from, at[1] + to, at[0] + to];
+                faces.push(corners.map(|vertex| vertex as u32).to_vec());
+            }
+            first += contour.len();
+        }
+    }
+    if !is_full {
+        let last = (steps * count) as u32;
+        for [a, b, c] in cap(contours)? {
+            faces.extend([[a, b, c], [c + last, b + last, a + last]].map(Vec::from));
+        }
+    }
+    if radians < 0.0 {
+        for face in &mut faces {
+            face.reverse();
+        }
+    }
+    Solid::of_faces(vertices.collect(), &faces)
+}
+
 fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeFault> {
     let full = radians.abs() == TAU;
     if steps < if full { 3 } else { 1 } || !full && radians.abs() / steps as f64 >= PI {
@@ -197,6 +244,9 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let (set, corners) = half_plane_set(profile, tolerance, &|_| false)?;
+    if let Some(solid) = polyhedron(&profile.contours(tolerance)?, radians, steps) {
+        return Ok((solid, corners));
+    }
     // The directions of the middles of steps, and how far they fall short.
     let middles: Vec<DVec2> = (0..steps)
         .map(|k| {

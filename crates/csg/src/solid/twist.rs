@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use super::extrude::extent;
 use super::partition::{Facet, Tree};
 use super::polyhedron::plane_of;
 use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::NodeFault;
-use crate::numeric::tolerance::{PROFILE_CHORD, SAME_FACE};
+use crate::mesh::triangulate::{Named, Scratch, triangulate};
+use crate::numeric::tolerance::{ON_FACE, PROFILE_CHORD, SAME_FACE};
 
 /// How an extrusion turns and narrows on its way up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +34,9 @@ impl Solid {
     /// 1e-4 of the profile's size first (for another tolerance, see
     /// [`Profile::flattened`]).
     ///
-    /// Every triangle is an infinite plane to whatever is cut by it: some
-    /// hundred are cheap, thousands slow.
+    /// It is a polyhedron ([`Solid::polyhedron`]) that is cut as fast as others, unless its faces
+    /// run through each other: where they do, every triangle is an infinite plane to whatever is
+    /// cut by it, of which some hundred are cheap, thousands slow.
     #[must_use]
     pub fn extrude_in_steps(profile: &Profile, z: Range<f64>, twist: Twist) -> Self {
         Self::made("extrude_in_steps", twisted(profile, &z, twist))
@@ -72,7 +73,7 @@ fn twisted(
         scale: DVec2::ONE - (DVec2::ONE - scale) * step as f64 / steps as f64,
         z: z.start + height * step as f64 / steps as f64,
     };
-    let layers = (0..steps).map(|step| layer(&contours, &at(step), &at(step + 1), radians >= 0.0));
+    let levels: Vec<Level> = (0..=steps).map(at).collect();
     let points = contours.iter().flatten();
     let reach = points.fold(0.0, |most, point| point.length().max(most));
     let reach = DVec2::splat(reach * scale.max_element().max(1.0));
@@ -80,9 +81,67 @@ fn twisted(
     let solid = if contours.is_empty() {
         Solid::empty()
     } else {
-        Solid::union(layers)
+        let turns_back = radians >= 0.0;
+        polyhedron(&contours, &levels, turns_back).unwrap_or_else(|| {
+            let pairs = levels.windows(2);
+            Solid::union(pairs.map(|pair| layer(&contours, [&pair[0], &pair[1]], turns_back)))
+        })
     };
     Ok((solid, within))
+}
+
+/// A profile with circles or arcs moved along z and scaled unevenly, in flat steps within its
+/// tolerance; none if it is straight, or if that takes very many faces.
+pub(super) fn uneven(
+    profile: &Profile,
+    z: &Range<f64>,
+    scale: DVec2,
+) -> Result<Option<(Solid, [DVec3; 2])>, NodeFault> {
+    const MOST_FACES: f64 = 2e5;
+    if profile.is_straight() {
+        return Ok(None);
+    }
+    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
+    let contours = profile.contours(tolerance)?;
+    let chord = |contour: &Vec<DVec2>| {
+        let next = contour.iter().cycle().skip(1);
+        let chords = contour.iter().zip(next).map(|(a, b)| a.distance(*b));
+        chords.fold(0.0, f64::max)
+    };
+    let longest = contours.iter().map(chord).fold(0.0, f64::max);
+    // The middle of four corners out of a plane is a quarter of how much they are from that of
+    // two of them.
+    let steps = (0.25 * (scale.x - scale.y).abs() * longest / tolerance)
+        .ceil()
+        .max(1.0);
+    let corners: usize = contours.iter().map(Vec::len).sum();
+    if 2.0 * corners as f64 * steps > MOST_FACES {
+        return Ok(None);
+    }
+    let twist = Twist {
+        radians: 0.0,
+        scale,
+        steps: steps as usize,
+    };
+    twisted(profile, z, twist).map(Some)
+}
+
+/// The height of an extrusion.
+pub(super) fn extent(z: &Range<f64>) -> Result<f64, NodeFault> {
+    let height = z.end - z.start;
+    if !(z.start.is_finite() && z.end.is_finite()) {
+        return Err(NodeFault::NotFinite {
+            what: "both ends of the extent",
+        });
+    }
+    if height > 0.0 {
+        Ok(height)
+    } else {
+        Err(NodeFault::NotPositive {
+            what: "the height",
+            value: height,
+        })
+    }
 }
 
 /// A cross-section.
@@ -98,16 +157,85 @@ impl Level {
     }
 }
 
+/// The triangles of all sides of a contour between two levels, each side's two beside each
+/// other, as places around it: from each corner to the next, below, then above.
+fn sides<'a>(
+    contour: &'a [DVec2],
+    [low, high]: [&'a Level; 2],
+    turns_back: bool,
+) -> impl Iterator<Item = (usize, [[usize; 3]; 2])> + 'a {
+    let is_hole = super::profile::doubled_area(contour) < 0.0;
+    // Of diagonals of the same length the one that matches its neighbours'.
+    let flip = is_hole != turns_back;
+    let shrinks = high.scale.min_element() == 0.0;
+    (0..contour.len()).map(move |k| {
+        let [from, to] = [contour[k], contour[(k + 1) % contour.len()]];
+        let [a, b, c, d] = [
+            low.place(from),
+            low.place(to),
+            high.place(to),
+            high.place(from),
+        ];
+        let flat = |p: DVec3, q: DVec3| (p - q).truncate().length();
+        let (first, second) = (flat(a, c), flat(b, d));
+        let same = 2e5 * (first - second).abs() <= first + second;
+        let by_first = if same { !flip } else { first < second };
+        let triangles = if by_first == shrinks {
+            [[0, 1, 3], [1, 2, 3]]
+        } else {
+            [[0, 1, 2], [0, 2, 3]]
+        };
+        (k, triangles)
+    })
+}
+
+/// The polyhedron through all levels; none if its faces run through each other, or if it has
+/// none at its end.
+fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Option<Solid> {
+    let count: usize = contours.iter().map(Vec::len).sum();
+    let points = || contours.iter().flatten().copied();
+    let vertices = levels
+        .iter()
+        .flat_map(|level| points().map(|point| level.place(point)));
+    let mut faces: Vec<Vec<u32>> = Vec::with_capacity(2 * count * levels.len());
+    for (step, pair) in levels.windows(2).enumerate() {
+        let mut first = step * count;
+        for contour in contours {
+            for (k, triangles) in sides(contour, [&pair[0], &pair[1]], turns_back) {
+                let next = (k + 1) % contour.len();
+                let corners = [k, next, next + count, k + count].map(|at| (first + at) as u32);
+                faces.extend(triangles.map(|triangle| triangle.map(|at| corners[at]).to_vec()));
+            }
+            first += contour.len();
+        }
+    }
+    let top = ((levels.len() - 1) * count) as u32;
+    for [a, b, c] in cap(contours)? {
+        faces.extend([[c, b, a], [a + top, b + top, c + top]].map(Vec::from));
+    }
+    Solid::of_faces(vertices.collect(), &faces)
+}
+
+/// The triangles of what contours enclose, counter-clockwise, by the numbers of their corners.
+pub(super) fn cap(contours: &[Vec<DVec2>]) -> Option<Vec<[u32; 3]>> {
+    let mut names = 0..;
+    let named: Vec<Vec<Named>> = contours
+        .iter()
+        .map(|contour| contour.iter().copied().zip(&mut names).collect())
+        .collect();
+    let points = contours.iter().flatten();
+    let reach = points.fold(0.0, |most, point| point.length().max(most));
+    triangulate(&named, ON_FACE * reach, &|| true, &mut Scratch::default())
+}
+
 /// What is between two levels, by the triangles of its sides.
-fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -> Solid {
+fn layer(contours: &[Vec<DVec2>], levels: [&Level; 2], turns_back: bool) -> Solid {
+    let [low, high] = levels;
     let mut facets = Vec::new();
     let mut size: f64 = low.z.abs().max(high.z.abs());
     for contour in contours {
-        let is_hole = super::profile::doubled_area(contour) < 0.0;
-        // Of diagonals of the same length the one that matches its neighbours'.
-        let flip = is_hole != turns_back;
-        let shrinks = high.scale.min_element() == 0.0;
-        for (&from, &to) in contour.iter().zip(contour.iter().cycle().skip(1)) {
+        for (k, triangles) in sides(contour, levels, turns_back) {
+            let [from, to] = [contour[k], contour[(k + 1) % contour.len()]];
             let corners = [
                 low.place(from),
                 low.place(to),
@@ -117,17 +245,8 @@ fn layer(contours: &[Vec<DVec2>], low: &Level, high: &Level, turns_back: bool) -
             size = corners
                 .iter()
                 .fold(size, |size, p| size.max(p.abs().max_element()));
-            let [a, b, c, d] = corners;
-            let flat = |p: DVec3, q: DVec3| (p - q).truncate().length();
-            let (first, second) = (flat(a, c), flat(b, d));
-            let same = 2e5 * (first - second).abs() <= first + second;
-            let by_first = if same { !flip } else { first < second };
-            let triangles = if by_first == shrinks {
-                [[a, b, d], [b, c, d]]
-            } else {
-                [[a, b, c], [a, c, d]]
-            };
-            for points in triangles {
+            for triangle in triangles {
+                let points = triangle.map(|at| corners[at]);
                 if let Some(plane) = plane_of(&points) {
                     facets.push(Facet {
                         face: facets.len() as u32,

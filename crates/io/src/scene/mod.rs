@@ -31,7 +31,8 @@
 //!   so in [`Scene::warnings`].
 //! - Profiles stay as they are drawn: what is extruded or turned has planes,
 //!   cylinders and cones. A circle turned about an axis beside it is cut into 32
-//!   chords first, a twist into flat steps of at most 1.4 degrees.
+//!   chords first, a twist into flat steps of at most 1.4 degrees, and circles that are
+//!   scaled unevenly into flat steps within 1e-4 of the size.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
 //!   of the size (faceted: as many as OpenSCAD takes).

@@ -158,6 +158,17 @@ impl Profile {
         })
     }
 
+    /// Whether it has neither circles nor arcs.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.steps.iter().all(|step| match step {
+            Step::Shape(Shape::Disc, _) => false,
+            Step::Shape(Shape::Contours(contours, _), _) => {
+                contours.iter().flatten().all(|corner| corner.bulge == 0.0)
+            }
+            Step::Combine(..) | Step::Fault(_) => true,
+        })
+    }
+
     fn of(result: Result<Self, ProfileFault>) -> Self {
         result.unwrap_or_else(Self::faulty)
     }
