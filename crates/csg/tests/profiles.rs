@@ -91,6 +91,13 @@ fn scaled_extrusions() {
         ("oblique tip", off, [0.0, 0.0], 0.25 * PI),
         ("wedge", Profile::rectangle([2.0, 1.0]), [0.5, 2.0], 2.0),
         ("roof", Profile::rectangle([2.0, 1.0]), [0.5, 0.0], 2.0),
+        // Sides along axes but for rounding.
+        (
+            "turned roof",
+            Profile::rectangle([1.0, 2.0]).rotate(FRAC_PI_2),
+            [0.5, 0.0],
+            2.0,
+        ),
         (
             "saddles",
             Profile::regular_polygon(3, 1.0),

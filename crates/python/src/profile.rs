@@ -147,7 +147,8 @@ impl PyProfile {
         )
     }
 
-    /// The least convex set around the profile, arcs as chords within 1e-4 of its size.
+    /// The least convex set around the profile: exact if it is a union of circles and polygons,
+    /// else with arcs as chords within 1e-4 of its size.
     ///
     /// >>> import stereotomy as st
     /// >>> (st.rectangle([2, 1]) - st.rectangle([1, 5])).hull().area()

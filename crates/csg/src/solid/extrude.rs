@@ -11,7 +11,7 @@ use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
 use super::twist::{extent, uneven};
 use crate::error::NodeFault;
-use crate::numeric::tolerance::PROFILE_CHORD;
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// Solids from profiles, in the xy plane.
 impl Solid {
@@ -164,9 +164,10 @@ fn side(from: DVec2, to: DVec2, bottom: f64, height: f64, scale: DVec2) -> Solid
         let normal = n.extend(-offset * slope);
         Solid::half_space_through(from.extend(bottom), normal)
     };
-    if slope.x == slope.y || n.y == 0.0 {
+    // (As good as along an axis is along it: else it would be a pair of planes.)
+    if slope.x == slope.y || n.y.abs() <= IN_PROFILE {
         flat(slope.x)
-    } else if n.x == 0.0 {
+    } else if n.x.abs() <= IN_PROFILE {
         flat(slope.y)
     } else {
         // n.x x / (1 + sx z) + n.y y / (1 + sy z) <= offset, times both.
