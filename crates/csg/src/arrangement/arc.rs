@@ -13,7 +13,6 @@ use super::scene::Scene;
 use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
 use crate::program::{Ends as EdgeEnds, Surface, SurfaceId};
-use crate::surface::solve;
 
 /// What ends a stretch of a curve.
 #[derive(Clone, Copy, Debug)]
@@ -110,17 +109,10 @@ impl Arc<'_> {
         if let Some(apex) = self.apex_at(start) {
             return apex;
         }
-        let reach = scene.touching_reach();
         let [a, b] = self.surfaces;
-        let found = match third {
-            Some(third) => solve::sharp_common_point(&[a, b, third], start, reach, scene.blur()),
-            None => solve::sharp_common_point(&[a, b], start, reach, scene.blur()),
-        };
-        let is_near = found.point.distance(start) <= reach;
-        if is_near && found.residual <= scene.weld {
-            found.point
-        } else {
-            start
+        match third {
+            Some(third) => scene.common_to(&[a, b, third], start),
+            None => scene.common_to(&[a, b], start),
         }
     }
 
@@ -128,8 +120,6 @@ impl Arc<'_> {
     /// three curves, even if the sine of the angle is so small that rounding would find
     /// others.
     pub fn crossing(&self, start: DVec3, third: SurfaceId) -> DVec3 {
-        /// Of the distance below which points are one, by which they may be off.
-        const TOLD: f64 = 0.1;
         let scene = self.scene;
         let surface = scene.surface(third);
         let [a, b] = self.surfaces;
@@ -138,7 +128,7 @@ impl Arc<'_> {
             return point;
         };
         let [p, q, r] = [a, b, surface].map(|s| s.gradient(point).normalize_or_zero());
-        if p.cross(q).dot(r).abs() * TOLD * scene.weld >= scene.rounding {
+        if p.cross(q).dot(r).abs() * scene.on_plane >= scene.rounding {
             return point;
         }
         let known = scene.crossings([first, second, third]);

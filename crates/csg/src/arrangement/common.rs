@@ -55,6 +55,6 @@ impl Scene<'_> {
     pub fn crossings(&self, mut ids: [SurfaceId; 3]) -> Arc<[DVec3]> {
         ids.sort_unstable();
         let decide = || crossings(self, ids).into_iter().collect();
-        self.relations.slanted.get(ids, decide)
+        self.relations.crossings.get(ids, decide)
     }
 }

@@ -73,15 +73,15 @@ pub(super) mod tests {
     use crate::random::Random;
     use crate::surface::solve;
 
+    fn turn(random: &mut Random) -> DMat3 {
+        let [x, y, z] = [(); 3].map(|()| 6.0 * random.unit());
+        DMat3::from_euler(glam::EulerRot::XYZ, x, y, z)
+    }
+
     /// A quadric of any kind about the origin, turned.
     pub fn quadric(random: &mut Random) -> Surface {
+        let turn = turn(random);
         let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
-        let turn = DMat3::from_euler(
-            glam::EulerRot::XYZ,
-            number(0.0, 6.0),
-            number(0.0, 6.0),
-            number(0.0, 6.0),
-        );
         let (a, b, c) = (number(0.3, 1.0), number(0.3, 1.0), number(0.2, 1.0));
         let (values, slope, constant) = match number(0.0, 6.0) as u32 {
             0 => ([1.0, a, b], 0.0, -c),
@@ -376,13 +376,8 @@ pub(super) mod tests {
         let mut random = Random(7);
         let mut points = 0;
         for round in 0..200 {
+            let turn = turn(&mut random);
             let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
-            let turn = DMat3::from_euler(
-                glam::EulerRot::XYZ,
-                number(0.0, 6.0),
-                number(0.0, 6.0),
-                number(0.0, 6.0),
-            );
             let mut touching = |is_cone: bool| {
                 let [slope, skew, wide] =
                     [(0.3, 1.0), (-0.3, 0.3), (-1.0, -0.3)].map(|(a, b)| number(a, b));

@@ -25,7 +25,7 @@ pub(super) struct Relations {
     /// By three surfaces, ascending.
     pub triples: Table<[SurfaceId; 3], Arc<[Ball]>>,
     /// The same of where they cross at small sines.
-    pub slanted: Table<[SurfaceId; 3], Arc<[DVec3]>>,
+    pub crossings: Table<[SurfaceId; 3], Arc<[DVec3]>>,
 }
 
 /// A map that several threads fill, in parts so that they seldom wait for each other.

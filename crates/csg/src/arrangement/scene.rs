@@ -9,6 +9,7 @@ use super::relations::Relations;
 use crate::control::Control;
 use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
 use crate::program::{Given, Surface, SurfaceId};
+use crate::surface::solve;
 use crate::undecided::Stop;
 
 /// n·x - offset, at most 0 inside.
@@ -89,6 +90,18 @@ impl<'a> Scene<'a> {
     /// known to more digits.
     pub fn blur(&self) -> f64 {
         4.0 * self.rounding
+    }
+
+    /// The point common to some surfaces next to another one; that itself, if there is none.
+    pub fn common_to(&self, surfaces: &[&Surface], start: DVec3) -> DVec3 {
+        let reach = self.touching_reach();
+        let found = solve::sharp_common_point(surfaces, start, reach, self.blur());
+        let is_near = found.point.distance(start) <= reach;
+        if is_near && found.residual <= self.weld {
+            found.point
+        } else {
+            start
+        }
     }
 
     /// The point common to three planes, the same to the bit in whatever order

@@ -275,14 +275,8 @@ impl Triple<'_> {
         let clusters = clusters(&mut roots, |t| self.distance(t), scene.rounding);
         let single = clusters.iter().filter(|cluster| cluster.is_single_root());
         let [a, b] = self.pair;
-        let point = |cluster: &Cluster| {
-            let start = self.curve.at(cluster.from);
-            let reach = scene.touching_reach();
-            let surfaces = [a, b, self.third];
-            let found = solve::sharp_common_point(&surfaces, start, reach, scene.blur());
-            let is_near = found.residual <= scene.weld && found.point.distance(start) <= reach;
-            if is_near { found.point } else { start }
-        };
+        let point =
+            |cluster: &Cluster| scene.common_to(&[a, b, self.third], self.curve.at(cluster.from));
         Some(single.map(point).collect())
     }
 
@@ -302,11 +296,7 @@ impl Triple<'_> {
             let at = self.place(cluster, range[1] - range[0]);
             let mut ball = self.around(cluster, at);
             let [a, b] = self.pair;
-            let reach = scene.touching_reach();
-            let on_curve = solve::sharp_common_point(&[a, b], ball.center, reach, scene.blur());
-            if on_curve.residual <= scene.weld && on_curve.point.distance(ball.center) <= reach {
-                ball.center = on_curve.point;
-            }
+            ball.center = scene.common_to(&[a, b], ball.center);
             found.push(Doubtful {
                 ball,
                 is_contact: cluster.is_contact,

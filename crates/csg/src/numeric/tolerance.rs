@@ -239,6 +239,13 @@ pub(crate) const NO_AREA: f64 = 1e-14;
 /// they are off by cancels.
 pub(crate) const NO_VOLUME: f64 = 1e-15;
 
+/// Is a triangle so narrow, or an angle between edges and triangles so small, that it is not told
+/// what of two polyhedra crosses? By heights of what they are of, and by sines.
+///
+/// Derived: distances right to [`VALUE`] of the size are right to 4e-10 when divided by it, less
+/// than [`NEAR`], by which they are held apart.
+pub(crate) const SLANT: f64 = 1e-5;
+
 /// Are vertices at the gaps of a mesh that is repaired one, of its longest side?
 ///
 /// Decree: seventeen roundings of the coordinates of a file in single precision.

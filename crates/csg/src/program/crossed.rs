@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 use super::placed::Region;
 use crate::mesh::triangulate::{Named, Scratch, triangulate};
 use crate::mesh::{Shells, flat};
-use crate::numeric::tolerance::{NEAR, WELD};
+use crate::numeric::tolerance::{NEAR, SLANT, WELD};
 
 /// The triangles of all polyhedra, numbered through as in [`Shells`], and their vertices.
 pub(super) struct Soup<'a> {
@@ -146,10 +146,6 @@ struct Sheet {
     /// Whether that is not known well.
     is_narrow: bool,
 }
-
-/// Triangles and angles are told of only if they are wider: five digits are lost then, which
-/// are fewer than there are between the margin and rounding.
-const SLANT: f64 = 1e-5;
 
 impl Sheet {
     fn of([a, b, c]: [DVec3; 3]) -> Self {

@@ -99,10 +99,13 @@ fn corners(solid: &Solid, allowance: &mut Allowance) -> Result<Vec<DVec3>, Strin
     Ok(points)
 }
 
-/// The balls that a solid is the union of, as centres and their common radius.
-pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
-    let mut centers = Vec::new();
-    let mut common: Option<f64> = None;
+/// Of lengths, below which they are the same: some thousand roundings, as a chain of maps may make.
+const SAME: f64 = 1e-12;
+
+/// The primitives that solids are the union of, each where it is put; none if they are no such
+/// union.
+fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
+    let mut found = Vec::new();
     let mut pending: Vec<(&Solid, DAffine3)> =
         solids.iter().map(|s| (s, DAffine3::IDENTITY)).collect();
     while let Some((solid, map)) = pending.pop() {
@@ -110,26 +113,37 @@ pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
             Node::Union(operands) => pending.extend(operands.iter().map(|o| (o, map))),
             Node::Transform(Ok(inner), operand) => pending.push((operand, map * *inner)),
             Node::Named(_, operand) | Node::Colored(_, operand) => pending.push((operand, map)),
-            Node::Primitive(Primitive::Ellipsoid { radii }) => {
-                let linear = map.matrix3;
-                let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
-                let radius = radii.x * x.length();
-                let same = |a: f64, b: f64| (a - b).abs() <= 1e-12 * x.length();
-                let round = radii.x == radii.y
-                    && radii.y == radii.z
-                    && same(x.length(), y.length())
-                    && same(x.length(), z.length())
-                    && [x.dot(y), y.dot(z), z.dot(x)]
-                        .iter()
-                        .all(|dot| dot.abs() <= 1e-12 * x.length_squared());
-                let alike = (*common.get_or_insert(radius) - radius).abs() <= 1e-12 * radius;
-                if !(round && alike) {
-                    return None;
-                }
-                centers.push(map.translation);
-            }
+            Node::Primitive(primitive) => found.push((primitive, map)),
             _ => return None,
         }
+    }
+    Some(found)
+}
+
+/// The balls that a solid is the union of, as centres and their common radius.
+pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
+    let mut centers = Vec::new();
+    let mut common: Option<f64> = None;
+    for (primitive, map) in primitives(solids)? {
+        let Primitive::Ellipsoid { radii } = primitive else {
+            return None;
+        };
+        let linear = map.matrix3;
+        let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+        let radius = radii.x * x.length();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME * x.length();
+        let round = radii.x == radii.y
+            && radii.y == radii.z
+            && same(x.length(), y.length())
+            && same(x.length(), z.length())
+            && [x.dot(y), y.dot(z), z.dot(x)]
+                .iter()
+                .all(|dot| dot.abs() <= SAME * x.length_squared());
+        let alike = (*common.get_or_insert(radius) - radius).abs() <= SAME * radius;
+        if !(round && alike) {
+            return None;
+        }
+        centers.push(map.translation);
     }
     Some((centers, common?))
 }
@@ -145,54 +159,45 @@ struct Upright {
 impl Upright {
     /// Cylinders that solids are the union of, if they are.
     fn of(solids: &[Solid]) -> Option<Self> {
-        /// Of lengths, below which they are the same.
-        const SAME: f64 = 1e-12;
         let mut known: Option<Self> = None;
-        let mut pending: Vec<(&Solid, DAffine3)> =
-            solids.iter().map(|s| (s, DAffine3::IDENTITY)).collect();
-        while let Some((solid, map)) = pending.pop() {
-            match solid.node() {
-                Node::Union(operands) => pending.extend(operands.iter().map(|o| (o, map))),
-                Node::Transform(Ok(inner), operand) => pending.push((operand, map * *inner)),
-                Node::Named(_, operand) | Node::Colored(_, operand) => pending.push((operand, map)),
-                Node::Primitive(Primitive::Cylinder { radii, z: Some(z) }) => {
-                    let [x, y, up] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
-                    let upright = known.get_or_insert_with(|| {
-                        let axis = up.normalize_or_zero();
-                        let (x, y) = axis.any_orthonormal_pair();
-                        Self {
-                            frame: DAffine3::from_mat3(DMat3::from_cols(x, y, axis)),
-                            discs: Vec::new(),
-                            z: f64::NAN..f64::NAN,
-                        }
-                    });
-                    let axis = upright.frame.matrix3.z_axis;
-                    let ends = [z.start, z.end].map(|z| map.transform_point3(z * DVec3::Z));
-                    let heights = ends.map(|end| axis.dot(end));
-                    let (low, high) = (heights[0].min(heights[1]), heights[0].max(heights[1]));
-                    if upright.discs.is_empty() {
-                        upright.z = low..high;
-                    }
-                    let radius = radii.x * x.length();
-                    let size = ends[0].length().max(ends[1].length()).max(radius);
-                    let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * size;
-                    let is_upright = radii.x == radii.y
-                        && is_same(radius, radii.y * y.length())
-                        && is_same(radius * x.dot(y) / x.length_squared(), 0.0)
-                        && [x, y]
-                            .iter()
-                            .all(|v| is_same(radius * axis.dot(*v) / v.length(), 0.0))
-                        && is_same(up.cross(axis).length() / up.length() * size, 0.0)
-                        && is_same(low, upright.z.start)
-                        && is_same(high, upright.z.end);
-                    if !is_upright {
-                        return None;
-                    }
-                    let flat = upright.frame.matrix3.transpose() * ends[0];
-                    upright.discs.push((flat.truncate(), radius));
+        for (primitive, map) in primitives(solids)? {
+            let Primitive::Cylinder { radii, z: Some(z) } = primitive else {
+                return None;
+            };
+            let [x, y, up] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
+            let upright = known.get_or_insert_with(|| {
+                let axis = up.normalize_or_zero();
+                let (x, y) = axis.any_orthonormal_pair();
+                Self {
+                    frame: DAffine3::from_mat3(DMat3::from_cols(x, y, axis)),
+                    discs: Vec::new(),
+                    z: f64::NAN..f64::NAN,
                 }
-                _ => return None,
+            });
+            let axis = upright.frame.matrix3.z_axis;
+            let ends = [z.start, z.end].map(|z| map.transform_point3(z * DVec3::Z));
+            let heights = ends.map(|end| axis.dot(end));
+            let (low, high) = (heights[0].min(heights[1]), heights[0].max(heights[1]));
+            if upright.discs.is_empty() {
+                upright.z = low..high;
             }
+            let radius = radii.x * x.length();
+            let size = ends[0].length().max(ends[1].length()).max(radius);
+            let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * size;
+            let is_upright = radii.x == radii.y
+                && is_same(radius, radii.y * y.length())
+                && is_same(radius * x.dot(y) / x.length_squared(), 0.0)
+                && [x, y]
+                    .iter()
+                    .all(|v| is_same(radius * axis.dot(*v) / v.length(), 0.0))
+                && is_same(up.cross(axis).length() / up.length() * size, 0.0)
+                && is_same(low, upright.z.start)
+                && is_same(high, upright.z.end);
+            if !is_upright {
+                return None;
+            }
+            let flat = upright.frame.matrix3.transpose() * ends[0];
+            upright.discs.push((flat.truncate(), radius));
         }
         known
     }

@@ -131,8 +131,6 @@ struct Disc {
 /// The discs on their hull, counter-clockwise, each with the angles between which its arc is:
 /// turning on from each, the next is the first that comes to reach farther.
 fn arcs_around(discs: &[Disc]) -> Vec<(usize, f64, f64)> {
-    /// Angles that differ by less are one.
-    const SAME_ANGLE: f64 = 1e-12;
     let reach = |disc: &Disc| disc.center.x + disc.radius;
     let first = (0..discs.len()).max_by(|&i, &j| {
         let [a, b] = [&discs[i], &discs[j]];
@@ -154,7 +152,7 @@ fn arcs_around(discs: &[Disc]) -> Vec<(usize, f64, f64)> {
             let away = disc.center - own.center;
             let distance = away.length();
             let sine = (own.radius - disc.radius) / distance;
-            if sine.is_nan() || sine > 1.0 - SAME_ANGLE {
+            if sine.is_nan() || sine > 1.0 - IN_PROFILE {
                 // Within this one.
                 continue;
             }
@@ -162,20 +160,20 @@ fn arcs_around(discs: &[Disc]) -> Vec<(usize, f64, f64)> {
             let on = (angle - from).rem_euclid(TAU);
             // Around this one it reaches farther everywhere.
             let is_around = sine <= -1.0;
-            let on = if is_around || on > TAU - SAME_ANGLE {
+            let on = if is_around || on > TAU - IN_PROFILE {
                 0.0
             } else {
                 on
             };
             let is_first = next.is_none_or(|(least, farthest, _)| {
-                on < least - SAME_ANGLE || on < least + SAME_ANGLE && distance > farthest
+                on < least - IN_PROFILE || on < least + IN_PROFILE && distance > farthest
             });
             if is_first {
                 next = Some((on, distance, other));
             }
         }
         let rest = TAU - turned;
-        match next.filter(|&(on, ..)| on < rest - SAME_ANGLE) {
+        match next.filter(|&(on, ..)| on < rest - IN_PROFILE) {
             Some((on, _, other)) => {
                 arcs.push((at, from, from + on));
                 (at, from, turned) = (other, from + on, turned + on);
