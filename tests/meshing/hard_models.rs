@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use csg::{Meshed, Mesher, Program, Solid};
+use csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
 use stereotomy::io::scene::ReadOptions;
 use stereotomy::{csg, io};
@@ -437,6 +437,30 @@ fn rods_a_little_out_of_line_are_meshed_as_they_are() {
                 assert_eq!((report.fallbacks, report.moved), (vec![], None), "{what}");
                 let off = (mesh.volume() - 500.0 * PI).abs();
                 assert!(off <= tolerance * mesh.area(), "{what}: {off}");
+            }
+        }
+    }
+}
+
+/// Where the curves of two surfaces pass through each other, a third one passes through, too.
+#[test]
+fn surfaces_through_nodes_of_others_are_meshed_as_they_are() {
+    for name in ["pipes-in-a-fan", "apex-on-a-rim"] {
+        for pose in [HOME, TURNED] {
+            let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");
+            let boundary = program.boundary(&BoundaryOptions::new());
+            let exact = boundary.expect("a boundary").measure().volume;
+            for tolerance in [1e-2, 1e-3] {
+                let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+                let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+                let what = format!("{name}, {pose:?} at {tolerance}");
+                assert!(report.is_proven(), "{what}: {:?}", report.undecided);
+                assert_eq!((report.fallbacks, report.moved), (vec![], None), "{what}");
+                let off = (mesh.volume() - exact.value).abs();
+                assert!(
+                    off <= tolerance * mesh.area() + exact.error,
+                    "{what}: {off}"
+                );
             }
         }
     }

@@ -155,6 +155,7 @@ impl Arc<'_> {
     pub fn with<'b>(&'b self, third: &'b Surface) -> Triple<'b> {
         Triple {
             curve: self.curve,
+            nodes: self.nodes,
             pair: self.surfaces,
             third,
         }

@@ -25,7 +25,6 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
-use super::triple::clusters;
 use crate::numeric::tolerance::SAME_DIRECTION;
 use crate::program::{Surface, SurfaceId};
 use crate::undecided::{Stop, Why};
@@ -396,17 +395,25 @@ impl ArcTracer {
             point: known(at),
             ..event(at, crosses)
         };
-        if let ([at], []) = (&self.roots.simple[..], &self.roots.touching[..]) {
+        if let ([at], [], []) = (&self.roots.simple[..], &self.roots.touching[..], arc.nodes) {
             self.events.push(event(*at, true));
             return;
         }
-        let clusters = clusters(&mut self.roots, |t| triple.distance(t), scene.rounding);
+        let clusters = triple.clusters(&mut self.roots, scene.rounding);
         for cluster in &clusters {
             if cluster.is_single_root() {
                 self.events.push(event(cluster.from, true));
                 continue;
             }
             let at = triple.place(cluster, range);
+            if cluster.crosses_at_node() {
+                let node = arc.node(arc.curve.at(at));
+                self.events.push(Event {
+                    point: Some(node),
+                    ..event(at, true)
+                });
+                continue;
+            }
             // Seams are no surfaces of the solid.
             let contact = arc.id.pair().and_then(|[first, second]| {
                 let surfaces = [one, other, triple.third];
@@ -430,8 +437,8 @@ impl ArcTracer {
         }
     }
 
-    /// Adds where the pair's curves pass through each other, and the apexes of all
-    /// surfaces through the curve: there these turn over.
+    /// Adds where the pair's curves pass through each other, and the nodes of others, and the
+    /// apexes, of all surfaces through the curve: there these turn over.
     fn add_nodes(&mut self, arc: &Arc<'_>, [start, end]: [f64; 2]) {
         let Arc {
             scene,
@@ -439,16 +446,23 @@ impl ArcTracer {
             nodes,
             ..
         } = *arc;
-        let is_near = |at: f64, apex: DVec3| curve.at(at).distance(apex) <= scene.near;
+        let is_near = |at: f64, point: DVec3| curve.at(at).distance(point) <= scene.near;
         let through = self.through.iter().map(|&position| arc.block.id(position));
-        let apexes = through.filter_map(|id| scene.surface(id).apex());
-        let at_apexes = apexes.filter_map(|apex| {
-            let at = curve.place(apex).filter(|at| start < *at && *at < end)?;
-            let is_new = is_near(at, apex) && !nodes.iter().any(|&node| is_near(node, apex));
-            is_new.then_some(at)
-        });
-        let places = nodes.iter().copied().chain(at_apexes);
-        self.events.extend(places.map(|at| Event {
+        let through: SmallVec<[SurfaceId; 8]> = through.collect();
+        let mut points: SmallVec<[DVec3; 4]> = SmallVec::new();
+        points.extend(through.iter().filter_map(|&id| scene.surface(id).apex()));
+        if through.len() > 2 {
+            points.extend(scene.nodes(&through));
+        }
+        let mut places: SmallVec<[f64; 4]> = nodes.into();
+        for point in points {
+            let at = curve.place(point).filter(|at| start < *at && *at < end);
+            let is_known = || places.iter().any(|&place| is_near(place, point));
+            if let Some(at) = at.filter(|&at| is_near(at, point) && !is_known()) {
+                places.push(at);
+            }
+        }
+        self.events.extend(places.into_iter().map(|at| Event {
             at,
             ends: Ends::Node,
             touched: None,
@@ -588,7 +602,7 @@ impl ArcTracer {
         let (values, place) = self.sectors.values(block, stretch);
         let patch = |half_plane: HalfPlane| {
             let frame = scene.frame(id(half_plane));
-            frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.near))
+            frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.on_plane))
         };
         let wedges = self.sectors.wedges(block, scene, values, place, patch);
         (is_clear || wedges.is_empty()).then_some(wedges)

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::ball::Ball;
 use super::curve::Curve;
@@ -39,6 +40,26 @@ impl Scene<'_> {
         let common = self.common(id).ok()?;
         let branch = common.get(usize::from(id.branch))?;
         Some(branch.curve.clone())
+    }
+
+    /// The nodes of each two of some surfaces, ascending.
+    pub fn nodes(&self, ids: &[SurfaceId]) -> SmallVec<[DVec3; 4]> {
+        let mut nodes = SmallVec::new();
+        for (k, &first) in ids.iter().enumerate() {
+            for &second in &ids[k + 1..] {
+                if [first, second]
+                    .iter()
+                    .all(|&id| self.surface(id).is_plane())
+                {
+                    continue;
+                }
+                let common = self.common(CurveId::first_of([first, second]));
+                for branch in common.iter().flat_map(|branches| branches.iter()) {
+                    nodes.extend(branch.nodes.iter().map(|&at| branch.curve.at(at)));
+                }
+            }
+        }
+        nodes
     }
 
     /// Where three surfaces touch: in each ball is one point of all three, its centre. The

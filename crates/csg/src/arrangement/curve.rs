@@ -9,6 +9,7 @@ use smallvec::SmallVec;
 use super::roots::{Roots, Tolerance, bend_within};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
+use crate::numeric::tolerance::{POLYNOMIAL, VALUE};
 use crate::program::{Bounds, Surface};
 
 /// A curve, as a function of a parameter t.
@@ -374,10 +375,13 @@ impl Curve {
                 if trig.magnitude() <= on * (middle + of_a).length() {
                     return Meets::Curve;
                 }
+                // At an apex it tells nothing, and rounding is left.
+                let rounding = POLYNOMIAL * trig.magnitude();
                 let at = |t: f64| {
                     let (sin, cos) = elementary::sin_cos(t);
-                    near * (middle + cos * of_a + sin * of_b).length()
+                    near * (middle + cos * of_a + sin * of_b).length() + rounding
                 };
+                let most = most + rounding;
                 trig.roots_within(&Tolerance { at, most }, roots);
                 Meets::Points
             }
@@ -404,6 +408,12 @@ impl Curve {
                     let rest = (x.abs() + y.abs()) * elementary::cosh(far);
                     bend_within([from, to], squares + rest, second, 2.0 * squares + rest)
                 };
+                let terms = |t: f64| {
+                    let (c, s) = (elementary::cosh(t), elementary::sinh(t).abs());
+                    let squares = (xx * c).abs() + xy.abs() * s + x.abs();
+                    squares * c + ((yy * s).abs() + y.abs()) * s + form.constant.abs()
+                };
+                let value = (value, terms);
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
             &Self::Parabola { point, a, b, l, k } => {
@@ -425,6 +435,12 @@ impl Curve {
                     let third = 6.0 * cube.abs() + 24.0 * far * fourth.abs();
                     bend_within([from, to], most, second, third)
                 };
+                let terms = |t: f64| {
+                    let t = t.abs();
+                    let high = square.abs() + t * (cube.abs() + t * fourth.abs());
+                    c.abs() + t * (once.abs() + t * high)
+                };
+                let value = (value, terms);
                 self.find(surface, [start, end], [on, near], value, bend, roots)
             }
             Self::Rulings(rulings) => {
@@ -453,12 +469,14 @@ impl Curve {
         }
     }
 
+    /// Adds where a surface's value along the curve is 0, given with the sum of its terms'
+    /// magnitudes.
     fn find(
         &self,
         surface: &Surface,
         [start, end]: [f64; 2],
         [on, near]: [f64; 2],
-        value: impl Fn(f64) -> f64,
+        (value, terms): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
         bend: impl Fn(f64, f64) -> f64,
         roots: &mut Roots,
     ) -> Meets {
@@ -466,7 +484,7 @@ impl Curve {
             return Meets::Curve;
         }
         let tolerance = Tolerance {
-            at: |t: f64| near * surface.gradient(self.at(t)).length(),
+            at: |t: f64| near * surface.gradient(self.at(t)).length() + VALUE * terms(t),
             most: f64::INFINITY,
         };
         roots.find([start, end], value, bend, &tolerance);

@@ -27,11 +27,18 @@ pub(super) struct Cluster {
     pub to: f64,
     /// Whether it is a contact by what this curve tells.
     pub is_contact: bool,
+    /// Where the curve's node is, if that cannot be told apart from it.
+    pub node: Option<f64>,
 }
 
 impl Cluster {
     pub fn is_single_root(&self) -> bool {
-        self.roots.len() == 1 && !self.is_contact
+        self.roots.len() == 1 && !self.is_contact && self.node.is_none()
+    }
+
+    /// Whether the third surface crosses the curve at its node.
+    pub fn crosses_at_node(&self) -> bool {
+        self.node.is_some() && self.is_contact && self.roots.len() == 1
     }
 
     /// Whether the sign is another one behind it.
@@ -40,10 +47,19 @@ impl Cluster {
     }
 }
 
+/// What is at a place of a curve.
+#[derive(Clone, Copy)]
+enum Found {
+    Root,
+    Touch,
+    Node,
+}
+
 /// The clusters, in order, of the places where a function is 0 that else stays within
-/// `rounding` of that only by chance. Sorts the roots.
-pub(super) fn clusters(
+/// `rounding` of that only by chance; `nodes` are those of the curve. Sorts the roots.
+fn clusters(
     roots: &mut Roots,
+    nodes: &[f64],
     value: impl Fn(f64) -> f64,
     rounding: f64,
 ) -> SmallVec<[Cluster; 4]> {
@@ -51,18 +67,23 @@ pub(super) fn clusters(
         simple, touching, ..
     } = roots;
     simple.sort_unstable_by(f64::total_cmp);
-    let mut places: SmallVec<[(f64, bool); 8]> = simple.iter().map(|&t| (t, true)).collect();
+    let mut places: SmallVec<[(f64, Found); 8]> =
+        simple.iter().map(|&t| (t, Found::Root)).collect();
     let alone = touching.iter().filter(|t| !simple.contains(t));
-    places.extend(alone.map(|&t| (t, false)));
-    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    places.extend(alone.map(|&t| (t, Found::Touch)));
+    // Far from them it is not 0.
+    let doubtful = DOUBTFUL * rounding;
+    let on_it = nodes.iter().filter(|&&t| value(t).abs() <= doubtful);
+    places.extend(on_it.map(|&t| (t, Found::Node)));
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Where it touches 0 between two roots it stays there at one place alone.
     let stays = |a: f64, b: f64, within: f64| {
         let is_near = |share: &f64| value(a + share * (b - a)).abs() <= within;
         [0.2, 0.5, 0.8].iter().all(is_near)
     };
     let mut clusters: SmallVec<[Cluster; 4]> = SmallVec::new();
-    for (at, is_root) in places {
-        let joins = |last: &&mut Cluster| stays(last.to, at, DOUBTFUL * rounding);
+    for (at, found) in places {
+        let joins = |last: &&mut Cluster| stays(last.to, at, doubtful);
         let cluster = match clusters.last_mut().filter(joins) {
             Some(last) => {
                 last.is_contact |= stays(last.to, at, rounding);
@@ -79,10 +100,13 @@ pub(super) fn clusters(
         };
         cluster.to = at;
         cluster.is_contact |= touching.contains(&at);
-        if is_root {
-            cluster.roots.push(at);
+        match found {
+            Found::Root => cluster.roots.push(at),
+            Found::Node => cluster.node = Some(at),
+            Found::Touch => {}
         }
     }
+    clusters.retain(|cluster| cluster.is_contact || !cluster.roots.is_empty());
     clusters
 }
 
@@ -90,6 +114,8 @@ pub(super) fn clusters(
 #[derive(Clone, Copy)]
 pub(super) struct Triple<'a> {
     pub curve: &'a Curve,
+    /// Where others of the same pair pass through it.
+    pub nodes: &'a [f64],
     pub pair: [&'a Surface; 2],
     pub third: &'a Surface,
 }
@@ -128,9 +154,17 @@ impl Triple<'_> {
         near
     }
 
-    /// The one place of a cluster: where the sign changes, or where the surface is nearest.
+    /// Where the curve meets the third surface, by the roots found. Sorts these.
+    pub fn clusters(&self, roots: &mut Roots, rounding: f64) -> SmallVec<[Cluster; 4]> {
+        clusters(roots, self.nodes, |t| self.distance(t), rounding)
+    }
+
+    /// The one place of a cluster: that of the node, or where the sign changes, or where the
+    /// surface is nearest.
     pub fn place(&self, cluster: &Cluster, range: f64) -> f64 {
-        if cluster.crosses() {
+        if let Some(node) = cluster.node {
+            node
+        } else if cluster.crosses() {
             cluster.roots[cluster.roots.len() / 2]
         } else {
             self.nearest(0.5 * (cluster.from + cluster.to), range)
@@ -184,6 +218,7 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
         for branch in common.iter().flat_map(|branches| branches.iter()) {
             let triple = Triple {
                 curve: &branch.curve,
+                nodes: &branch.nodes,
                 pair: [surfaces[a], surfaces[b]],
                 third: surfaces[third],
             };
@@ -194,7 +229,9 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
     // two that touch each other along a curve, only along that one it is no more than
     // tangent.
     found.sort_by(|one, other| one.blur.total_cmp(&other.blur));
-    // Whatever cannot be told from one of them is the same.
+    // Whatever cannot be told from one of them is the same. What pairs have in common alone
+    // tells sharper still where it is.
+    let nodes = scene.nodes(&ids);
     let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
     while let Some(first) = found.iter().position(|place| place.is_contact) {
         let mut ball = found.remove(first).ball;
@@ -206,8 +243,13 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
         }
         let apexes = surfaces.iter().filter_map(|surface| surface.apex());
         let mut near = apexes.filter(|apex| apex.distance(ball.center) <= ball.radius + scene.near);
-        if let Some(apex) = near.next() {
-            ball.center = apex;
+        let mut nodes = nodes.iter().copied();
+        let node = nodes.find(|&center| {
+            let radius = 0.0;
+            ball.is_same(scene, &surfaces, &Ball { center, radius })
+        });
+        if let Some(sharp) = near.next().or(node) {
+            ball.center = sharp;
         }
         contacts.push(ball);
     }
@@ -225,6 +267,7 @@ pub(super) fn crossings(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[DVe
         let found = common.iter().map(|branch| {
             let triple = Triple {
                 curve: &branch.curve,
+                nodes: &branch.nodes,
                 pair: [surfaces[a], surfaces[b]],
                 third: surfaces[third],
             };
@@ -272,7 +315,7 @@ impl Triple<'_> {
         if meets == Meets::Curve || roots.is_lost {
             return None;
         }
-        let clusters = clusters(&mut roots, |t| self.distance(t), scene.rounding);
+        let clusters = self.clusters(&mut roots, scene.rounding);
         let single = clusters.iter().filter(|cluster| cluster.is_single_root());
         let [a, b] = self.pair;
         let point =
@@ -291,7 +334,7 @@ impl Triple<'_> {
         if meets == Meets::Curve || roots.is_lost {
             return;
         }
-        let clusters = clusters(&mut roots, |t| self.distance(t), scene.rounding);
+        let clusters = self.clusters(&mut roots, scene.rounding);
         for cluster in clusters.iter().filter(|cluster| !cluster.is_single_root()) {
             let at = self.place(cluster, range[1] - range[0]);
             let mut ball = self.around(cluster, at);
@@ -313,11 +356,19 @@ mod tests {
     const ROUNDING: f64 = 1e-12;
 
     fn of(simple: &[f64], value: impl Fn(f64) -> f64) -> SmallVec<[Cluster; 4]> {
+        with_nodes(simple, &[], value)
+    }
+
+    fn with_nodes(
+        simple: &[f64],
+        nodes: &[f64],
+        value: impl Fn(f64) -> f64,
+    ) -> SmallVec<[Cluster; 4]> {
         let mut roots = Roots {
             simple: simple.to_vec(),
             ..Roots::default()
         };
-        clusters(&mut roots, value, ROUNDING)
+        clusters(&mut roots, nodes, value, ROUNDING)
     }
 
     /// A contact that dips below 0 by a share of rounding, and roots beside it.
@@ -348,5 +399,22 @@ mod tests {
         let found = of(&[-1.0, 1.0], |t| (t * t - 1.0) * t * t);
         assert_eq!(found.len(), 2);
         assert!(found.iter().all(Cluster::is_single_root));
+    }
+
+    /// A surface that crosses at a small angle, where rounding moves its root, and one that
+    /// passes beside the node.
+    #[test]
+    fn roots_beside_a_node_are_there() {
+        let node = 0.3;
+        for (slope, off) in [(1e-6, 1e-7), (1.0, 0.0)] {
+            let value = |t: f64| slope * (t - node - off) * (t - 2.0);
+            let found = with_nodes(&[node + off, 2.0], &[node], value);
+            assert_eq!(found.len(), 2, "{found:?}");
+            assert!(found[0].crosses_at_node() && found[1].is_single_root());
+            assert_eq!(found[0].node, Some(node));
+        }
+        let found = with_nodes(&[0.4], &[node], |t| t - 0.4);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].is_single_root());
     }
 }

@@ -91,15 +91,16 @@ impl Pencil<'_> {
             let start = line.at(0.0);
             let direction = line.direction(0.0);
             let a = 0.5 * quadric.curvature_along(direction);
-            let b = 0.5 * quadric.gradient(start).dot(direction);
-            let root = (b * b - a * quadric.value(start)).sqrt();
-            let places = [(root - b) / a, (-root - b) / a];
-            nodes.extend(
-                places
-                    .into_iter()
-                    .filter(|t| t.is_finite())
-                    .map(|t| line.at(t)),
-            );
+            let vertex = -0.5 * quadric.gradient(start).dot(direction) / a;
+            // About where the line runs along the quadric, for the sake of digits. One of the
+            // planes touches the quadric if the line does.
+            let middle = line.at(vertex);
+            let lowest = quadric.value(middle);
+            let half = (-lowest / a).sqrt();
+            let touches = lowest.abs() <= near * quadric.gradient(middle).length();
+            let places: &[f64] = if touches { &[0.0] } else { &[half, -half] };
+            let places = places.iter().map(|off| middle + off * direction);
+            nodes.extend(places.filter(|node| node.is_finite()));
         }
         conics(&planes, &nodes, quadric, near)
     }
