@@ -10,7 +10,7 @@ use super::curve::Curve;
 use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::roots::bracketed;
 use super::scene::Scene;
-use crate::mesh::triangulate::orient;
+use crate::mesh::predicates::orient;
 use crate::surface::solve;
 
 /// A point of an edge's curve at which a vertex may part it from another one. One

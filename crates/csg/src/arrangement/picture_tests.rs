@@ -12,7 +12,8 @@ use super::relations::Relations;
 use super::scene::{Plane, Scene};
 use super::unfold::{faces_out, unfold};
 use crate::control::Control;
-use crate::mesh::triangulate::{Named, Scratch, orient, triangulate};
+use crate::mesh::predicates::orient;
+use crate::mesh::triangulate::{Named, Scratch, triangulate};
 use crate::program::{Surface, SurfaceId};
 use crate::random::Random;
 

@@ -22,8 +22,7 @@ pub(super) fn side([a, b, c]: Triangle, d: DVec3) -> i8 {
 /// Whether a, b and c turn counter-clockwise (1), not at all, or clockwise.
 #[inline]
 pub(super) fn turn([a, b, c]: [DVec2; 3]) -> i8 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p.x, y: p.y });
-    sign(robust::orient2d(a, b, c))
+    sign(orient(a, b, c))
 }
 
 #[inline]
@@ -46,4 +45,11 @@ pub(crate) fn flat(p: DVec3, axis: usize) -> DVec2 {
 #[inline(always)]
 pub(super) fn flattened([a, b, c]: Triangle, axis: usize) -> [DVec2; 3] {
     [flat(a, axis), flat(b, axis), flat(c, axis)]
+}
+
+/// Twice the area of a triangle, positive if it is counter-clockwise: exact in sign.
+#[inline]
+pub(crate) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    let coordinate = |p: DVec2| Coord { x: p.x, y: p.y };
+    robust::orient2d(coordinate(a), coordinate(b), coordinate(c))
 }

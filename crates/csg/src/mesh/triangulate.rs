@@ -9,6 +9,9 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
+use super::flat::raise;
+use super::predicates::orient;
+
 /// A corner of the polygon in work.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
@@ -98,6 +101,16 @@ pub(crate) fn triangulate(
         if (clipped - left).abs() > rounding {
             return None;
         }
+        if work.has_flat {
+            let points = work.corners.iter().map(|c| (c.name, c.point));
+            let contours = region.holes.iter().chain([&region.outer]);
+            raise(
+                &mut triangles[first..],
+                points,
+                contours.copied(),
+                tolerance,
+            );
+        }
     }
     Some(triangles)
 }
@@ -168,10 +181,10 @@ fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
     points.fold(none, |[low, high], p| [low.min(p), high.max(p)])
 }
 
-/// Twice the area of a triangle, exact in sign.
-pub(crate) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    let coordinate = |p: DVec2| robust::Coord { x: p.x, y: p.y };
-    robust::orient2d(coordinate(a), coordinate(b), coordinate(c))
+/// The longest side of a triangle.
+fn longest([a, b, c]: [DVec2; 3]) -> f64 {
+    let sides = [b - a, c - b, a - c].map(DVec2::length_squared);
+    sides[0].max(sides[1]).max(sides[2]).sqrt()
 }
 
 /// How much is held against an ear.
@@ -179,7 +192,10 @@ pub(crate) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 enum Care {
     /// Neither flat, nor does anything touch its diagonal.
     Full,
-    /// Positive area, and nothing inside.
+    /// Positive area, and nothing in it or on its diagonal. Of a polygon that does not cross
+    /// itself there is always such an ear.
+    Exact,
+    /// Positive area, and nothing inside but for rounding.
     Some,
 }
 
@@ -188,6 +204,8 @@ struct Clipper<'a> {
     strips: &'a mut Strips,
     obstacles: &'a mut Obstacles,
     tolerance: f64,
+    /// Whether there was no better ear than a flat one.
+    has_flat: bool,
 }
 
 impl<'a> Clipper<'a> {
@@ -208,6 +226,7 @@ impl<'a> Clipper<'a> {
             strips,
             obstacles,
             tolerance,
+            has_flat: false,
         };
         work.add_ring(region.outer);
         work
@@ -286,7 +305,7 @@ impl<'a> Clipper<'a> {
                 }
             }
         }
-        let mut best = best?;
+        let best = best?;
         // Its left end is seen from the hole, unless corners lie in between:
         // then the one with the least slope is.
         let end = self.point(best);
@@ -296,20 +315,24 @@ impl<'a> Clipper<'a> {
         } else {
             [hit, end, here]
         };
-        let mut slope = f64::INFINITY;
+        let mut lowest: Option<u32> = None;
+        let sign = if here.y < end.y { 1.0 } else { -1.0 };
         for &at in self.strips.between([here.y, end.y]) {
             let p = self.point(at);
             let is_between = end.x <= p.x && p.x < here.x && {
                 let [a, b, c] = triangle;
                 orient(a, b, p) >= 0.0 && orient(b, c, p) >= 0.0 && orient(c, a, p) >= 0.0
             };
-            if is_between && self.opens_towards(at, here) {
-                let own = (here.y - p.y).abs() / (here.x - p.x);
-                if own < slope || own == slope && p.x > self.point(best).x {
-                    (best, slope) = (at, own);
-                }
+            let is_lower = |known: u32| {
+                let known = self.point(known);
+                let under = sign * orient(here, known, p);
+                under > 0.0 || under == 0.0 && p.x > known.x
+            };
+            if is_between && lowest.is_none_or(is_lower) && self.opens_towards(at, here) {
+                lowest = Some(at);
             }
         }
+        let best = lowest.unwrap_or(best);
         // Of a slit's two corners there the one that the bridge comes from.
         let ring = self.add_ring(hole);
         let mut corners = (ring..).take(hole.len());
@@ -343,11 +366,12 @@ impl<'a> Clipper<'a> {
             let Corner { previous, next, .. } = *self.at(at);
             let [a, b, c] = [previous, at, next].map(|k| self.point(k));
             if left == 3 || self.is_ear(at, care) {
-                let doubled = (b - a).perp_dot(c - a);
+                let doubled = orient(a, b, c);
                 area += 0.5 * doubled;
                 if doubled <= 0.0 {
                     return None;
                 }
+                self.has_flat |= doubled <= self.tolerance * longest([a, b, c]);
                 go_on().then_some(())?;
                 triangles.push([previous, at, next].map(|k| self.at(k).name));
                 if left == 3 {
@@ -365,10 +389,12 @@ impl<'a> Clipper<'a> {
             at = next;
             vain += 1;
             if vain > left {
-                if care == Care::Some {
-                    return None;
-                }
-                (care, vain) = (Care::Some, 0);
+                care = match care {
+                    Care::Full => Care::Exact,
+                    Care::Exact => Care::Some,
+                    Care::Some => return None,
+                };
+                vain = 0;
             }
         }
     }
@@ -377,27 +403,21 @@ impl<'a> Clipper<'a> {
         let Corner { previous, next, .. } = *self.at(corner);
         let [a, b, c] = [previous, corner, next].map(|k| self.point(k));
         let area = orient(a, b, c);
-        let longest = (b - a)
-            .length_squared()
-            .max((c - b).length_squared())
-            .max((a - c).length_squared())
-            .sqrt();
-        let flat = self.tolerance * longest;
-        let (least, aside, beyond) = match care {
-            Care::Full => (flat, 0.0, -flat),
-            Care::Some => (0.0, flat, flat),
-        };
+        let flat = self.tolerance * longest([a, b, c]);
+        let least = if care == Care::Full { flat } else { 0.0 };
         if area <= least {
             return false;
         }
-        let blocks = |p: DVec2| {
-            p != a
-                && p != b
-                && p != c
-                && orient(c, a, p) >= beyond
-                && orient(a, b, p) > aside
-                && orient(b, c, p) > aside
+        let is_in = |p: DVec2| {
+            let beyond = orient(c, a, p);
+            let mut aside = [(a, b), (b, c)].into_iter().map(|(a, b)| orient(a, b, p));
+            match care {
+                Care::Full => beyond >= -flat && aside.all(|v| v > 0.0),
+                Care::Exact => beyond >= 0.0 && aside.all(|v| v >= 0.0),
+                Care::Some => beyond >= flat && aside.all(|v| v > flat),
+            }
         };
+        let blocks = |p: DVec2| p != a && p != b && p != c && is_in(p);
         !self
             .obstacles
             .any_in(a.min(b).min(c), a.max(b).max(c), |k| {
@@ -625,6 +645,66 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A square and the holes in a Sierpinski carpet, turned and moved: whole rows of corners
+    /// are in line but for rounding.
+    fn carpet(levels: u32, angle: f64) -> Vec<Vec<Named>> {
+        let turn = DVec2::from_angle(angle);
+        let mut contours: Vec<Vec<Named>> = Vec::new();
+        let mut add = |middle: DVec2, corners: [[f64; 2]; 4]| {
+            let first = 4 * contours.len() as u32;
+            let place = |p: [f64; 2]| turn.rotate(middle + DVec2::from(p)) + 37.0 * turn;
+            contours.push(corners.into_iter().map(place).zip(first..).collect());
+        };
+        add(
+            DVec2::ZERO,
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        );
+        let mut cells = vec![DVec2::ZERO];
+        let mut size = 2.0;
+        for _ in 0..levels {
+            let h = size / 6.0;
+            size /= 3.0;
+            let mut smaller = Vec::new();
+            for cell in cells {
+                add(cell, [[-h, -h], [-h, h], [h, h], [h, -h]]);
+                for (i, j) in (-1..=1).flat_map(|i| (-1..=1).map(move |j| (i, j))) {
+                    if (i, j) != (0, 0) {
+                        smaller.push(cell + size * DVec2::new(f64::from(i), f64::from(j)));
+                    }
+                }
+            }
+            cells = smaller;
+        }
+        contours
+    }
+
+    #[test]
+    fn corners_in_line_but_for_rounding_make_no_flat_triangles() {
+        const TOLERANCE: f64 = 1e-12;
+        let mut count = 0;
+        for k in 0..200 {
+            let contours = carpet(3, 0.001 + 0.0314 * f64::from(k));
+            let found = triangulate(&contours, TOLERANCE, &|| true, &mut Scratch::default());
+            let triangles = found.unwrap_or_else(|| panic!("{k}"));
+            let points = contours.concat();
+            let corners = |t: &[u32; 3]| t.map(|name| points[name as usize].0);
+            let height = |t: &[u32; 3]| {
+                let [a, b, c] = corners(t);
+                orient(a, b, c) / longest([a, b, c])
+            };
+            assert!(triangles.iter().all(|t| height(t) > TOLERANCE), "{k}");
+            let area: f64 = triangles
+                .iter()
+                .map(corners)
+                .map(|[a, b, c]| orient(a, b, c))
+                .sum();
+            let wanted = 4.0 * (8.0f64 / 9.0).powi(3);
+            assert!((0.5 * area - wanted).abs() < 1e-12, "{k}: {area}");
+            count += triangles.len();
+        }
+        assert_eq!(count, 200 * (74 * 4 - 2 + 2 * 73));
     }
 
     #[test]
