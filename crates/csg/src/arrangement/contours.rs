@@ -11,6 +11,7 @@ use super::boundary::Boundary;
 use super::ids::{HalfEdgeId, VertexId};
 use super::scene::Scene;
 use crate::numeric::tolerance::{SAME_ANGLE, SAME_BEND, TOUCHING};
+use crate::program::Surface;
 use crate::undecided::{Stop, Why};
 
 /// How a curve leaves a vertex in the plane in which its face is seen.
@@ -143,6 +144,18 @@ impl Boundary {
         let flat =
             |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);
         let chord = there - here;
+        let along_curve = |[first, second]: [DVec3; 2]| {
+            let (first, second) = (flat(first) * first.dot(chord).signum(), flat(second));
+            Departure {
+                half_edge,
+                ends,
+                angle: elementary::atan2(first.y, first.x),
+                bend: first.perp_dot(second) / first.length().powi(3),
+            }
+        };
+        if let Some(derivatives) = self.derivatives(scene, half_edge, here) {
+            return along_curve(derivatives);
+        }
         let along_chord = || Departure {
             half_edge,
             ends,
@@ -161,16 +174,28 @@ impl Boundary {
         if is_straight || cross.length() <= TOUCHING * p.length() * q.length() {
             return along_chord();
         }
-        let tangent = cross.normalize() * cross.dot(chord).signum();
+        let tangent = cross.normalize();
         // The second derivative keeps to both surfaces.
         let [u, v] = [a, b].map(|s| -s.curvature_along(tangent));
         let second = (u * q.cross(tangent) + v * tangent.cross(p)) / cross.dot(tangent);
-        let (first, second) = (flat(tangent), flat(second));
-        Departure {
-            half_edge,
-            ends,
-            angle: elementary::atan2(first.y, first.x),
-            bend: first.perp_dot(second) / first.length().powi(3),
+        along_curve([tangent, second])
+    }
+
+    /// The derivatives at a vertex of the conic that a half-edge is a piece of; none on a
+    /// line of two planes, along which points tell better.
+    fn derivatives(
+        &self,
+        scene: &Scene<'_>,
+        half_edge: HalfEdgeId,
+        at: DVec3,
+    ) -> Option<[DVec3; 2]> {
+        let id = self.at(half_edge).curve;
+        let mut surfaces = id.surfaces().map(|id| scene.surface(id));
+        if surfaces.all(Surface::is_plane) {
+            return None;
         }
+        let common = scene.common(id).ok()?;
+        let curve = &common.get(usize::from(id.branch))?.curve;
+        curve.derivatives(curve.place(at)?)
     }
 }

@@ -156,6 +156,30 @@ impl Curve {
         }
     }
 
+    /// The first and the second derivative; none of rulings.
+    pub fn derivatives(&self, t: f64) -> Option<[DVec3; 2]> {
+        match self {
+            Self::Line { direction, .. } => Some([*direction, DVec3::ZERO]),
+            Self::Ellipse { a, b, .. } => {
+                let (sin, cos) = elementary::sin_cos(t);
+                Some([cos * b - sin * a, -cos * a - sin * b])
+            }
+            Self::Hyperbola { a, b, .. } => {
+                let (sinh, cosh) = (elementary::sinh(t), elementary::cosh(t));
+                Some([sinh * a + cosh * b, cosh * a + sinh * b])
+            }
+            Self::Parabola { a, b, l, k, .. } => {
+                let below = 1.0 + (l + k * t) * t;
+                let above = (1.0 - k * t * t) * a + (2.0 + l * t) * t * b;
+                let change = -2.0 * k * t * a + 2.0 * (1.0 + l * t) * b;
+                let first = above / (below * below);
+                let second = change / (below * below) - 2.0 * (l + 2.0 * k * t) / below * first;
+                Some([first, second])
+            }
+            Self::Rulings(_) => None,
+        }
+    }
+
     /// Where on a conic a point of it is; none if it is on the other branch of a
     /// hyperbola.
     pub fn place(&self, point: DVec3) -> Option<f64> {

@@ -64,7 +64,7 @@ enum Carrier {
 /// The curves of two quadrics that are nearer to each other than `near` where
 /// they touch.
 pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Unknown> {
-    let pencil = Pencil::of([a, b]);
+    let pencil = Pencil::of([a, b], near);
     if let Some(lines) = pencil.common_vertex(near) {
         return Ok(lines);
     }
@@ -131,7 +131,7 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
 }
 
 impl<'a> Pencil<'a> {
-    fn of(surfaces: [&'a Surface; 2]) -> Self {
+    fn of(surfaces: [&'a Surface; 2], near: f64) -> Self {
         let [a, b] = surfaces;
         let origin = 0.5 * (a.anchor + b.anchor);
         let size = surfaces.map(|s| {
@@ -139,8 +139,8 @@ impl<'a> Pencil<'a> {
             value.max(s.gradient(origin).length())
         });
         let unit = size[0].max(size[1]).max(a.anchor.distance(b.anchor));
-        // Two cones of one apex look the same at any scale.
-        let unit = if unit > 0.0 { unit } else { 1.0 };
+        // Two cones of one apex look the same at any scale: that of the scene will do.
+        let unit = if unit > near { unit } else { near / NEAR };
         let matrices = surfaces.map(|s| matrix(s, origin, unit));
         Self {
             surfaces,
