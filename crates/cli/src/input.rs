@@ -45,6 +45,10 @@ pub(crate) struct Reading {
     define: Vec<String>,
 }
 
+/// Reads what a command works on. (Not generic: every model of its own would compile the commands
+/// anew.)
+pub(crate) type Reader<'a> = Box<dyn FnOnce() -> Result<Subject, Failure> + 'a>;
+
 /// What a command works on.
 pub(crate) enum Subject {
     /// A solid, still to be meshed.

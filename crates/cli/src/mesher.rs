@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::commands::parse::{angle, length};
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
+use crate::input::{Reader, Subject};
 use crate::nothing::Nothing;
 use crate::progress::Progress;
 
@@ -257,7 +257,7 @@ pub(crate) fn no_needs(_: &[DVec3]) -> Option<f64> {
 /// the mesher is to check what it made. Where the options leave the tolerance
 /// open, it is what `needs` says.
 pub(crate) fn produce(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &MesherOptions,
     check: bool,
     needs: &Needs,

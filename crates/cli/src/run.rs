@@ -14,7 +14,7 @@ use crate::commands::{
     compare, convert, drawing, info, manual, measure, merge, mesh, render, section, sweep,
 };
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
-use crate::input::{Input, Reading, Subject, is_openscad};
+use crate::input::{Input, Reader, Reading, Subject, is_openscad};
 use crate::progress::Progress;
 
 /// Meshes, pictures and measures of solids made of half-spaces
@@ -142,19 +142,23 @@ pub fn main() -> ExitCode {
     };
     let progress = &Progress::new(quiet);
     let result = match command {
-        FileCommand::Mesh { input, options } => mesh::run(|| input.read(false), &options, progress),
-        FileCommand::Merge(options) => merge::run(&options, progress),
-        FileCommand::Render { input, options } => {
-            render::run(|| input.read(options.faces_only()), &options, progress)
+        FileCommand::Mesh { input, options } => {
+            mesh::run(Box::new(|| input.read(false)), &options, progress)
         }
+        FileCommand::Merge(options) => merge::run(&options, progress),
+        FileCommand::Render { input, options } => render::run(
+            Box::new(|| input.read(options.faces_only())),
+            &options,
+            progress,
+        ),
         FileCommand::Measure { input, options } => {
-            measure::run(|| input.read(false), &options, progress)
+            measure::run(Box::new(|| input.read(false)), &options, progress)
         }
         FileCommand::Section { input, options } => {
-            section::run(|| input.read(false), &options, progress)
+            section::run(Box::new(|| input.read(false)), &options, progress)
         }
         FileCommand::Drawing { input, options } => {
-            drawing::run(|| input.read(false), &options, progress)
+            drawing::run(Box::new(|| input.read(false)), &options, progress)
         }
         FileCommand::Convert(options) => convert::run(&options, progress),
         FileCommand::Info(options) => info::run(&options),
@@ -260,7 +264,7 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         Err(code) => return code,
     };
     let progress = &Progress::new(quiet);
-    let subject = || Ok(Subject::Solid(model(dimensions)));
+    let subject: Reader<'_> = Box::new(|| Ok(Subject::Solid(model(dimensions))));
     let result = match command {
         ModelCommand::Mesh(options) => mesh::run(subject, &options, progress),
         ModelCommand::Render(options) => render::run(subject, &options, progress),
@@ -274,7 +278,7 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         #[cfg(feature = "view")]
         ModelCommand::View(options) => {
             let given = ModelCommandLine::<A>::command().get_matches();
-            view::run_model(model, &given, &options)
+            view::run_model(&model, &given, &options)
         }
     };
     progress.end();

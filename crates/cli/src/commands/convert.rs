@@ -74,7 +74,13 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
         .filter(|path| !is_exact(path))
         .peekable();
     if meshes.peek().is_some() {
-        let product = produce(|| Ok(subject), &options.mesher, true, &no_needs, progress)?;
+        let product = produce(
+            Box::new(|| Ok(subject)),
+            &options.mesher,
+            true,
+            &no_needs,
+            progress,
+        )?;
         progress.stage("writing");
         for path in meshes {
             let options = WriteOptions::default();

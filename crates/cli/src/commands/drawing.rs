@@ -11,7 +11,7 @@ use super::figure::short;
 use super::parse::point;
 use super::sheet::{SheetOptions, kinds};
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
+use crate::input::Reader;
 use crate::progress::Progress;
 
 /// Options of `drawing`.
@@ -53,7 +53,7 @@ fn frame(text: &str) -> Result<SectionFrame, String> {
 }
 
 pub(crate) fn run(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::Failure;
-use crate::input::Subject;
+use crate::input::{Reader, Subject};
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, is_stream};
@@ -39,7 +39,7 @@ impl Options {
 }
 
 pub(crate) fn run(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {
@@ -65,7 +65,7 @@ pub(crate) fn run(
             Err(error) => return Err(error.into()),
         }
     }
-    let mut product = produce(|| Ok(subject), mesher, true, &no_needs, progress)?;
+    let mut product = produce(Box::new(|| Ok(subject)), mesher, true, &no_needs, progress)?;
     let account = Account::of(&mut product);
     progress.end();
     options.tell(&account)

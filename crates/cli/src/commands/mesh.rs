@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
+use crate::input::{Reader, Subject};
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, StepArguments, StreamFormat, is_stream};
@@ -70,7 +70,7 @@ impl Options {
 }
 
 pub(crate) fn run(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {
@@ -86,7 +86,13 @@ pub(crate) fn run(
     {
         return write_exact(&Program::lower(solid)?, solid, options, progress);
     }
-    let mut product = produce(|| Ok(subject), &options.mesher, true, &no_needs, progress)?;
+    let mut product = produce(
+        Box::new(|| Ok(subject)),
+        &options.mesher,
+        true,
+        &no_needs,
+        progress,
+    )?;
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();
@@ -110,7 +116,7 @@ pub(crate) fn run(
 
 /// One slab of the mesh.
 fn write_shard(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     shard: Shard,
     options: &Options,
     progress: &Progress,

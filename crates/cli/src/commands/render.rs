@@ -15,7 +15,7 @@ use super::looks::Looks;
 use super::parse::color;
 use super::viewing::{Size, Viewing};
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
+use crate::input::Reader;
 use crate::mesher::{MesherOptions, Product, produce};
 use crate::output;
 use crate::progress::Progress;
@@ -49,7 +49,7 @@ impl Options {
 }
 
 pub(crate) fn run(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use super::figure::Figure;
 use super::parse::{WrittenPlane, plane};
 use super::sheet::{SheetOptions, kinds};
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
+use crate::input::Reader;
 use crate::mesher::Unit;
 use crate::progress::Progress;
 
@@ -40,7 +40,7 @@ impl Options {
 }
 
 pub(crate) fn run(
-    subject: impl FnOnce() -> Result<Subject, Failure>,
+    subject: Reader<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {

@@ -134,7 +134,17 @@ pub(crate) fn run_model<A: Args>(
     let command = Command::new("model")
         .no_binary_name(true)
         .disable_help_flag(true);
-    let command = A::augment_args(command);
+    let make = |matches: &ArgMatches| A::from_arg_matches(matches).map(&model);
+    run_command(&make, A::augment_args(command), given, options)
+}
+
+/// Shows what is made of a command's arguments.
+fn run_command(
+    make: Make<'_>,
+    command: Command,
+    given: &ArgMatches,
+    options: &Options,
+) -> Result<(), Failure> {
     let raw = |argument: &Arg| {
         let values = given.get_raw(argument.get_id().as_str());
         values
@@ -159,7 +169,7 @@ pub(crate) fn run_model<A: Args>(
         }
     }
     options.serve(&mut ModelSource {
-        make: |matches: &ArgMatches| A::from_arg_matches(matches).map(&model),
+        make,
         command,
         parameters,
         fixed,
@@ -200,8 +210,10 @@ fn kind(argument: &Arg) -> Option<ParameterKind> {
     })
 }
 
-struct ModelSource<F> {
-    make: F,
+type Make<'a> = &'a dyn Fn(&ArgMatches) -> Result<Solid, clap::Error>;
+
+struct ModelSource<'a> {
+    make: Make<'a>,
     /// The model's own arguments.
     command: Command,
     parameters: Vec<Parameter>,
@@ -209,7 +221,7 @@ struct ModelSource<F> {
     fixed: Vec<(String, String)>,
 }
 
-impl<F> ModelSource<F> {
+impl ModelSource<'_> {
     /// A command line for these values.
     fn line(&self, values: &BTreeMap<String, String>) -> Vec<String> {
         let of_parameters = self.parameters.iter().map(|parameter| {
@@ -248,7 +260,7 @@ impl<F> ModelSource<F> {
     }
 }
 
-impl<F: Fn(&ArgMatches) -> Result<Solid, clap::Error>> Source for ModelSource<F> {
+impl Source for ModelSource<'_> {
     fn name(&self) -> String {
         let program = std::env::args_os().next().unwrap_or_default();
         let name = Path::new(&program).file_stem().unwrap_or_default();
@@ -326,7 +338,7 @@ mod tests {
             })
         });
         let source = ModelSource {
-            make: (),
+            make: &|_| unreachable!("nothing is made here"),
             parameters: parameters.collect(),
             fixed: [1.5, -2.0]
                 .map(|hole| ("hole".to_owned(), hole.to_string()))
