@@ -1,14 +1,10 @@
 //! Mesh files as trimesh and lib3mf, independent programs, read them: parts, whole and closed,
 //! under their names and in their colours.
-#![allow(missing_docs, reason = "a test")]
-
-#[path = "manifold3d/python.rs"]
-mod python;
 
 use std::path::Path;
 use std::process::Command;
 
-use python::python;
+use crate::environment::python;
 use serde_json::{Value, json};
 use stereotomy::csg::{Color, Mesh, Mesher, Program, Solid};
 use stereotomy::io::{WriteOptions, write_mesh};

@@ -1,21 +1,16 @@
 //! Fuzz targets on stable: whole files, and what chance makes of them. A fault is told with its
 //! seed, and its bytes are kept in the folder of temporary files.
-#![allow(missing_docs, reason = "a test")]
 
 use std::panic::catch_unwind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::judge::Random;
 use stereotomy::csg::{Color, Mesh, Mesher, Program, Solid};
-use stereotomy::{csg, io, raster};
+use stereotomy::io;
 
 #[path = "../crates/fuzz/src/targets.rs"]
 mod targets;
-
-#[path = "../crates/csg/src/random.rs"]
-#[allow(dead_code, reason = "shared")]
-mod split_mix;
-use split_mix::Random;
 
 /// How long each target runs, unless STEREOTOMY_FUZZ_SECONDS says another time.
 const SECONDS: f64 = 2.0;

@@ -1,21 +1,17 @@
 //! The same solids by manifold3d, an independent program: volumes agree, and
 //! it accepts every mesh that our own check calls manifold.
-#![allow(missing_docs, reason = "a test")]
 
-mod manifold3d {
-    pub mod python;
-    pub mod script;
-    pub mod solids;
-}
+mod script;
+mod solids;
 
 #[path = "../crates/csg/tests/regions/meshes.rs"]
 mod meshes;
 
 use std::path::Path;
 
-use manifold3d::python::python;
-use manifold3d::script::Script;
-use manifold3d::solids::Random;
+use self::script::Script;
+use self::solids::Random;
+use crate::environment::python;
 use stereotomy::csg::glam::{DQuat, DVec3};
 use stereotomy::csg::{Meshed, Mesher, Program, Solid};
 use stereotomy::scenes;

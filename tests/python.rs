@@ -1,13 +1,11 @@
 //! The Python package as its users have it: built by maturin, installed by pip, tested by
 //! pytest.
-#![allow(missing_docs, reason = "a test")]
-
-#[path = "manifold3d/python.rs"]
-mod environment;
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+use crate::environment;
 
 fn run(command: &mut Command) {
     let status = command

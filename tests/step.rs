@@ -1,21 +1,14 @@
 //! STEP files as Open CASCADE, an independent program, reads them: shapes are valid and
 //! closed, as many solids as there are bodies, and their volume is the boundary's own.
-#![allow(missing_docs, reason = "a test")]
 
-#[path = "manifold3d/python.rs"]
-mod python;
-mod step {
-    pub mod script;
-}
-#[path = "meshing/random.rs"]
-#[allow(dead_code, reason = "shared")]
-mod random;
+mod script;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use python::python;
-use step::script::{Read, Script};
+use self::script::{Read, Script};
+use crate::environment::python;
+use crate::random::Random;
 use stereotomy::csg::brep::{CurveShape, Face, Shell};
 use stereotomy::csg::glam::{DVec3, dvec3};
 use stereotomy::csg::{
@@ -271,7 +264,7 @@ fn random_solids_are_read_back() {
     let count = if is_whole() { 200 } else { 60 };
     let mut tally = Tally::default();
     for seed in 0..count {
-        let solid = random::Random::new(seed).solid();
+        let solid = Random::new(seed).solid();
         tally.check(&mut script, &format!("random-{seed}"), &solid);
     }
     assert!(tally.finish() as u64 >= count * 9 / 10);
@@ -448,7 +441,7 @@ fn names_and_colors_are_read_back() {
         let ball = found.solids.iter().find(|solid| solid.name == "ball");
         assert!(close(ball.expect("the ball").color, brass));
         let count = |name: &str, color| {
-            let of = |face: &&step::script::Face| face.name == name && close(face.color, color);
+            let of = |face: &&script::Face| face.name == name && close(face.color, color);
             found.faces.iter().filter(of).count()
         };
         assert_eq!(count("block", steel), 6);

@@ -2,9 +2,6 @@
 //! of measures, and the program itself.
 
 mod models;
-#[path = "../meshing/random.rs"]
-#[allow(dead_code)]
-mod random;
 mod reference;
 mod sound;
 mod structure;

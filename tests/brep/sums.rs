@@ -5,8 +5,8 @@ use csg::{Mesher, Program, Solid};
 use stereotomy::csg;
 
 use super::boundary;
-use super::random::Random;
 use super::sound::assert_sound;
+use crate::random::Random;
 
 /// The measures of a solid that was not moved; else none, and so many are.
 fn measured(solid: &Solid, name: &str, undecided: &mut u32) -> Option<SolidMeasure> {

@@ -4,8 +4,6 @@
 //!
 //! To write the page anew, run this test with STEREOTOMY_WRITE_CONTACTS=1.
 
-#[path = "../judge/mod.rs"]
-mod judge;
 mod pairs;
 
 use std::fmt::Write as _;
@@ -16,8 +14,8 @@ use csg::{Error, Limits, Meshed, Mesher, Program, Solid};
 use rayon::prelude::*;
 use stereotomy::csg;
 
-use self::judge::{Case, Tree, is_seen, judge};
 use self::pairs::pairs;
+use crate::judge::{Case, Tree, is_seen, judge};
 
 /// At home; elsewhere it is as large a part of the solid.
 const TOLERANCE: f64 = 0.01;

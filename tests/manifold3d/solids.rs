@@ -2,18 +2,16 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::judge::Random as SplitMix;
 use csg::Solid;
 use stereotomy::csg;
 
-#[path = "../../crates/csg/src/random.rs"]
-mod split_mix;
-
 /// Random numbers and solids.
-pub struct Random(split_mix::Random);
+pub struct Random(SplitMix);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(split_mix::Random(seed))
+        Self(SplitMix(seed))
     }
 
     fn below(&mut self, n: u64) -> u64 {

@@ -8,8 +8,8 @@ use stereotomy::{csg, scenes};
 use super::defects::{largest_miss, measure, size};
 use super::hard_models;
 use super::measures::assert_agrees;
-use super::random::Random;
 use super::tolerance::sampled_deviation;
+use crate::random::Random;
 
 fn mesh(solid: &Solid, smallest: f64) -> (Program, Meshed) {
     let program = Program::lower(solid).expect("a valid solid");

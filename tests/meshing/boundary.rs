@@ -10,8 +10,8 @@ use stereotomy::{csg, scenes};
 
 use super::adaptive::{genus, turned};
 use super::defects::measure;
-use super::random::Random;
 use super::tolerance::sampled_deviation;
+use crate::random::Random;
 
 const TOLERANCE: f64 = 1e-3;
 

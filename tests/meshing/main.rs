@@ -1,5 +1,4 @@
 //! The exact mesher held against programs, closed forms and itself.
-#![allow(missing_docs, reason = "a test")]
 
 mod adaptive;
 mod boundary;
@@ -10,7 +9,6 @@ mod measures;
 mod moved_solids;
 mod polyhedral;
 mod promises;
-mod random;
 mod random_solids;
 mod reference_scenes;
 mod thin;

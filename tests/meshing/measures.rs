@@ -6,7 +6,7 @@ use csg::{Mesh, Program};
 use glam::DVec3;
 use stereotomy::csg;
 
-use super::random::Random;
+use crate::random::Random;
 
 /// How often the mesh winds around a point: the solid angle of its triangles
 /// (Van Oosterom & Strackee 1983).

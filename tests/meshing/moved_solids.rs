@@ -4,8 +4,8 @@ use csg::{Mesh, Meshed, Program};
 use stereotomy::csg;
 
 use super::defects::{largest_miss, size};
-use super::random::Random;
 use super::random_solids::{grids, mesh};
+use crate::random::Random;
 
 #[test]
 fn moved_and_scaled_solids_are_as_accurate_as_at_home() {

@@ -8,7 +8,7 @@ use stereotomy::csg;
 
 use super::hard_models;
 use super::measures::assert_agrees;
-use super::random::Random;
+use crate::random::Random;
 
 /// How many random solids are tried.
 const SOLIDS: u64 = 400;

@@ -10,8 +10,8 @@ use glam::{DVec3, dvec3};
 use stereotomy::csg;
 
 use super::defects;
-use super::random::Random;
 use super::tolerance::distance;
+use crate::random::Random;
 
 /// A solid and what is known of it.
 struct Case {

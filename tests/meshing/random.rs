@@ -3,19 +3,17 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
+use crate::judge::Random as SplitMix;
 use csg::{Plane, Solid};
 use glam::{DAffine3, DQuat, DVec3};
 use stereotomy::csg;
 
-#[path = "../../crates/csg/src/random.rs"]
-mod split_mix;
-
 /// Random numbers and solids.
-pub struct Random(split_mix::Random);
+pub struct Random(SplitMix);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(split_mix::Random(seed))
+        Self(SplitMix(seed))
     }
 
     pub fn below(&mut self, count: u64) -> u64 {

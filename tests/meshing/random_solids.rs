@@ -5,7 +5,7 @@ use glam::DVec3;
 use stereotomy::csg;
 
 use super::measures::assert_agrees;
-use super::random::Random;
+use crate::random::Random;
 
 /// How many solids are tried: a slice of what there is.
 const SOLIDS: u64 = 160;

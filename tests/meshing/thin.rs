@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec2;
 use stereotomy::csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 
-use crate::hard_models::model;
+use super::hard_models::model;
 
 const TOLERANCE: f64 = 0.01;
 

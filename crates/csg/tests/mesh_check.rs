@@ -1,12 +1,10 @@
 //! Every check must pass on meshes that are whole and fail on meshes that
 //! have just the one defect it is for.
 
-mod shapes;
-
+use crate::shapes::{cuboid, joined, mapped, torus, unit_cube, unit_tetrahedron};
 use csg::{Mesh, MeshCheck, MeshDefect};
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
-use shapes::{cuboid, joined, mapped, torus, unit_cube, unit_tetrahedron};
 
 /// The defects of a mesh with their counts, and the places checked to match.
 fn defects(mesh: &Mesh) -> (MeshCheck, Vec<(MeshDefect, usize)>) {

@@ -1,11 +1,9 @@
 //! Self-intersections against exact integer arithmetic and known shapes.
 
-mod shapes;
-
+use crate::shapes::{cuboid, joined, mapped, tetrahedron, torus, unit_cube};
 use csg::Mesh;
 use glam::{DQuat, DVec3, I64Vec3, dvec3};
 use proptest::prelude::*;
-use shapes::{cuboid, joined, mapped, tetrahedron, torus, unit_cube};
 
 /// The points common to two triangles with integer corners, up to their
 /// convex hull, each as (numerators, denominator): corners of one inside the

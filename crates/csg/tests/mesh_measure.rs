@@ -1,11 +1,9 @@
 //! Measures against closed forms, near the origin and far from it.
 
-mod shapes;
-
+use crate::shapes::{cuboid, joined, mapped, tetrahedron, torus, unit_cube, unit_tetrahedron};
 use csg::Mesh;
 use glam::{DMat3, DQuat, DVec3, dvec3};
 use proptest::prelude::*;
-use shapes::{cuboid, joined, mapped, tetrahedron, torus, unit_cube, unit_tetrahedron};
 
 /// Largest deviation of two matrices, relative to the second's largest entry.
 fn relative(a: DMat3, b: DMat3) -> f64 {

@@ -1,14 +1,12 @@
 //! Self-intersections of meshes whose triangles share vertices, against the same triangles
 //! one by one.
 
-mod shapes;
-
 use std::f64::consts::TAU;
 
+use crate::shapes::{self, torus};
 use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
-use shapes::torus;
 
 /// Each triangle with vertices of its own: no two are neighbours.
 fn loose(mesh: &Mesh) -> Mesh {

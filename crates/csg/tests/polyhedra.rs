@@ -3,13 +3,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::random::Random;
 use csg::glam::{self, DQuat, DVec2, DVec3, dvec3};
 use csg::{Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid, Twist, turn};
-
-#[path = "../src/random.rs"]
-#[allow(dead_code)]
-mod random;
-use random::Random;
 
 fn meshed(what: &str, solid: &Solid) -> Mesh {
     let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));

@@ -1,13 +1,8 @@
 //! Slabs put together are the whole mesh, to the bit.
 
-#![allow(missing_docs, reason = "a test")]
-
+use crate::random::Random;
 use csg::glam::DVec3;
 use csg::{Merger, Meshed, Mesher, Program, Slab, Solid};
-use random::Random;
-
-#[path = "../src/random.rs"]
-mod random;
 
 fn slabs(mesher: &Mesher, program: &Program, of: u32) -> Vec<Slab> {
     let slabs = (0..of).rev().map(|part| mesher.slab(program, part, of));

@@ -1,12 +1,10 @@
 //! Files are replaced whole or left alone.
 
-mod common;
-
 use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-use common::small_box;
+use crate::common::small_box;
 use csg::Mesh;
 use glam::DVec3;
 use io::{AtomicFile, Error, MeshFormat, WriteOptions, read_mesh, write_mesh};

@@ -1,9 +1,7 @@
 //! No file, however damaged, makes a reader panic; and what is read without
 //! an error is a mesh that the checks accept.
 
-mod common;
-
-use common::{MODEL, archive, small_box};
+use crate::common::{MODEL, archive, small_box};
 use csg::Mesh;
 use io::Error;
 use io::{gltf, obj, off, ply, stl, threemf};

@@ -1,12 +1,9 @@
 //! Sections as drawings: closed forms, and what an independent program reads of them.
-#![allow(missing_docs, reason = "a test")]
-
-#[path = "../../../tests/manifold3d/python.rs"]
-mod python;
 
 use std::f64::consts::PI;
 use std::process::Command;
 
+use crate::python;
 use csg::glam::{DVec2, DVec3};
 use csg::{LengthUnit, Solid};
 use io::drawing::{

@@ -1,8 +1,6 @@
 //! The glTF writer against the `gltf` crate, and the reader against both.
 
-mod common;
-
-use common::{colored_box, faces, in_unit, small_box, sphere};
+use crate::common::{colored_box, faces, in_unit, small_box, sphere};
 use csg::{LengthUnit, Mesh};
 use glam::{DMat4, DVec3, Vec3, dvec3};
 use io::Error;

@@ -2,13 +2,11 @@
 //! test installs the validator itself (once, under the target folder); it
 //! needs Node.js with npm, and fails without.
 
-mod common;
-
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{colored_box, in_unit, small_box, sphere};
+use crate::common::{colored_box, in_unit, small_box, sphere};
 use csg::{LengthUnit, Merger, Mesh, Mesher, Program, Solid};
 use glam::{DVec3, dvec3};
 use io::shard::write_merged;

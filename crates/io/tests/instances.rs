@@ -1,8 +1,7 @@
 //! Bodies that are there several times, written once in glTF files and read back.
 
-mod common;
-
-use common::{small_box, sphere};
+use crate::common;
+use crate::common::{small_box, sphere};
 use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
 use io::WriteOptions;

@@ -1,10 +1,9 @@
 //! The OBJ writer against tobj, and the reader against the writer.
 
-mod common;
-
 use std::io::BufReader;
 
-use common::{faces, small_box, sphere, srgb_bytes};
+use crate::common;
+use crate::common::{faces, small_box, sphere, srgb_bytes};
 use csg::Mesh;
 use glam::{DVec3, dvec3};
 use io::obj::{read_obj, write_mtl, write_obj};

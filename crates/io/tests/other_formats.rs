@@ -1,10 +1,8 @@
 //! STL, PLY and 3MF: round trips, and what other programs write.
 
-mod common;
-
 use std::process::Command;
 
-use common::{colored_box, in_unit, small_box, sphere, srgb_bytes};
+use crate::common::{colored_box, in_unit, small_box, sphere, srgb_bytes};
 use csg::{LengthUnit, Mesh};
 use glam::{DVec3, dvec3};
 use io::WriteOptions;

@@ -2,11 +2,10 @@
 
 use std::fs;
 
+use crate::common;
 use csg::{Mesh, Mesher, Program, Solid};
 use io::scene::{ReadOptions, read, read_file};
 use io::{Error, MeshFormat, WriteOptions, read_repaired_solid, read_solid, write_mesh};
-
-mod common;
 
 fn mesh(solid: &Solid) -> Mesh {
     let program = Program::lower(solid).expect("a program");

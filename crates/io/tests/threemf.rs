@@ -1,8 +1,6 @@
 //! 3MF files: written and read, and those that others write.
 
-mod common;
-
-use common::{MODEL, archive, small_box};
+use crate::common::{MODEL, archive, small_box};
 use csg::glam::{DVec3, dvec3};
 use csg::{LengthUnit, Mesh};
 use io::threemf::{read_3mf, write_3mf};

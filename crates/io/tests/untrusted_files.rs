@@ -1,12 +1,10 @@
 //! Files that nobody vouches for: what they may make the reader open, and what
 //! is no mesh.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::small_box;
+use crate::common::small_box;
 use io::{ReadOptions, WriteOptions, read_mesh, read_mesh_with, write_mesh};
 
 /// Writes `folder/box.gltf`, whose data is in the file `data`.

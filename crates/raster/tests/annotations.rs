@@ -1,8 +1,7 @@
 //! Dimensions, colours that tell something, exploded views: their numbers
 //! against geometry.
 
-mod common;
-
+use crate::common;
 use csg::{Color, Mesh, MeshSurface, Mesher, Program, Solid};
 use glam::DVec3;
 use raster::{

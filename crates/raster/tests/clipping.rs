@@ -2,8 +2,7 @@
 //! pixel is covered if its ray meets the triangle between the near and the far
 //! plane.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DMat3, DMat4, DVec3};
 use proptest::prelude::*;

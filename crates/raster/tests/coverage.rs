@@ -1,8 +1,7 @@
 //! Coverage against exact integer arithmetic, and against itself: closed
 //! surfaces have neither gaps nor doubled pixels.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;

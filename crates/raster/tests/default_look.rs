@@ -1,7 +1,6 @@
 //! What a picture is like if nobody says more.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DMat3, DVec3};
 use raster::{

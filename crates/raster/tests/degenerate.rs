@@ -1,7 +1,6 @@
 //! Input that makes no sense: no panic, and no stray pixel.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DMat4, DVec3};
 use raster::{

@@ -1,7 +1,6 @@
 //! A part far away leaves near ones as they are.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::DVec3;
 use raster::{Camera, Image, Interpolation, Lens, Prepared, RenderOptions, Renderer};

@@ -1,7 +1,6 @@
 //! Edges, sections and shadows: what must be true of them.
 
-mod common;
-
+use crate::common;
 use csg::{Mesh, Mesher, Profile, Program, Solid};
 use glam::{DVec3, Vec3};
 use raster::{

@@ -3,7 +3,6 @@
 //!
 //! STEREOTOMY_BLESS=1 draws them anew, to be looked at before they are kept.
 
-mod common;
 #[path = "../examples/tour/pictures.rs"]
 mod pictures;
 

@@ -1,8 +1,7 @@
 //! One scene, every level of instruction set, every number of threads, every
 //! order of triangles: one picture.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DVec3, Vec3};
 use raster::{

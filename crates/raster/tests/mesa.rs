@@ -4,11 +4,10 @@
 //! packages libegl1, libgl1, libgl1-mesa-dri and libgles2; off, the test says
 //! so and does nothing.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::common;
 use csg::Mesh;
 use glam::{DMat4, DVec3, Vec3};
 use raster::{Camera, Image, Lens, Light, Material, Prepared, RenderOptions, Renderer, View};

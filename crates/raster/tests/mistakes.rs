@@ -1,7 +1,6 @@
 //! What cannot be drawn is refused by name.
 
-mod common;
-
+use crate::common;
 use glam::{DVec3, Vec3};
 use raster::{
     Camera, EdgeOptions, Image, Interpolation, Lens, Light, Prepared, RasterError, RenderOptions,

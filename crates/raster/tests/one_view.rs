@@ -1,8 +1,7 @@
 //! A scene made for one view, or from a mesh that is given away, is drawn as
 //! one that was made for all.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::DVec3;
 use raster::{

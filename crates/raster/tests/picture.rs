@@ -1,7 +1,6 @@
 //! Whole pictures against what geometry says they show.
 
-mod common;
-
+use crate::common;
 use glam::{DVec3, Vec3};
 use raster::{Camera, Lens, Light, RenderOptions, StandardView, render};
 

@@ -1,7 +1,6 @@
 //! Depth against exact arithmetic.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;

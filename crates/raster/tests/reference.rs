@@ -1,7 +1,6 @@
 //! The fast pipeline against the one that is taught.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use raster::clip::{ClipVertex, PLANES, clip_polygon};

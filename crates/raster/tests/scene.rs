@@ -1,10 +1,9 @@
 //! Scenes of parts: places, materials, lights, and what is seen through.
 
-mod common;
-
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use crate::common;
 use csg::{Color, Mesh};
 use glam::{DMat4, DQuat, DVec2, DVec3, Vec3};
 use raster::{

@@ -1,8 +1,7 @@
 //! Several section planes together, held against the solid itself: at every
 //! pixel the first point of the ray in what is left, or none.
 
-mod common;
-
+use crate::common;
 use csg::{Color, Mesh};
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;

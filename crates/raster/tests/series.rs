@@ -1,7 +1,6 @@
 //! Several pictures at once: sheets of views, turntables and their files.
 
-mod common;
-
+use crate::common;
 use glam::DVec3;
 use raster::{
     Image, Lens, Prepared, ProjectionAngle, RasterError, RenderOptions, StandardView,

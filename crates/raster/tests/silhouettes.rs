@@ -1,7 +1,5 @@
 //! Silhouettes of smooth surfaces, against where geometry says they are.
 
-mod common;
-
 use csg::Mesh;
 use glam::{DVec2, DVec3};
 use raster::{Camera, EdgeOptions, Image, Lens, Prepared, RenderOptions, Renderer, Viewport};

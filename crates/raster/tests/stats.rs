@@ -1,7 +1,6 @@
 //! What is left out because the picture does not need it, by its counts.
 
-mod common;
-
+use crate::common;
 use csg::Mesh;
 use glam::DVec3;
 use raster::{AntiAliasing, Camera, Image, Lens, Prepared, RenderOptions, Renderer, Stats};

@@ -2,15 +2,12 @@
 //! what is cut off and what is left make up the whole.
 
 mod meshes;
-#[path = "../../src/random.rs"]
-#[allow(dead_code)]
-mod random;
 
 use csg::glam::{DQuat, DVec3, EulerRot, dvec3};
 use csg::{Mesh, Meshed, Mesher, Program, Solid, turn};
 
+use crate::random::Random;
 use meshes::{ball, rounded_cube, star};
-use random::Random;
 
 fn solid(mesh: &Mesh) -> Solid {
     Solid::from_mesh(mesh).unwrap_or_else(|faults| panic!("{faults}"))

@@ -1,8 +1,6 @@
 //! The formulas of textbooks with the numbers that they print: the table of
 //! the crate's page names the test of each row.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod hidden_surfaces;
 mod polygons;
 mod projections;
@@ -11,6 +9,7 @@ mod solids;
 mod transforms;
 mod viewing;
 
+use crate::common;
 use glam::DMat4;
 
 /// A matrix as it is printed, row by row.

@@ -1,0 +1,28 @@
+//! All integration tests of the crate, as one program: many would be linked many times.
+
+mod draft;
+#[path = "../../../tests/every_file.rs"]
+mod every_file;
+mod exact;
+#[path = "import_order/main.rs"]
+mod import_order;
+mod mesh_check;
+mod mesh_intersect;
+mod mesh_measure;
+mod mesh_sheets;
+mod polyhedra;
+mod profiles;
+mod program;
+#[path = "../src/random.rs"]
+#[allow(dead_code, reason = "shared")]
+mod random;
+mod ready_made;
+#[path = "regions/main.rs"]
+mod regions;
+mod shapes;
+mod slabs;
+
+#[test]
+fn every_file_is_a_module() {
+    every_file::is_a_module(env!("CARGO_MANIFEST_DIR"), include_str!("main.rs"));
+}

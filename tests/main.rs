@@ -1,0 +1,33 @@
+//! All integration tests of the root package but those that count memory, as one program: the
+//! heavy ones that wait for other programs run beside each other.
+#![allow(missing_docs, reason = "a test")]
+
+// Begun first, as it is the first by name: it takes longest, and mostly waits.
+#[path = "python.rs"]
+mod a_python_package;
+#[path = "brep/main.rs"]
+mod brep;
+#[path = "contacts/main.rs"]
+mod contacts;
+mod corpus;
+#[path = "manifold3d/python.rs"]
+mod environment;
+mod every_file;
+mod exchange;
+mod fuzzing;
+mod judge;
+mod manifold3d;
+#[path = "meshing/main.rs"]
+mod meshing;
+mod models;
+#[path = "meshing/random.rs"]
+mod random;
+mod step;
+
+// Where the fuzz targets look for them.
+use stereotomy::{csg, io, raster};
+
+#[test]
+fn every_file_is_a_module() {
+    every_file::is_a_module(env!("CARGO_MANIFEST_DIR"), include_str!("main.rs"));
+}
