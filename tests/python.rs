@@ -1,5 +1,6 @@
 //! The Python package as its users have it: built by maturin, installed by pip, tested by
-//! pytest.
+//! pytest. What maturin packs is what these tests were compiled with; with STEREOTOMY_WHEEL=alone
+//! it compiles the package by itself.
 
 use std::fs;
 use std::path::Path;
@@ -29,8 +30,17 @@ fn the_package_passes_its_tests() {
         fs::remove_dir_all(&wheels).expect("a folder that can be removed");
     }
     // By the profile that the other tests have: a release takes minutes.
-    run(Command::new(&python)
-        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut maturin = Command::new(&python);
+    maturin.args(["-m", "maturin", "build", "--quiet", "--profile", "dev"]);
+    let is_alone = std::env::var_os("STEREOTOMY_WHEEL").is_some_and(|text| text == "alone");
+    if !is_alone {
+        maturin
+            .env("CARGO", root.join("tests/python/cargo"))
+            .env("STEREOTOMY_CARGO", env!("CARGO"))
+            .env("STEREOTOMY_ROOT", root);
+    }
+    run(maturin
         .arg("--interpreter")
         .arg(&python)
         .arg("--manifest-path")
@@ -58,6 +68,7 @@ fn the_package_passes_its_tests() {
         .arg(package.join("tests"))
         .current_dir(&package)
         // Nothing is left in the source tree.
-        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env_remove("PYTHONDONTWRITEBYTECODE")
+        .env("PYTHONPYCACHEPREFIX", folder.join("compiled"))
         .env("MYPY_CACHE_DIR", folder.join("mypy")));
 }
