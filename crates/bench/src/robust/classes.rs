@@ -29,6 +29,9 @@ pub enum Class {
     /// Needles, sheets and flat ellipsoids, a hundred to ten thousand times as long as
     /// thick.
     Thin,
+    /// At round places and angles, repeated around axes, each placed by matrices of six digits,
+    /// as OpenSCAD writes them.
+    Written,
 }
 
 impl Class {
@@ -44,6 +47,7 @@ impl Class {
             Self::Twins => twins(&mut random),
             Self::Packed => packed(&mut random),
             Self::Thin => thin(&mut random),
+            Self::Written => written(&mut random),
         }
     }
 }
@@ -348,6 +352,39 @@ fn sheared(random: &mut Random, sizes: [f64; 3]) -> DMat3 {
     let by = between(random, -1.0, 1.0);
     let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.0, 1.0, by), DVec3::Z);
     shear * DMat3::from_diagonal(DVec3::from_array(sizes))
+}
+
+fn written(random: &mut Random) -> Solid {
+    let axis = |random: &mut Random| [DVec3::X, DVec3::Y, DVec3::Z][random.below(3)];
+    let parts = (0..1 + random.below(4)).map(|_| {
+        let size = &mut |random: &mut Random| 0.25 * (1 + random.below(6)) as f64;
+        let leaf = leaf(random, size);
+        let turn = DQuat::from_axis_angle(axis(random), PI / 12.0 * random.below(24) as f64);
+        let place = [(); 3].map(|()| 0.25 * (random.below(5) as f64 - 2.0));
+        let placed = DAffine3::from_rotation_translation(turn, place.into());
+        let leaf = leaf.affine(in_six_digits(placed));
+        let count = [1, 1, 2, 3, 4, 5, 6, 8][random.below(8)];
+        let axis = axis(random);
+        Solid::union((0..count).map(|k| {
+            let turn = DQuat::from_axis_angle(axis, TAU * f64::from(k) / f64::from(count));
+            leaf.affine(in_six_digits(DAffine3::from_quat(turn)))
+        }))
+    });
+    let parts = parts.collect();
+    let mut solid = combined(random, parts);
+    for _ in 0..random.below(3) {
+        let placed = DAffine3::from_rotation_translation(turn(random), point(random, 50.0));
+        solid = solid.affine(in_six_digits(placed));
+    }
+    solid
+}
+
+fn in_six_digits(map: DAffine3) -> DAffine3 {
+    let numbers = map.to_cols_array().map(|number| {
+        let written = format!("{number:.5e}");
+        written.parse().unwrap_or(number)
+    });
+    DAffine3::from_cols_array(&numbers)
 }
 
 /// How many primitives a solid has.

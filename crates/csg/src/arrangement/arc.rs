@@ -5,10 +5,11 @@ use glam::DVec3;
 
 use super::block::Block;
 use super::contacts::Contact;
-use super::curve::Curve;
+use super::curve::{Curve, Meets};
 use super::ids::Position;
 use super::lines::{Along, side_of_edge};
 use super::piece::{CurveId, Piece};
+use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
@@ -57,6 +58,11 @@ impl Arc<'_> {
         };
         let [start, end] = [start.max(0.0), end.min(length)];
         (start < end).then_some([start, end])
+    }
+
+    /// Adds where another surface meets the curve between two places.
+    pub fn meet(&self, third: SurfaceId, range: [f64; 2], roots: &mut Roots) -> Meets {
+        self.scene.meet((self.id, self.curve), third, range, roots)
     }
 
     /// On which side of a surface all of the given edge is that the curve runs along, if

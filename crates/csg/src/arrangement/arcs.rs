@@ -258,7 +258,6 @@ impl ArcTracer {
         } = *arc;
         let (first, second) = (id.first, id.second());
         let in_order = scene.given.is_none() || id.is_seam();
-        let tolerances = [scene.on_plane, scene.near];
         self.events.clear();
         self.planes.clear();
         self.through.clear();
@@ -276,7 +275,7 @@ impl ArcTracer {
             self.roots.clear();
             let is_through = id == first
                 || Some(id) == second
-                || curve.meet(surface, range, tolerances, &mut self.roots) == Meets::Curve;
+                || arc.meet(id, range, &mut self.roots) == Meets::Curve;
             if is_through {
                 let is_between = first < id && second.is_none_or(|second| id < second);
                 let is_before = || id < first && arc.carriers.binary_search(&id).is_ok();
@@ -323,7 +322,7 @@ impl ArcTracer {
             return false;
         }
         let scene = arc.scene;
-        let mut farthest: Option<(f64, &Surface)> = None;
+        let mut farthest: Option<(f64, SurfaceId)> = None;
         for (&decides, (_, id)) in self.sectors.decides.iter().zip(arc.block.surfaces()) {
             if decides.is_none() || id == arc.id.first || Some(id) == arc.id.second() {
                 continue;
@@ -332,15 +331,14 @@ impl ArcTracer {
             let value = surface.value(at_start);
             let is_farther = farthest.is_none_or(|(known, _)| known < value.abs());
             if decides == Some(value <= 0.0) && is_farther {
-                farthest = Some((value.abs(), surface));
+                farthest = Some((value.abs(), id));
             }
         }
-        let Some((_, surface)) = farthest else {
+        let Some((_, id)) = farthest else {
             return false;
         };
         self.roots.clear();
-        let tolerances = [scene.on_plane, scene.near];
-        let meets = arc.curve.meet(surface, range, tolerances, &mut self.roots);
+        let meets = arc.meet(id, range, &mut self.roots);
         meets == Meets::Points && self.roots.is_empty()
     }
 
@@ -486,10 +484,8 @@ impl ArcTracer {
             if surface.value(start).abs() > clearly * (slope + clearly) {
                 return false;
             }
-            let tolerances = [scene.on_plane, scene.near];
             self.roots.clear();
-            let meets = arc.curve.meet(surface, range, tolerances, &mut self.roots);
-            meets == Meets::Curve
+            arc.meet(id, range, &mut self.roots) == Meets::Curve
         })
     }
 

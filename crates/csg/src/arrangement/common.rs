@@ -6,11 +6,12 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::ball::Ball;
-use super::curve::Curve;
+use super::curve::{Curve, Meets};
 use super::intersection::Unknown;
 use super::pairs::curves;
 use super::piece::{CurveId, Other};
-use super::relations::Common;
+use super::relations::{Common, Meeting};
+use super::roots::Roots;
 use super::scene::Scene;
 use super::triple::{contacts, crossings};
 use crate::program::SurfaceId;
@@ -60,6 +61,38 @@ impl Scene<'_> {
             }
         }
         nodes
+    }
+
+    /// Where a surface meets a curve between two places, as [`Curve::meet`] finds it: where that
+    /// takes long, it is found once for all of the curve in the scene.
+    pub fn meet(
+        &self,
+        (id, curve): (CurveId, &Curve),
+        third: SurfaceId,
+        range @ [start, end]: [f64; 2],
+        roots: &mut Roots,
+    ) -> Meets {
+        let tolerances = [self.on_plane, self.near];
+        let surface = self.surface(third);
+        if matches!(curve, Curve::Line { .. } | Curve::Ellipse { .. }) {
+            return curve.meet(surface, range, tolerances, roots);
+        }
+        let meeting = self.relations.meetings.get((id, third), || {
+            let mut roots = Roots::default();
+            let whole = curve.range(DVec3::ZERO, self.reach).unwrap_or(range);
+            let meets = curve.meet(surface, whole, tolerances, &mut roots);
+            Arc::new(Meeting { meets, roots })
+        });
+        let within = |places: &[f64]| {
+            let places = places.iter().copied();
+            places
+                .filter(|&t| start <= t && t <= end)
+                .collect::<SmallVec<[f64; 8]>>()
+        };
+        roots.simple.extend(within(&meeting.roots.simple));
+        roots.touching.extend(within(&meeting.roots.touching));
+        roots.is_lost |= meeting.roots.is_lost;
+        meeting.meets
     }
 
     /// Where three surfaces touch: in each ball is one point of all three, its centre. The

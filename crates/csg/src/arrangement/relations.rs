@@ -9,9 +9,10 @@ use glam::DVec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::ball::Ball;
-use super::curve::Branch;
+use super::curve::{Branch, Meets};
 use super::intersection::Unknown;
 use super::piece::CurveId;
+use super::roots::Roots;
 use crate::program::SurfaceId;
 
 /// The curves of two surfaces, or why they are not known.
@@ -26,6 +27,14 @@ pub(super) struct Relations {
     pub triples: Table<[SurfaceId; 3], Arc<[Ball]>>,
     /// The same of where they cross at small sines.
     pub crossings: Table<[SurfaceId; 3], Arc<[DVec3]>>,
+    /// By a curve and a third surface.
+    pub meetings: Table<(CurveId, SurfaceId), Arc<Meeting>>,
+}
+
+/// Where a surface meets all of a curve.
+pub(super) struct Meeting {
+    pub meets: Meets,
+    pub roots: Roots,
 }
 
 /// A map that several threads fill, in parts so that they seldom wait for each other.
