@@ -22,7 +22,7 @@ struct Departure {
     ends: [DVec3; 2],
     /// Of its tangent.
     angle: f64,
-    /// Its curvature, positive to the left.
+    /// Its curvature, positive to the left; no number where it is not known.
     bend: f64,
 }
 
@@ -141,8 +141,7 @@ impl Boundary {
         let side = self.side(half_edge);
         let ends = self.chord(half_edge);
         let ends @ [here, there] = if is_back { [ends[1], ends[0]] } else { ends };
-        let flat =
-            |direction: DVec3| scene.flatten(side, here + direction) - scene.flatten(side, here);
+        let flat = |direction: DVec3| scene.flatten_direction(side, direction);
         let chord = there - here;
         let along_curve = |[first, second]: [DVec3; 2]| {
             let (first, second) = (flat(first) * first.dot(chord).signum(), flat(second));
@@ -170,9 +169,20 @@ impl Boundary {
         };
         let [p, q] = [a, b].map(|s| s.gradient(here));
         let cross = p.cross(q);
-        let is_straight = a.is_plane() && b.is_plane();
-        if is_straight || cross.length() <= TOUCHING * p.length() * q.length() {
+        if a.is_plane() && b.is_plane() {
             return along_chord();
+        }
+        if cross.length() <= TOUCHING * p.length() * q.length() {
+            let place = self.at(half_edge).places[usize::from(is_back)];
+            let curve = scene.curve(self.at(half_edge).curve);
+            let Some(curve) = curve else {
+                return along_chord();
+            };
+            // How it bends where surfaces touch, differences do not tell.
+            return Departure {
+                bend: f64::NAN,
+                ..along_curve([curve.direction(place), DVec3::ZERO])
+            };
         }
         let tangent = cross.normalize();
         // The second derivative keeps to both surfaces.

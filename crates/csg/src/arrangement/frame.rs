@@ -188,7 +188,12 @@ impl Frame {
     /// A point of a patch as seen along the patch's direction of view, from
     /// outside of the surface's half-space, or from inside.
     pub fn flatten(&self, patch: u8, from_outside: bool, point: DVec3) -> DVec2 {
-        let place = self.to_frame * (point - self.center);
+        self.flatten_direction(patch, from_outside, point - self.center)
+    }
+
+    /// The same of a direction.
+    pub fn flatten_direction(&self, patch: u8, from_outside: bool, direction: DVec3) -> DVec2 {
+        let place = self.to_frame * direction;
         let (view, faces) = self.view(patch);
         // The pair and the view are right-handed, and so is the frame.
         let (u, v) = view.any_orthonormal_pair();

@@ -162,12 +162,20 @@ impl<'a> Scene<'a> {
     /// A point of a face seen from outside, along the axis that its plane faces
     /// most: no coordinate is rounded.
     pub fn flatten(&self, side: &Side, point: DVec3) -> DVec2 {
+        match self.frame(side.plane) {
+            Some(frame) => frame.flatten(side.patch, side.along_normal, point),
+            None => self.flatten_direction(side, point),
+        }
+    }
+
+    /// The same of a direction, however short beside the coordinates of the face.
+    pub fn flatten_direction(&self, side: &Side, direction: DVec3) -> DVec2 {
         if let Some(frame) = self.frame(side.plane) {
-            return frame.flatten(side.patch, side.along_normal, point);
+            return frame.flatten_direction(side.patch, side.along_normal, direction);
         }
         let normal = self.plane(side.plane).normal;
         let axis = normal.abs().max_position();
-        let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
+        let (u, v) = (direction[(axis + 1) % 3], direction[(axis + 2) % 3]);
         if (normal[axis] > 0.0) == side.along_normal {
             DVec2::new(u, v)
         } else {
