@@ -161,6 +161,29 @@ pub(super) mod tests {
         }
     }
 
+    /// Their apexes differ in the last digit.
+    #[test]
+    fn cones_of_one_apex_but_for_rounding_meet_in_lines_of_both() {
+        let apex = DVec3::new(-0.661, 0.001, 0.552);
+        let other = DVec3::new(apex.x, apex.y, apex.z.next_up());
+        let cone = |anchor: DVec3, quadratic: [f64; 6]| {
+            Surface::of_terms(anchor, quadratic, DVec3::ZERO, 0.0)
+        };
+        let upright = cone(apex, [1.0, 1.0, -1.0, 0.0, 0.0, 0.0]);
+        let along_x = [-1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+        for anchor in [apex, other] {
+            let found = curves(&upright, &cone(anchor, along_x), 1e-9).expect("they are known");
+            assert_eq!(found.len(), 2);
+            for branch in &found {
+                for t in [-0.7, 0.4] {
+                    let surfaces = [&upright, &cone(anchor, along_x)];
+                    let off = solve::residual(surfaces.into_iter(), branch.curve.at(t));
+                    assert!(off < 1e-9, "{off}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn planes_nearly_along_a_cylinder_cut_it_in_two_known_to_the_last_digits() {
         let cylinder = Surface::of_terms(
