@@ -1,5 +1,5 @@
 //! Flat triangles of a triangulation, whose third corner is on their longest side but for
-//! rounding: that side is turned, until there are none.
+//! rounding: edges are flipped until there are none.
 
 use glam::DVec2;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -12,9 +12,9 @@ struct Flat {
     height: f64,
 }
 
-/// Turns sides of triangles that are lower than a tolerance, but those of the contours around
-/// all. Points are told by the names of corners, some of them more than once.
-pub(super) fn raise<'a>(
+/// Flips the longest edges of triangles that are lower than a tolerance, but those of the contours
+/// around all. Points are told by the names of corners, some of them more than once.
+pub(super) fn flip_flat<'a>(
     triangles: &mut [[u32; 3]],
     points: impl Iterator<Item = (u32, DVec2)>,
     contours: impl Iterator<Item = &'a [(DVec2, u32)]>,
@@ -41,11 +41,11 @@ pub(super) fn raise<'a>(
         contour.iter().zip(next).map(|(a, b)| [a.1, b.1])
     });
     let around: FxHashSet<[u32; 2]> = around.collect();
-    // What cannot be turned may be, once its neighbour was. The heights of all, in ascending
+    // What cannot be flipped may be, once its neighbour was. The heights of all, in ascending
     // order, only grow, so that this ends.
-    let mut has_turned = true;
-    while has_turned {
-        has_turned = false;
+    let mut has_flipped = true;
+    while has_flipped {
+        has_flipped = false;
         for one in 0..triangles.len() {
             let Flat { corners, height } = flat(triangles[one]);
             let [a, b, c] = corners;
@@ -59,17 +59,17 @@ pub(super) fn raise<'a>(
             let Some(d) = opposite.filter(|&d| !left_of.contains_key(&[c, d])) else {
                 continue;
             };
-            let turned = [[a, d, c], [d, b, c]];
-            let [first, second] = turned.map(|corners| flat(corners).height);
+            let flipped = [[a, d, c], [d, b, c]];
+            let [first, second] = flipped.map(|corners| flat(corners).height);
             let before = height.min(flat(triangles[other]).height);
             if first.min(second) <= before || left_of.contains_key(&[d, c]) {
                 continue;
             }
-            has_turned = true;
+            has_flipped = true;
             for side in [[a, b], [b, a]] {
                 left_of.remove(&side);
             }
-            for (k, corners) in [one, other].into_iter().zip(turned) {
+            for (k, corners) in [one, other].into_iter().zip(flipped) {
                 triangles[k] = corners;
                 left_of.extend(sides(corners).map(|side| (side, k)));
             }

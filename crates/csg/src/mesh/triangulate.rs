@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
-use super::flat::raise;
+use super::flat::flip_flat;
 use super::predicates::orient;
 
 /// A corner of the polygon in work.
@@ -104,7 +104,7 @@ pub(crate) fn triangulate(
         if work.has_flat {
             let points = work.corners.iter().map(|c| (c.name, c.point));
             let contours = region.holes.iter().chain([&region.outer]);
-            raise(
+            flip_flat(
                 &mut triangles[first..],
                 points,
                 contours.copied(),
