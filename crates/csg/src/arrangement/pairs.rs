@@ -161,6 +161,34 @@ pub(super) mod tests {
         }
     }
 
+    /// One a little longer along an axis, as rounded matrices make it.
+    #[test]
+    fn curves_of_balls_that_are_none_by_little_are_known() {
+        let ball = |center: DVec3, along: f64| {
+            Surface::of_terms(center, [along, 1.0, 1.0, 0.0, 0.0, 0.0], DVec3::ZERO, -1.0)
+        };
+        let one = ball(DVec3::new(0.0, 0.0, 0.075), 1.0);
+        for power in 3..10 {
+            let other = ball(
+                DVec3::new(0.0, -0.0866, -0.075),
+                1.0 - 7.0 * 10f64.powi(-power),
+            );
+            let found = curves(&one, &other, 1e-9);
+            let found = found.unwrap_or_else(|why| panic!("{power}: {why:?}"));
+            assert!(!found.is_empty(), "{power}");
+            for branch in &found {
+                for k in 0..20 {
+                    let at = branch.curve.at(0.3 * f64::from(k));
+                    if at.length() > 2.0 {
+                        continue;
+                    }
+                    let off = solve::residual([&one, &other].into_iter(), at);
+                    assert!(off < 1e-13, "{power}: {off}");
+                }
+            }
+        }
+    }
+
     /// Their apexes differ in the last digit.
     #[test]
     fn cones_of_one_apex_but_for_rounding_meet_in_lines_of_both() {

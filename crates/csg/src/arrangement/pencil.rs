@@ -15,7 +15,7 @@ mod conics;
 mod planes;
 
 use crate::elementary;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
@@ -27,7 +27,7 @@ use super::roots::Roots;
 use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::tolerance::{
-    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_DISCRIMINANT, NO_VALUE, POLYNOMIAL, TOUCHING,
+    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING,
 };
 use crate::numeric::{eigen_symmetric, jacobi};
 use crate::program::Surface;
@@ -92,7 +92,7 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
         mut angles,
         multiple,
     } = pencil.singular_members();
-    for angle in multiple {
+    for &angle in &multiple {
         if let Some(known) = pencil.on_planes(angle, near) {
             return known;
         }
@@ -115,6 +115,14 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
             return known;
         }
     }
+    for singular in multiple
+        .iter()
+        .flat_map(|&angle| pencil.singular_near(angle))
+    {
+        if let Some(known) = consider(singular) {
+            return known;
+        }
+    }
     angles.sort_by(f64::total_cmp);
     let first = angles.first().copied().unwrap_or(0.0);
     angles.push(first + 0.5 * TAU);
@@ -128,6 +136,45 @@ pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Un
         |(lines, other): (Lines, DMat4)| pencil.on_lines(&lines, &other, near).ok();
     let known = hyperboloids.into_iter().find_map(on_hyperboloid);
     known.ok_or(Unknown::NoForm)
+}
+
+/// Why it is not told on which of a quadric's lines its curves are.
+enum NoParts {
+    /// The surfaces touch at a point of the line at this angle.
+    Contact(f64),
+    /// Rounding took one of a pair of roots.
+    Lost,
+}
+
+/// On which of a quadric's lines its curves are: by where the discriminant of the other
+/// surface's quadratic form on the lines is 0.
+fn parts_of(form: &OnLines) -> Result<SmallVec<[Part; 2]>, NoParts> {
+    let (discriminant, nothing) = form.discriminant();
+    let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
+    if discriminant.magnitude() <= nothing {
+        parts.push(Part::Touching);
+        return Ok(parts);
+    }
+    let mut roots = Roots::default();
+    discriminant.roots(nothing, &mut roots);
+    if let Some(&touching) = roots.touching.first() {
+        return Err(NoParts::Contact(touching));
+    }
+    roots.simple.sort_by(f64::total_cmp);
+    match roots.simple.as_slice() {
+        [] if discriminant.value(0.0) < 0.0 => {}
+        [] => parts.extend([true, false].map(|is_plus| Part::Around { is_plus })),
+        angles if angles.len() % 2 == 1 => return Err(NoParts::Lost),
+        angles => {
+            let is_between = discriminant.value(0.5 * (angles[0] + angles[1])) > 0.0;
+            for k in (usize::from(!is_between)..angles.len()).step_by(2) {
+                let from = angles[k];
+                let to = *angles.get(k + 1).unwrap_or(&(angles[0] + TAU));
+                parts.push(Part::between(from, to, &discriminant));
+            }
+        }
+    }
+    Ok(parts)
 }
 
 impl<'a> Pencil<'a> {
@@ -170,6 +217,47 @@ impl<'a> Pencil<'a> {
             multiple: multiple_roots(&trig).into_iter().map(half).collect(),
             angles: roots.simple.into_iter().map(half).collect(),
         }
+    }
+
+    /// The factors of singular matrices next to an angle at which roots of the determinant are
+    /// nearly one: so they are of surfaces of one shape but for little, such as balls that
+    /// were turned by rounded numbers. By steps of Rayleigh's quotient iteration.
+    fn singular_near(&self, angle: f64) -> SmallVec<[[f64; 2]; 4]> {
+        const STEPS: u32 = 4;
+        /// How far from the angle, in radians, and how small eigenvalues are there.
+        const NEARLY: f64 = 1e-4;
+        let (sin, cos) = elementary::sin_cos(angle);
+        let eigenvectors = |factors: [f64; 2]| {
+            let (values, vectors) = jacobi(self.combined(factors).to_cols_array_2d());
+            (values, vectors.map(DVec4::from_array))
+        };
+        let (values, vectors) = eigenvectors([cos, sin]);
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let small = values.iter().zip(vectors);
+        let small = small.filter(|(value, _)| value.abs() <= NEARLY * largest);
+        let singular = small.filter_map(|(_, mut null)| {
+            let mut factors = [cos, sin];
+            for _ in 0..STEPS {
+                let [x, y] = self.matrices.map(|matrix| null.dot(matrix * null));
+                let length = elementary::hypot(x, y);
+                // A vector on both surfaces tells nothing.
+                if length <= CANCELLED {
+                    return None;
+                }
+                let sign = (y * cos - x * sin).signum();
+                factors = [sign * y / length, -sign * x / length];
+                if (factors[0] - cos).abs().max((factors[1] - sin).abs()) > NEARLY {
+                    return None;
+                }
+                let along = |v: &DVec4| v.dot(null).abs();
+                let (_, vectors) = eigenvectors(factors);
+                let same = vectors.into_iter();
+                let same = same.max_by(|p, q| along(p).total_cmp(&along(q)));
+                null = same.unwrap_or(null);
+            }
+            Some(factors)
+        });
+        singular.collect()
     }
 
     /// The lines in which two cones of one apex meet: then all quadrics of the pencil
@@ -323,45 +411,49 @@ impl<'a> Pencil<'a> {
     /// The curves on lines that meet the other surface twice.
     fn on_lines(&self, lines: &Lines, other: &DMat4, near: f64) -> Result<Branches, Unknown> {
         let form = lines.form(other);
-        let [a, b, c] = [&form.a, &form.b, &form.c];
-        let discriminant = b.times(b).plus(-1.0, &a.times(c));
-        let scale = b.magnitude() * b.magnitude() + a.magnitude() * c.magnitude();
-        let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
-        if discriminant.magnitude() <= NO_DISCRIMINANT * scale {
-            parts.push(Part::Touching);
-        } else {
-            let mut roots = Roots::default();
-            discriminant.roots(NO_DISCRIMINANT * scale, &mut roots);
-            if let Some(&touching) = roots.touching.first() {
+        let parts = match parts_of(&form) {
+            Ok(parts) => parts,
+            Err(NoParts::Lost) => return Err(Unknown::NoForm),
+            Err(NoParts::Contact(angle)) => {
                 let curve = self.rulings(lines, &form, Part::Around { is_plus: true });
-                let point = curve.at((touching - BEGIN).rem_euclid(TAU));
+                let point = curve.at((angle - BEGIN).rem_euclid(TAU));
                 return self.through_contact(point, near);
             }
-            roots.simple.sort_by(f64::total_cmp);
-            match roots.simple.as_slice() {
-                [] if discriminant.value(0.0) < 0.0 => {}
-                [] => parts.extend([true, false].map(|is_plus| Part::Around { is_plus })),
-                // Rounding took one of a pair.
-                angles if angles.len() % 2 == 1 => return Err(Unknown::NoForm),
-                angles => {
-                    let is_between = discriminant.value(0.5 * (angles[0] + angles[1])) > 0.0;
-                    for k in (usize::from(!is_between)..angles.len()).step_by(2) {
-                        let from = angles[k];
-                        let to = *angles.get(k + 1).unwrap_or(&(angles[0] + TAU));
-                        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-                        let rest = discriminant.without_roots(middle, half);
-                        parts.push(Part::Between { middle, half, rest });
-                    }
-                }
-            }
-        }
+        };
         let mut branches = Branches::new();
         for part in parts {
-            let curves = self.rulings(lines, &form, part).cut_at_infinity();
-            let curves = curves.into_iter().map(|c| Curve::Rulings(Box::new(c)));
-            branches.extend(curves.map(Branch::new));
+            let narrow = self.on_narrow_lines(lines, other, &part);
+            let curve = narrow.unwrap_or_else(|| self.rulings(lines, &form, part));
+            let curves = curve.cut_at_infinity().into_iter();
+            branches.extend(curves.map(|c| Branch::new(Curve::Rulings(Box::new(c)))));
         }
         Ok(branches)
+    }
+
+    /// A curve that is on few of the lines, with these spread: as they are, its discriminant,
+    /// a polynomial of degree four in their angle, would be what is left of terms the larger the
+    /// fewer they are. So is all of a curve on a cone as flat as two planes.
+    fn on_narrow_lines(&self, lines: &Lines, other: &DMat4, part: &Part) -> Option<Rulings> {
+        /// In radians, half of all. Digits are lost with its fourth power.
+        const NARROW: f64 = 0.5;
+        let &Part::Between { middle, half, .. } = part else {
+            return None;
+        };
+        if half > NARROW {
+            return None;
+        }
+        let lines = lines.spread(middle, half);
+        let form = lines.form(other);
+        let (discriminant, nothing) = form.discriminant();
+        let mut roots = Roots::default();
+        discriminant.roots(nothing, &mut roots);
+        // The rest of the lines, now narrow, do not matter.
+        let signed = |angle: &f64| (angle + PI).rem_euclid(TAU) - PI;
+        let before = roots.simple.iter().map(signed).filter(|&angle| angle < 0.0);
+        let after = roots.simple.iter().map(signed).filter(|&angle| angle > 0.0);
+        let (from, to) = (before.reduce(f64::max)?, after.reduce(f64::min)?);
+        let part = Part::between(from, to, &discriminant);
+        Some(self.rulings(&lines, &form, part))
     }
 
     /// The curves of quadrics that touch at a point.

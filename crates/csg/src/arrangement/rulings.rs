@@ -58,6 +58,15 @@ impl OnLines {
     fn magnitudes(&self) -> [f64; 3] {
         [&self.a, &self.b, &self.c].map(Trig::magnitude)
     }
+
+    /// b² - ac, and how much of it is rounding.
+    pub fn discriminant(&self) -> (Trig, f64) {
+        let OnLines { a, b, c } = self;
+        let [size_a, size_b, size_c] = self.magnitudes();
+        let discriminant = b.times(b).plus(-1.0, &a.times(c));
+        let size = size_b * size_b + size_a * size_c;
+        (discriminant, NO_DISCRIMINANT * size)
+    }
 }
 
 impl Lines {
@@ -76,6 +85,30 @@ impl Lines {
             a: product(&self.p, &self.p),
             b: product(&self.p, &self.q),
             c: product(&self.q, &self.q),
+        }
+    }
+
+    /// The same lines by another angle, in which those nearer than `half` to `middle` are half
+    /// of all: by tan(φ / 2) = tan(half / 2) tan(φ' / 2) for the angle φ from the middle, and
+    /// with factors that are polynomials in the new sine and cosine again.
+    pub fn spread(&self, middle: f64, half: f64) -> Self {
+        let (sin, cos) = elementary::sin_cos(middle);
+        let (s, c) = elementary::sin_cos(0.5 * half);
+        let narrow = s / c;
+        let square = narrow * narrow;
+        let spread = |round: &Round| {
+            let &[one, x, y] = round;
+            if x == DVec4::ZERO && y == DVec4::ZERO {
+                // A vertex.
+                return *round;
+            }
+            let (x, y) = (cos * x + sin * y, cos * y - sin * x);
+            let (near, far) = (0.5 * (one + x), 0.5 * square * (one - x));
+            [near + far, near - far, narrow * y]
+        };
+        Self {
+            p: spread(&self.p),
+            q: spread(&self.q),
         }
     }
 
@@ -98,6 +131,18 @@ pub(crate) enum Part {
     /// Those between two that touch the other surface, there and back. The last
     /// is b² - ac over cos(θ - middle) - cos(half).
     Between { middle: f64, half: f64, rest: Trig },
+}
+
+impl Part {
+    /// From one root of b² - ac to another.
+    pub fn between(from: f64, to: f64, discriminant: &Trig) -> Self {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        Self::Between {
+            middle,
+            half,
+            rest: discriminant.without_roots(middle, half),
+        }
+    }
 }
 
 /// A curve on the lines of one quadric and on another one.
