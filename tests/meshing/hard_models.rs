@@ -449,6 +449,7 @@ fn what_rounded_matrices_place_is_meshed_as_it_is() {
         "pipes-in-a-fan",
         "apex-on-a-rim",
         "balls-turned-in-six-digits",
+        "frusta-on-one-plane",
     ] {
         for pose in [HOME, TURNED] {
             let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");
@@ -468,6 +469,24 @@ fn what_rounded_matrices_place_is_meshed_as_it_is() {
             }
         }
     }
+}
+
+/// The bound of a volume counts that edges are right to rounding only.
+#[test]
+fn volumes_of_slivers_are_within_their_bounds() {
+    let program = Program::lower(&model("sliver-of-six-digits")).expect("a valid solid");
+    let boundary = program.boundary(&BoundaryOptions::new());
+    let exact = boundary.expect("a boundary").measure().volume;
+    let meshed = Mesher::new().tolerance(0.01).mesh(&program);
+    let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+    assert!(report.is_proven(), "{:?}", report.undecided);
+    // All of it is flat, and so the mesh exact but for rounding.
+    let volume = mesh.volume();
+    let off = (volume - exact.value).abs();
+    assert!(
+        off <= exact.error && exact.error < 0.1 * volume,
+        "{exact:?}"
+    );
 }
 
 /// A hull of balls in a plane is made of planes, cylinders and balls.

@@ -91,10 +91,21 @@ pub(super) mod tests {
             4 => ([1.0, a, -b], 0.0, c),
             _ => ([1.0, a, 0.0], b, 0.0),
         };
+        let center = DVec3::new(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5));
+        of_axes(center, turn, values, (slope, constant))
+    }
+
+    /// A quadric by the squares of its axes, turned; linear along the last of them.
+    fn of_axes(
+        center: DVec3,
+        turn: DMat3,
+        values: [f64; 3],
+        (slope, constant): (f64, f64),
+    ) -> Surface {
         let form = turn * DMat3::from_diagonal(values.into()) * turn.transpose();
         let entry = |i: usize, j: usize| form.col(j)[i];
         Surface::of_terms(
-            DVec3::new(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5)),
+            center,
             [
                 entry(0, 0),
                 entry(1, 1),
@@ -187,6 +198,36 @@ pub(super) mod tests {
                 }
             }
         }
+    }
+
+    /// The apex of one is on the other one: their curve passes through it twice.
+    #[test]
+    fn nodes_are_on_the_pieces_of_curves_that_have_them() {
+        let mut random = Random(1);
+        let mut all = 0;
+        for trial in 0..100 {
+            let [a, b] = [(); 2].map(|()| 0.2 + random.unit());
+            let apex = DVec3::new(a, 0.0, 1.0);
+            let one = of_axes(DVec3::ZERO, DMat3::IDENTITY, [1.0, 1.0, -a * a], (0.0, 0.0));
+            let other = of_axes(apex, turn(&mut random), [1.0, 1.0, -b * b], (0.0, 0.0));
+            let Ok(found) = curves(&one, &other, 1e-9) else {
+                continue;
+            };
+            let mut count = 0;
+            for branch in &found {
+                let range = branch.curve.range(apex, 1.0);
+                for &node in &branch.nodes {
+                    let is_within = range.is_some_and(|[from, to]| from < node && node < to);
+                    assert!(is_within, "{trial}: {node} of {range:?}");
+                    let off = branch.curve.at(node).distance(apex);
+                    assert!(off < 1e-9, "{trial}: {off}");
+                    count += 1;
+                }
+            }
+            assert_eq!(count % 2, 0, "{trial}");
+            all += count;
+        }
+        assert!(all > 100, "{all}");
     }
 
     /// Their apexes differ in the last digit.

@@ -356,11 +356,18 @@ impl<'a> Pencil<'a> {
         let mut nodes: SmallVec<[f64; 2]> = SmallVec::new();
         if is_finite {
             let places = roots.simple.iter().chain(&roots.touching);
-            nodes.extend(places.map(|angle| (angle - BEGIN).rem_euclid(TAU)));
+            nodes.extend(places.map(|angle| angle - BEGIN));
         }
+        let within = |between: Option<(f64, f64)>| {
+            let (from, to) = between.unwrap_or((0.0, TAU));
+            let places = nodes
+                .iter()
+                .map(move |node| from + (node - from).rem_euclid(TAU));
+            places.filter(move |&place| place < to).collect()
+        };
         let curve = self.rulings(lines, &form, Part::Once);
         let pieces = curve.cut_at_infinity().into_iter().map(|piece| Branch {
-            nodes: nodes.clone(),
+            nodes: within(piece.between),
             curve: Curve::Rulings(Box::new(piece)),
         });
         Ok(pieces.collect())

@@ -69,7 +69,8 @@ impl Brep {
         for stretch in &patch.stretches {
             let curve = &self.curves[stretch.curve as usize];
             let Stretch { places, gap, .. } = *stretch;
-            sum.add(&along(&chart, |t| curve.at(t), places, gap, self.size));
+            let off = gap.max(self.rounding);
+            sum.add(&along(&chart, |t| curve.at(t), places, off, self.size));
         }
         sum
     }

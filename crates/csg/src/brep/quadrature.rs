@@ -133,7 +133,7 @@ const MOST_STRIPS: u32 = 500;
 #[derive(Clone, Copy, Debug, Default)]
 struct Strip {
     values: Integrals,
-    /// What rounding may change.
+    /// What rounding may change, of the integrals and of where the curve is.
     noise: Integrals,
     /// Halving tells no more than this.
     least: Integrals,
@@ -143,24 +143,28 @@ struct Strip {
 struct Along<'a, C> {
     chart: &'a Chart<'a>,
     curve: C,
+    /// How far off x and y may be.
+    off: f64,
     size: f64,
     sum: Sum,
     strips: u32,
 }
 
 /// The part of integrals over a patch that one of its edges gives: a curve that runs from
-/// one place to another with the patch on its left, in a scene of some size. It ends no farther
-/// than `gap` from where it should.
+/// one place to another with the patch on its left, in a scene of some size. It is nowhere farther
+/// than `off` from where it should be.
 pub(super) fn along(
     chart: &Chart<'_>,
     curve: impl Fn(f64) -> DVec3,
     places: [f64; 2],
-    gap: f64,
+    off: f64,
     size: f64,
 ) -> Sum {
+    let off = chart.per_length() * off;
     let mut along = Along {
         chart,
         curve,
+        off,
         size,
         sum: Sum::default(),
         strips: 0,
@@ -170,9 +174,8 @@ pub(super) fn along(
     // The strips between where it ends and where it should.
     for end in places {
         let row = row(chart, chart.flatten((along.curve)(end)), &COARSE);
-        let width = chart.per_length() * gap;
         for (error, value) in along.sum.errors.iter_mut().zip(row) {
-            *error += width * value.abs();
+            *error += off * value.abs();
         }
     }
     along.sum
@@ -210,13 +213,21 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
         let flat = |node: f64| self.chart.flatten((self.curve)(from + node * (to - from)));
         let points: Vec<DVec2> = rule.nodes.iter().map(|&node| flat(node)).collect();
         // Differences keep their digits about a point near by.
-        let about = flat(0.5).y;
+        let about = flat(0.5);
         // As many digits of y as coordinates in space have.
         let unit = self.chart.per_length() * self.size;
         let mut strip = Strip::default();
+        let mut beside = Integrals::default();
         for (k, point) in points.iter().enumerate() {
             let slopes = rule.derivatives[k].iter().zip(&points);
-            let slope: f64 = slopes.map(|(d, p)| d * (p.y - about)).sum();
+            let slope: DVec2 = slopes.map(|(&d, &p)| d * (p - about)).sum();
+            // The patches on both sides would have to end in the same points.
+            let aside = rule.weights[k] * slope.length() * self.off;
+            let slope = slope.y;
+            let at = self.chart.lift(*point);
+            for (beside, value) in beside.iter_mut().zip(integrand(at, self.chart.normal(at))) {
+                *beside += aside * value.abs();
+            }
             let row = row(self.chart, *point, across);
             for (j, value) in row.into_iter().enumerate() {
                 let term = self.chart.turn() * rule.weights[k] * value;
@@ -233,6 +244,9 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
                 _ => 2,
             };
             *least += noise + CONVERGED * self.size.powi(power);
+        }
+        for (noise, beside) in strip.noise.iter_mut().zip(beside) {
+            *noise += beside;
         }
         strip
     }
