@@ -13,7 +13,8 @@ impl Shell<'_> {
     /// of a void.
     #[must_use]
     pub fn volume(&self) -> Bounded {
-        let sum = self.brep().sum(self.patches());
+        let (brep, patches) = (self.brep(), self.patches());
+        let sum = brep.sum(patches, brep.middle(patches));
         Bounded {
             value: sum.values[0] / 3.0,
             error: sum.errors[0] / 3.0,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::bounded::Bounded;
 use super::data::{Brep, Patch, Stretch, range};
-use super::quadrature::{self, Integrals, Sum, along};
+use super::quadrature::{self, Integrals, Scale, Sum, along};
 use super::view::{Edge, Face};
 
 /// The measures of a solid, in the units of its model.
@@ -49,12 +49,28 @@ impl Brep {
     /// 50 microseconds for every edge of a curved face.
     #[must_use]
     pub fn measure(&self) -> SolidMeasure {
-        let sum = self.sum(&self.patches);
-        self.solid_measure(&sum)
+        let about = self.middle(&self.patches);
+        let sum = self.sum(&self.patches, about);
+        self.solid_measure(&sum, about)
     }
 
-    pub(super) fn sum(&self, patches: &[Patch]) -> Sum {
-        let sums: Vec<Sum> = patches.par_iter().map(|patch| self.sum_of(patch)).collect();
+    /// Between all edges of patches. Integrals about there are no larger than they need be, and
+    /// what rounding changes of them.
+    pub(super) fn middle(&self, patches: &[Patch]) -> DVec3 {
+        let stretches = patches.iter().flat_map(|patch| &patch.stretches);
+        let start = |stretch: &Stretch| {
+            let at = self.curves[stretch.curve as usize].at(stretch.places[0]);
+            (at, at)
+        };
+        let ends = stretches.map(start);
+        let ends = ends.reduce(|(low, high), (at, _)| (low.min(at), high.max(at)));
+        ends.map_or(DVec3::ZERO, |(low, high)| low.midpoint(high))
+    }
+
+    /// The integrals over patches, of points counted from `about`.
+    pub(super) fn sum(&self, patches: &[Patch], about: DVec3) -> Sum {
+        let sums = patches.par_iter().map(|patch| self.sum_of(patch, about));
+        let sums: Vec<Sum> = sums.collect();
         let mut sum = Sum::default();
         for part in &sums {
             sum.add(part);
@@ -62,20 +78,24 @@ impl Brep {
         sum
     }
 
-    /// The integrals over a patch.
-    fn sum_of(&self, patch: &Patch) -> Sum {
+    fn sum_of(&self, patch: &Patch, about: DVec3) -> Sum {
         let chart = self.chart(patch);
         let mut sum = Sum::default();
         for stretch in &patch.stretches {
             let curve = &self.curves[stretch.curve as usize];
             let Stretch { places, gap, .. } = *stretch;
             let off = gap.max(self.rounding);
-            sum.add(&along(&chart, |t| curve.at(t), places, off, self.size));
+            let scene = Scale {
+                about,
+                size: self.size,
+                off,
+            };
+            sum.add(&along(&chart, |t| curve.at(t), places, &scene));
         }
         sum
     }
 
-    fn solid_measure(&self, sum: &Sum) -> SolidMeasure {
+    fn solid_measure(&self, sum: &Sum, about: DVec3) -> SolidMeasure {
         let mut errors = sum.errors;
         // Surfaces are where they should be but for rounding, and but for what moved them. The
         // layer between counts as much as a part of the boundary of so much area, at the least:
@@ -99,9 +119,9 @@ impl Brep {
         let [xx, yy, zz] = [second(4, 0, 0), second(5, 1, 1), second(6, 2, 2)];
         let [xy, yz, zx] = [second(7, 0, 1), second(8, 1, 2), second(9, 2, 0)];
         let bounded = |k: usize, at: f64| Bounded {
-            value: at + self.origin[k],
+            value: at + about[k] + self.origin[k],
             error: (error(k + 1) + at.abs() * volume.error) / volume.value
-                + f64::EPSILON * (at.abs() + self.origin[k].abs()),
+                + f64::EPSILON * (at.abs() + about[k].abs() + self.origin[k].abs()),
         };
         let of_second = (4..10).map(error).fold(0.0, f64::max);
         let reach = centroid.map_or(0.0, |centroid| centroid.abs().max_element());
@@ -147,7 +167,7 @@ impl Face<'_> {
     #[must_use]
     pub fn area(&self) -> Bounded {
         let brep = self.brep();
-        let sum = brep.sum(&brep.patches[range(self.patches())]);
+        let sum = brep.sum(&brep.patches[range(self.patches())], DVec3::ZERO);
         Bounded {
             value: sum.values[10],
             error: sum.errors[10],

@@ -16,7 +16,7 @@ use super::chart::Chart;
 use crate::numeric::tolerance::{CONVERGED, INTEGRAL};
 
 /// The integrals over a face that the measures of a solid need: of p·n, and of p·n times
-/// x, y, z, xx, yy, zz, xy, yz, zx, p counted from the origin and n the outward normal; and
+/// x, y, z, xx, yy, zz, xy, yz, zx, p counted from some point and n the outward normal; and
 /// the area.
 pub(super) type Integrals = [f64; 11];
 
@@ -139,33 +139,41 @@ struct Strip {
     least: Integrals,
 }
 
+/// Lengths that integrals are measured by.
+pub(super) struct Scale {
+    /// The point that others are counted from.
+    pub about: DVec3,
+    /// Of the scene.
+    pub size: f64,
+    /// No curve is farther from where it should be.
+    pub off: f64,
+}
+
 /// A stretch of a curve with a patch on its left.
 struct Along<'a, C> {
     chart: &'a Chart<'a>,
     curve: C,
     /// How far off x and y may be.
     off: f64,
-    size: f64,
+    scale: &'a Scale,
     sum: Sum,
     strips: u32,
 }
 
 /// The part of integrals over a patch that one of its edges gives: a curve that runs from
-/// one place to another with the patch on its left, in a scene of some size. It is nowhere farther
-/// than `off` from where it should be.
+/// one place to another with the patch on its left.
 pub(super) fn along(
     chart: &Chart<'_>,
     curve: impl Fn(f64) -> DVec3,
     places: [f64; 2],
-    off: f64,
-    size: f64,
+    scale: &Scale,
 ) -> Sum {
-    let off = chart.per_length() * off;
+    let off = chart.per_length() * scale.off;
     let mut along = Along {
         chart,
         curve,
         off,
-        size,
+        scale,
         sum: Sum::default(),
         strips: 0,
     };
@@ -173,7 +181,12 @@ pub(super) fn along(
     along.halve(places, &once.values, 0);
     // The strips between where it ends and where it should.
     for end in places {
-        let row = row(chart, chart.flatten((along.curve)(end)), &COARSE);
+        let row = row(
+            chart,
+            chart.flatten((along.curve)(end)),
+            &COARSE,
+            scale.about,
+        );
         for (error, value) in along.sum.errors.iter_mut().zip(row) {
             *error += off * value.abs();
         }
@@ -215,7 +228,7 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
         // Differences keep their digits about a point near by.
         let about = flat(0.5);
         // As many digits of y as coordinates in space have.
-        let unit = self.chart.per_length() * self.size;
+        let unit = self.chart.per_length() * self.scale.size;
         let mut strip = Strip::default();
         let mut beside = Integrals::default();
         for (k, point) in points.iter().enumerate() {
@@ -225,10 +238,13 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
             let aside = rule.weights[k] * slope.length() * self.off;
             let slope = slope.y;
             let at = self.chart.lift(*point);
-            for (beside, value) in beside.iter_mut().zip(integrand(at, self.chart.normal(at))) {
+            for (beside, value) in beside
+                .iter_mut()
+                .zip(integrand(at - self.scale.about, self.chart.normal(at)))
+            {
                 *beside += aside * value.abs();
             }
-            let row = row(self.chart, *point, across);
+            let row = row(self.chart, *point, across, self.scale.about);
             for (j, value) in row.into_iter().enumerate() {
                 let term = self.chart.turn() * rule.weights[k] * value;
                 strip.values[j] += term * slope;
@@ -243,7 +259,7 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
                 4..=9 => 5,
                 _ => 2,
             };
-            *least += noise + CONVERGED * self.size.powi(power);
+            *least += noise + CONVERGED * self.scale.size.powi(power);
         }
         for (noise, beside) in strip.noise.iter_mut().zip(beside) {
             *noise += beside;
@@ -296,7 +312,7 @@ fn chord(curve: &impl Fn(f64) -> DVec3, [from, to]: [f64; 2]) -> f64 {
 }
 
 /// The integrals along x, from 0 to a point.
-fn row(chart: &Chart<'_>, end: DVec2, across: &Rule) -> Integrals {
+fn row(chart: &Chart<'_>, end: DVec2, across: &Rule, about: DVec3) -> Integrals {
     let mut sums = Integrals::default();
     let (rule, panels) = if chart.is_flat() {
         (&*FLAT, 1.0)
@@ -314,7 +330,7 @@ fn row(chart: &Chart<'_>, end: DVec2, across: &Rule) -> Integrals {
         for (node, weight) in rule.nodes.iter().zip(&rule.weights) {
             let x = width * (f64::from(panel) + node);
             let point = chart.lift(DVec2::new(x, end.y));
-            let values = integrand(point, chart.normal(point));
+            let values = integrand(point - about, chart.normal(point));
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += weight * width * value;
             }
