@@ -5,6 +5,7 @@ use std::panic::catch_unwind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::ROOT;
 use crate::judge::Random;
 use stereotomy::csg::{Color, Mesh, Mesher, Program, Solid};
 use stereotomy::io;
@@ -45,7 +46,7 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
             Ok(())
         }
         _ => {
-            let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
+            let models = Path::new(ROOT).join("models");
             let folders = [models.clone(), models.join("hard")];
             let files = folders
                 .iter()

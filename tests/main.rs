@@ -1,4 +1,4 @@
-//! All integration tests of the root package but those that count memory, as one program: the
+//! All tests of several crates at once but those that count memory, as one program: the
 //! heavy ones that wait for other programs run beside each other.
 #![allow(missing_docs, reason = "a test")]
 
@@ -26,6 +26,9 @@ mod step;
 
 // Where the fuzz targets look for them.
 use stereotomy::{csg, io, raster};
+
+/// The folder of the workspace.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 #[test]
 fn every_file_is_a_module() {

@@ -1,8 +1,9 @@
 //! The scene files in `models/` are what the writer makes of the reference
 //! scenes, and read back as the same solids.
 
-use std::path::PathBuf;
+use std::path::Path;
 
+use crate::ROOT;
 use stereotomy::csg::glam::dvec3;
 use stereotomy::csg::{Program, Solid};
 use stereotomy::io::scene::{ReadOptions, read_file, write};
@@ -24,7 +25,7 @@ fn models() -> [(&'static str, Solid); 8] {
 /// To write the files anew, run this test with STEREOTOMY_WRITE_MODELS=1.
 #[test]
 fn model_files_are_up_to_date() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models");
+    let folder = Path::new(ROOT).join("models");
     let rewrite = std::env::var_os("STEREOTOMY_WRITE_MODELS").is_some();
     for (name, solid) in models() {
         let path = folder.join(name).with_extension("csg");
@@ -43,7 +44,7 @@ fn model_files_are_up_to_date() {
 
 #[test]
 fn model_files_hold_the_scenes() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models");
+    let folder = Path::new(ROOT).join("models");
     for (name, solid) in models() {
         let path = folder.join(name).with_extension("csg");
         let read = read_file(&path, &ReadOptions::default()).expect("a scene");

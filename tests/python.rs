@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::environment;
+use crate::{ROOT, environment};
 
 fn run(command: &mut Command) {
     let status = command
@@ -22,7 +22,8 @@ fn run(command: &mut Command) {
 fn the_package_passes_its_tests() {
     let requirements = include_str!("../crates/python/tests/requirements.txt");
     let python = environment::python("python", requirements);
-    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/python");
+    let root = Path::new(ROOT);
+    let package = root.join("crates/python");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python");
     let wheels = folder.join("wheels");
     // None of an older version may be left.
@@ -30,7 +31,6 @@ fn the_package_passes_its_tests() {
         fs::remove_dir_all(&wheels).expect("a folder that can be removed");
     }
     // By the profile that the other tests have: a release takes minutes.
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut maturin = Command::new(&python);
     maturin.args(["-m", "maturin", "build", "--quiet", "--profile", "dev"]);
     let is_alone = std::env::var_os("STEREOTOMY_WHEEL").is_some_and(|text| text == "alone");

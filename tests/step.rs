@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use self::script::{Read, Script};
+use crate::ROOT;
 use crate::environment::python;
 use crate::random::Random;
 use stereotomy::csg::brep::{CurveShape, Face, Shell};
@@ -167,7 +168,7 @@ impl Tally {
 }
 
 fn scenes(folder: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let folder = Path::new(ROOT).join(folder);
     let entries = std::fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
     let mut paths: Vec<PathBuf> = paths

@@ -1,12 +1,14 @@
 //! The boundaries of all models that once broke a mesher.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::{Mesher, Program};
 use rayon::prelude::*;
 use stereotomy::io::scene::{ReadOptions, read_file};
 use stereotomy::{csg, io};
+
+use crate::ROOT;
 
 use super::boundary;
 use super::sound::assert_sound;
@@ -15,7 +17,7 @@ use super::sound::assert_sound;
 /// far as surfaces were moved.
 #[test]
 fn hard_models_have_boundaries() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");
+    let folder = Path::new(ROOT).join("models/hard");
     let files = fs::read_dir(folder).expect("the folder");
     let files: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
     let found: Vec<String> = files.par_iter().filter_map(fault).collect();

@@ -208,7 +208,7 @@ fn page(before: Option<&str>) -> String {
 
 #[test]
 fn contacts_are_as_the_page_says() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/contacts/contacts.md");
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("contacts/contacts.md");
     if std::env::var_os("STEREOTOMY_WRITE_CONTACTS").is_some() {
         std::fs::write(&path, page(None)).expect("written");
         return;

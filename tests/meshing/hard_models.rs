@@ -3,12 +3,14 @@
 //! surfaces meet, solids that are not manifold.
 
 use std::f64::consts::PI;
-use std::path::PathBuf;
+use std::path::Path;
 
 use csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
 use stereotomy::io::scene::ReadOptions;
 use stereotomy::{csg, io};
+
+use crate::ROOT;
 
 use super::defects::{largest_miss, measure, size};
 
@@ -17,7 +19,7 @@ pub fn model(name: &str) -> Solid {
 }
 
 fn read(name: &str, options: &ReadOptions) -> Solid {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("models/hard");
+    let folder = Path::new(ROOT).join("models/hard");
     let file = folder.join(name).with_extension("csg");
     let scene = io::scene::read_file(&file, options);
     scene
