@@ -53,14 +53,7 @@ fn the_package_passes_its_tests() {
         .expect("a wheel")
         .expect("its name")
         .path();
-    run(Command::new(&python)
-        .args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-        ])
+    run(environment::pip_install(&python)
         .args(["--no-deps", "--force-reinstall"])
         .arg(wheel));
     run(Command::new(&python)

@@ -6,6 +6,8 @@ mod common;
 mod coverage;
 mod default_look;
 mod degenerate;
+#[path = "../../../tests/manifold3d/python.rs"]
+mod environment;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;
 mod far_parts;

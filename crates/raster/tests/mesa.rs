@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::common;
+use crate::{common, environment};
 use csg::Mesh;
 use glam::{DMat4, DVec3, Vec3};
 use raster::{Camera, Image, Lens, Light, Material, Prepared, RenderOptions, Renderer, View};
@@ -22,27 +22,6 @@ fn folder(name: &str) -> PathBuf {
         .join(name);
     std::fs::create_dir_all(&folder).unwrap();
     folder
-}
-
-/// Python in a virtual environment of its own.
-fn python() -> PathBuf {
-    let requirements = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mesa/requirements.txt");
-    let environment = folder("environment");
-    let python = environment.join("bin/python");
-    let run = |command: &mut Command| {
-        let status = command.status().expect("python3 starts");
-        assert!(status.success(), "{command:?}");
-    };
-    if !environment.join("ready").exists() {
-        run(Command::new("python3")
-            .args(["-m", "venv"])
-            .arg(&environment));
-        run(Command::new(&python)
-            .args(["-m", "pip", "install", "-q", "-r"])
-            .arg(requirements));
-        std::fs::write(environment.join("ready"), "").unwrap();
-    }
-    python
 }
 
 struct Drawn {
@@ -153,7 +132,7 @@ fn pixels_agree_with_llvmpipe() {
         eprintln!("STEREOTOMY_MESA is not 1: pixels are not compared with llvmpipe");
         return;
     }
-    let python = python();
+    let python = environment::python("llvmpipe", include_str!("mesa/requirements.txt"));
     let mut grid = Mesh::default();
     for cell in 0..27 {
         let at = [cell % 3, cell / 3 % 3, cell / 9].map(|i| f64::from(i) * 0.66 - 0.66);
