@@ -17,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use super::roots::{Candidate, Roots};
+use super::roots::{Candidate, Roots, Tolerance};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, SAME_ANGLE, SAME_ROOT};
 use crate::program::Surface;
@@ -386,8 +386,17 @@ impl Rulings {
                 return Err(Along::Within);
             }
         }
+        let nothing = CANCELLED * equation.magnitude();
         let mut roots = Roots::default();
-        equation.roots(CANCELLED * equation.magnitude(), &mut roots);
+        match self.part {
+            // Elsewhere it may be next to nothing for long.
+            Part::Between { middle, half, .. } => {
+                const MARGIN: f64 = 1.01;
+                let range = [middle - MARGIN * half, middle + MARGIN * half];
+                equation.roots_on(range, &Tolerance::everywhere(nothing), &mut roots);
+            }
+            _ => equation.roots(nothing, &mut roots),
+        }
         if roots.is_lost {
             return Err(Along::Beside);
         }
@@ -401,7 +410,6 @@ impl Rulings {
         for &angle in &roots.simple {
             add(angle, 0.0);
         }
-        let nothing = CANCELLED * equation.magnitude();
         for &angle in &roots.touching {
             add(angle, stretch_around(&equation, angle, nothing));
         }

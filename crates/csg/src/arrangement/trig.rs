@@ -210,6 +210,17 @@ impl Trig {
         tolerance: &Tolerance<impl Fn(f64) -> f64>,
         roots: &mut Roots,
     ) {
+        let start = self.clear_start(tolerance.most);
+        self.roots_on([start, start + TAU], tolerance, roots);
+    }
+
+    /// The same of a part of the angles, and it may be others besides.
+    pub(super) fn roots_on(
+        &self,
+        range: [f64; 2],
+        tolerance: &Tolerance<impl Fn(f64) -> f64>,
+        roots: &mut Roots,
+    ) {
         let constant = self.terms[0][0];
         let mut amplitudes = [0.0; DEGREE + 1];
         for (slot, amplitude) in amplitudes.iter_mut().zip(self.amplitudes()) {
@@ -229,10 +240,8 @@ impl Trig {
             let second = self.derivative().derivative();
             let bend =
                 |from: f64, to: f64| bend_within([from, to], most, |t| second.value(t), third);
-            let start = self.clear_start(tolerance.most);
             let before = [roots.simple.len(), roots.touching.len()];
-            let whole = [start, start + TAU];
-            roots.find(whole, |t| self.value(t), bend, tolerance);
+            roots.find(range, |t| self.value(t), bend, tolerance);
             let Roots {
                 simple, touching, ..
             } = roots;
