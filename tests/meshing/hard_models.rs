@@ -444,14 +444,16 @@ fn rods_a_little_out_of_line_are_meshed_as_they_are() {
     }
 }
 
-/// Surfaces that nearly agree, as matrices of six digits place them, are not moved.
+/// Surfaces that nearly agree, as matrices of six digits place them, or have a line in common, are
+/// not moved.
 #[test]
-fn what_rounded_matrices_place_is_meshed_as_it_is() {
+fn what_is_placed_on_purpose_is_meshed_as_it_is() {
     for name in [
         "pipes-in-a-fan",
         "apex-on-a-rim",
         "balls-turned-in-six-digits",
         "frusta-on-one-plane",
+        "cylinder-along-a-ruling-of-a-cone",
     ] {
         for pose in [HOME, TURNED] {
             let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");

@@ -76,7 +76,10 @@ def test_ctrl_c_stops_workers(engine: str, work: str, tmp_path: pathlib.Path) ->
         until(lambda: is_gone(child.pid))
     names = {path.name for path in tmp_path.iterdir()}
     whole = {name for name in names if name.startswith(("part-", "begun-"))}
-    assert names == whole
+    left = names - whole
+    # Ray kills its workers: what one was writing then has no name of a result.
+    assert not left or engine == "ray"
+    assert all(name.startswith(".unfinished-") for name in left)
     assert len(whole) < 2000
 
 

@@ -227,7 +227,7 @@ pub(super) mod tests {
             assert_eq!(count % 2, 0, "{trial}");
             all += count;
         }
-        assert!(all > 100, "{all}");
+        assert!(all > 50, "{all}");
     }
 
     /// Their apexes differ in the last digit.
@@ -461,16 +461,16 @@ pub(super) mod tests {
         assert!(points > 500, "{points}");
     }
 
-    /// Cones and cylinders y² = z l(x, y, z), which touch the plane z = 0 along the x axis: of
-    /// two of them every quadric of the pencil is singular.
-    #[test]
-    fn curves_of_cones_that_touch_along_a_line_are_known() {
-        let mut random = Random(7);
+    /// Two of the cones and cylinders y² = z l(x, y, z), which touch the plane z = 0 along the x
+    /// axis, one of them rolled about it, and both turned: the curves of so many of them, and
+    /// how many of their common points were tried.
+    fn along_a_line(seed: u64, near: [f64; 2], is_rolled: bool) -> u32 {
+        let mut random = Random(seed);
         let mut points = 0;
         for round in 0..200 {
             let turn = turn(&mut random);
             let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
-            let mut touching = |is_cone: bool| {
+            let mut touching = |is_cone: bool, roll: f64| {
                 let [slope, skew, wide] =
                     [(0.3, 1.0), (-0.3, 0.3), (-1.0, -0.3)].map(|(a, b)| number(a, b));
                 let (along, constant) = if is_cone {
@@ -480,17 +480,42 @@ pub(super) mod tests {
                 };
                 let form = [0.0, 1.0, -wide, 0.0, -skew, -along];
                 let surface = Surface::of_terms(DVec3::ZERO, form, -constant * DVec3::Z, 0.0);
+                let turn = turn * DMat3::from_rotation_x(roll);
                 surface.pulled_back(&turn.transpose(), DVec3::ZERO)
             };
-            let surfaces = [touching(true), touching(round % 3 > 0)];
+            let roll = |share: f64| if is_rolled { 0.2 + 5.8 * share } else { 0.0 };
+            let one = touching(true, 0.0);
+            let surfaces = [one, touching(round % 3 > 0, roll(f64::from(round) / 200.0))];
             let branches = curves(&surfaces[0], &surfaces[1], NEAR).expect("they are known");
             let line = turn.x_axis;
-            for place in [-0.7, 0.2] {
+            for place in near {
                 let on = branches.iter().map(|b| distance(&b.curve, place * line));
                 assert!(on.fold(f64::INFINITY, f64::min) < 1e-5, "{round}");
             }
+            // They have one tangent plane where the cubic meets the line.
+            let nodes = branches
+                .iter()
+                .flat_map(|b| b.nodes.iter().map(|&node| b.curve.at(node)));
+            for at in nodes.filter(|at| is_rolled && at.length() < 3.0) {
+                let [p, q] = surfaces.map(|s| s.gradient(at));
+                assert!(p.cross(q).length() < 1e-6, "{round}: {at}");
+            }
             points += check(&surfaces, branches, &mut random);
         }
+        points
+    }
+
+    /// Of these every quadric of the pencil is singular.
+    #[test]
+    fn curves_of_cones_that_touch_along_a_line_are_known() {
+        let points = along_a_line(7, [-0.7, 0.2], false);
+        assert!(points > 500, "{points}");
+    }
+
+    /// These meet else in a twisted cubic.
+    #[test]
+    fn curves_of_cones_that_cross_along_a_line_are_known() {
+        let points = along_a_line(8, [-0.7, 0.2], true);
         assert!(points > 500, "{points}");
     }
 }

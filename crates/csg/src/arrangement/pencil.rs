@@ -12,6 +12,7 @@
 //! but not those of its derivatives.
 
 mod conics;
+mod cubic;
 mod planes;
 
 use crate::elementary;
@@ -348,26 +349,22 @@ impl<'a> Pencil<'a> {
         let mut roots = Roots::default();
         form.b.roots(CANCELLED * form.b.magnitude(), &mut roots);
         let a_there = |angle: &f64| form.a.value(*angle).abs();
-        let has_line = |angle: &f64| a_there(angle) <= NEAR * size;
-        if roots.simple.iter().chain(&roots.touching).any(has_line) {
-            // A line of both surfaces.
-            return Err(Unknown::NoForm);
+        let has_line = |angle: &&f64| a_there(angle) <= NEAR * size;
+        let angles = roots.simple.iter().chain(&roots.touching);
+        let in_both: SmallVec<[f64; 2]> = angles.filter(has_line).copied().collect();
+        match in_both[..] {
+            [] => {}
+            [angle] => return self.beside_line([vertex, lines.point(angle)]),
+            _ => return Err(Unknown::NoForm),
         }
         let mut nodes: SmallVec<[f64; 2]> = SmallVec::new();
         if is_finite {
             let places = roots.simple.iter().chain(&roots.touching);
             nodes.extend(places.map(|angle| angle - BEGIN));
         }
-        let within = |between: Option<(f64, f64)>| {
-            let (from, to) = between.unwrap_or((0.0, TAU));
-            let places = nodes
-                .iter()
-                .map(move |node| from + (node - from).rem_euclid(TAU));
-            places.filter(move |&place| place < to).collect()
-        };
         let curve = self.rulings(lines, &form, Part::Once);
         let pieces = curve.cut_at_infinity().into_iter().map(|piece| Branch {
-            nodes: within(piece.between),
+            nodes: within(&nodes, piece.between),
             curve: Curve::Rulings(Box::new(piece)),
         });
         Ok(pieces.collect())
@@ -382,9 +379,7 @@ impl<'a> Pencil<'a> {
         roots.simple.retain(|t| !roots.touching.contains(t));
         let mut branches = Branches::new();
         for angle in roots.simple.iter().chain(&roots.touching) {
-            let (sin, cos) = elementary::sin_cos(*angle);
-            let [one, c, s] = lines.p;
-            let point = one + cos * c + sin * s;
+            let point = lines.point(*angle);
             if vertex.w.abs() > AT_INFINITY {
                 let away = point - point.w / vertex.w * vertex;
                 branches.push(Branch {
@@ -526,6 +521,15 @@ impl<'a> Pencil<'a> {
             _ => Err(Unknown::NoForm),
         }
     }
+}
+
+/// The angles that are on a piece of a curve, turned by whole turns to where it is.
+fn within(angles: &[f64], between: Option<(f64, f64)>) -> SmallVec<[f64; 2]> {
+    let (from, to) = between.unwrap_or((0.0, TAU));
+    let places = angles
+        .iter()
+        .map(|angle| from + (angle - from).rem_euclid(TAU));
+    places.filter(|&place| place < to).collect()
 }
 
 /// What is at right angles to three vectors.

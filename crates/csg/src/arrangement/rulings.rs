@@ -112,6 +112,11 @@ impl Lines {
         }
     }
 
+    /// The point of p on the line at an angle.
+    pub fn point(&self, angle: f64) -> DVec4 {
+        on_conic(&self.p, elementary::sin_cos(angle))
+    }
+
     /// The values of a plane at p and q.
     fn values(&self, plane: DVec4) -> [Trig; 2] {
         [&self.p, &self.q].map(|v| Trig::linear(v.map(|v| v.dot(plane))))
