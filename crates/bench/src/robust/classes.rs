@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use csg::{Primitive, Solid};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
+use super::features::features;
 use crate::judge::Random;
 use crate::random_tree::{Position, random_tree};
 
@@ -32,6 +33,9 @@ pub enum Class {
     /// At round places and angles, repeated around axes, each placed by matrices of six digits,
     /// as OpenSCAD writes them.
     Written,
+    /// Countersinks, round ends, bosses and other features that touch on purpose, repeated around
+    /// axes and mirrored, half of them placed by matrices of six digits.
+    Features,
 }
 
 impl Class {
@@ -48,6 +52,7 @@ impl Class {
             Self::Packed => packed(&mut random),
             Self::Thin => thin(&mut random),
             Self::Written => written(&mut random),
+            Self::Features => features(&mut random),
         }
     }
 }
@@ -80,7 +85,7 @@ fn turn(random: &mut Random) -> DQuat {
 }
 
 /// One operation after another, in any order: mostly unions, then differences.
-fn combined(random: &mut Random, mut parts: Vec<Solid>) -> Solid {
+pub(super) fn combined(random: &mut Random, mut parts: Vec<Solid>) -> Solid {
     while parts.len() > 1 {
         let one = parts.swap_remove(random.below(parts.len()));
         let other = parts.swap_remove(random.below(parts.len()));
@@ -379,7 +384,7 @@ fn written(random: &mut Random) -> Solid {
     solid
 }
 
-fn in_six_digits(map: DAffine3) -> DAffine3 {
+pub(super) fn in_six_digits(map: DAffine3) -> DAffine3 {
     let numbers = map.to_cols_array().map(|number| {
         let written = format!("{number:.5e}");
         written.parse().unwrap_or(number)

@@ -2,6 +2,7 @@
 //! solid is?
 
 mod classes;
+mod features;
 mod table;
 mod trial;
 
