@@ -454,6 +454,7 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "balls-turned-in-six-digits",
         "frusta-on-one-plane",
         "cylinder-along-a-ruling-of-a-cone",
+        "round-end-in-a-cylinder",
     ] {
         for pose in [HOME, TURNED] {
             let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");

@@ -83,7 +83,19 @@ impl Roots {
     /// `tolerance` are as good as 0.
     pub fn find(
         &mut self,
+        range: [f64; 2],
+        value: impl Fn(f64) -> f64,
+        bend: impl Fn(f64, f64) -> f64,
+        tolerance: &Tolerance<impl Fn(f64) -> f64>,
+    ) {
+        self.find_in_part(range, range[1] - range[0], value, bend, tolerance);
+    }
+
+    /// The same in a part of a range that is so long.
+    pub fn find_in_part(
+        &mut self,
         [start, end]: [f64; 2],
+        range: f64,
         value: impl Fn(f64) -> f64,
         bend: impl Fn(f64, f64) -> f64,
         tolerance: &Tolerance<impl Fn(f64) -> f64>,
@@ -99,7 +111,6 @@ impl Roots {
             (t, value(t))
         };
         let samples: [Sample; PARTS as usize + 1] = std::array::from_fn(|k| at(k as u32));
-        let range = end - start;
         // The first on top, so that intervals are met in order.
         let mut pending: SmallVec<[(Sample, Sample, u32); 64]> = SmallVec::new();
         pending.extend(samples.windows(2).rev().map(|w| (w[0], w[1], 0)));

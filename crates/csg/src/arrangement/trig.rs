@@ -241,7 +241,7 @@ impl Trig {
             let bend =
                 |from: f64, to: f64| bend_within([from, to], most, |t| second.value(t), third);
             let before = [roots.simple.len(), roots.touching.len()];
-            roots.find(range, |t| self.value(t), bend, tolerance);
+            roots.find_in_part(range, TAU, |t| self.value(t), bend, tolerance);
             let Roots {
                 simple, touching, ..
             } = roots;
