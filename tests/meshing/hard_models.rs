@@ -453,7 +453,7 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "apex-on-a-rim",
         "balls-turned-in-six-digits",
         "frusta-on-one-plane",
-        "cylinder-along-a-ruling-of-a-cone",
+        "groove-along-a-ruling",
         "round-end-in-a-cylinder",
     ] {
         for pose in [HOME, TURNED] {
