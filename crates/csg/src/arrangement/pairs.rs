@@ -461,10 +461,10 @@ pub(super) mod tests {
         assert!(points > 500, "{points}");
     }
 
-    /// Two of the cones and cylinders y² = z l(x, y, z), which touch the plane z = 0 along the x
-    /// axis, one of them rolled about it, and both turned: the curves of so many of them, and
-    /// how many of their common points were tried.
-    fn along_a_line(seed: u64, near: [f64; 2], is_rolled: bool) -> u32 {
+    /// Checks the curves of pairs of the cones and cylinders y² = z l(x, y, z), which touch the
+    /// plane z = 0 along the x axis, the second perhaps rolled about it, and both turned; at how
+    /// many common points.
+    fn check_along_a_line(seed: u64, is_rolled: bool) -> u32 {
         let mut random = Random(seed);
         let mut points = 0;
         for round in 0..200 {
@@ -488,7 +488,7 @@ pub(super) mod tests {
             let surfaces = [one, touching(round % 3 > 0, roll(f64::from(round) / 200.0))];
             let branches = curves(&surfaces[0], &surfaces[1], NEAR).expect("they are known");
             let line = turn.x_axis;
-            for place in near {
+            for place in [-0.7, 0.2] {
                 let on = branches.iter().map(|b| distance(&b.curve, place * line));
                 assert!(on.fold(f64::INFINITY, f64::min) < 1e-5, "{round}");
             }
@@ -508,14 +508,14 @@ pub(super) mod tests {
     /// Of these every quadric of the pencil is singular.
     #[test]
     fn curves_of_cones_that_touch_along_a_line_are_known() {
-        let points = along_a_line(7, [-0.7, 0.2], false);
+        let points = check_along_a_line(7, false);
         assert!(points > 500, "{points}");
     }
 
     /// These meet else in a twisted cubic.
     #[test]
     fn curves_of_cones_that_cross_along_a_line_are_known() {
-        let points = along_a_line(8, [-0.7, 0.2], true);
+        let points = check_along_a_line(8, true);
         assert!(points > 500, "{points}");
     }
 }
