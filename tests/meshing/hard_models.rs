@@ -451,9 +451,12 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
     for name in [
         "pipes-in-a-fan",
         "apex-on-a-rim",
+        "balls-overlapping-by-rounding",
         "balls-turned-in-six-digits",
+        "frusta-around-an-axis",
         "frusta-on-one-plane",
         "groove-along-a-ruling",
+        "pipe-and-its-mirror",
         "round-end-in-a-cylinder",
     ] {
         for pose in [HOME, TURNED] {

@@ -66,7 +66,7 @@ pub struct Options {
     /// With classes: seconds after which a process is ended
     #[arg(long, default_value_t = 30.0)]
     limit: f64,
-    /// With classes: a folder for the trees that fail, as scene files
+    /// With classes: a folder for the trees that fail or whose surfaces are moved, as scene files
     #[arg(long)]
     write: Option<PathBuf>,
     /// Be the process that meshes and judges one tree

@@ -69,9 +69,11 @@ fn tried(trials: &Trials, class: Class) -> Vec<(u64, Outcome)> {
                     "{class:?} {seed} ({count} primitives): {}",
                     words.join("; ")
                 );
-                if let Some(folder) = &trials.write {
-                    trial::write(class, seed, folder);
-                }
+            }
+            if let Some(folder) = &trials.write
+                && (!words.is_empty() || outcome.moved)
+            {
+                trial::write(class, seed, folder);
             }
             (seed, outcome)
         })

@@ -122,27 +122,28 @@ impl Arc<'_> {
         }
     }
 
-    /// The point where the curve crosses a third surface, from next to it: the same on all
-    /// three curves, even if the sine of the angle is so small that rounding would find
-    /// others.
+    /// The point where the curve crosses a third surface, from next to it.
     pub fn crossing(&self, start: DVec3, third: SurfaceId) -> DVec3 {
+        let slanting = self.slanting_crossing(start, third);
+        slanting.unwrap_or_else(|| self.point(start, Some(self.scene.surface(third))))
+    }
+
+    /// The same where the sine of the angle is so small that rounding finds others on the
+    /// other two curves: the one that is known best.
+    pub fn slanting_crossing(&self, start: DVec3, third: SurfaceId) -> Option<DVec3> {
         let scene = self.scene;
         let surface = scene.surface(third);
+        let [first, second] = self.id.pair().filter(|_| self.edge.is_none())?;
         let [a, b] = self.surfaces;
-        let point = self.point(start, Some(surface));
-        let Some([first, second]) = self.id.pair().filter(|_| self.edge.is_none()) else {
-            return point;
-        };
-        let [p, q, r] = [a, b, surface].map(|s| s.gradient(point).normalize_or_zero());
+        let [p, q, r] = [a, b, surface].map(|s| s.gradient(start).normalize_or_zero());
         if p.cross(q).dot(r).abs() * scene.on_plane >= scene.rounding {
-            return point;
+            return None;
         }
         let known = scene.crossings([first, second, third]);
-        let distance = |known: &DVec3| known.distance(point);
+        let distance = |known: &DVec3| known.distance(start);
         let nearest = known.iter().copied();
         let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let nearest = nearest.filter(|known| distance(known) <= scene.touching_reach());
-        nearest.unwrap_or(point)
+        nearest.filter(|known| distance(known) <= scene.touching_reach())
     }
 
     /// The point where another branch passes through the curve, from next to it.

@@ -393,14 +393,20 @@ impl ArcTracer {
             point: known(at),
             ..event(at, crosses)
         };
+        // Along the curve it is where it is best known, too: other surfaces may cross there.
+        let crossing = |at: f64| {
+            let slanting = arc.slanting_crossing(arc.curve.at(at), id);
+            let place = slanting.and_then(|point| arc.curve.place(point));
+            event(place.unwrap_or(at), true)
+        };
         if let ([at], [], []) = (&self.roots.simple[..], &self.roots.touching[..], arc.nodes) {
-            self.events.push(event(*at, true));
+            self.events.push(crossing(*at));
             return;
         }
         let clusters = triple.clusters(&mut self.roots, scene.rounding);
         for cluster in &clusters {
             if cluster.is_single_root() {
-                self.events.push(event(cluster.from, true));
+                self.events.push(crossing(cluster.from));
                 continue;
             }
             let at = triple.place(cluster, range);
@@ -422,7 +428,7 @@ impl ArcTracer {
             });
             if contact.is_none() && !cluster.is_contact {
                 let roots = cluster.roots.iter();
-                self.events.extend(roots.map(|&at| event(at, true)));
+                self.events.extend(roots.map(|&at| crossing(at)));
                 continue;
             }
             let known = contact.and_then(|contact| arc.curve.place(contact.center));

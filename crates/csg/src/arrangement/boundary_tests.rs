@@ -83,6 +83,7 @@ fn with_scene<T>(surfaces: &[Surface], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         looks: &[0],
         on_plane: 1e-12,
         near: NEAR,
+        touch: 1e-13,
         reach: 10.0,
         weld: WELD,
         rounding: 1e-15,

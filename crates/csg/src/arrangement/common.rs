@@ -29,7 +29,7 @@ impl Scene<'_> {
             };
             let other = other.ok_or_else(|| Arc::new(Unknown::NoForm))?;
             let one = self.surface(id.first);
-            let common = curves(one, other, self.near).map_err(Arc::new)?;
+            let common = curves(one, other, self.nearness()).map_err(Arc::new)?;
             Ok(common.into_iter().collect())
         };
         let first = CurveId { branch: 0, ..id };
@@ -72,7 +72,7 @@ impl Scene<'_> {
         range @ [start, end]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
-        let tolerances = [self.on_plane, self.near];
+        let tolerances = [self.on_plane, self.touch];
         let surface = self.surface(third);
         if matches!(curve, Curve::Line { .. } | Curve::Ellipse { .. }) {
             return curve.meet(surface, range, tolerances, roots);

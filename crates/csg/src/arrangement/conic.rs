@@ -5,14 +5,14 @@ use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
 use super::curve::{Branch, Branches, Curve, Form, polar};
-use super::intersection::Unknown;
+use super::intersection::{Nearness, Unknown};
 use super::trig::BEGIN;
-use crate::numeric::tolerance::{CANCELLED, NEAR};
+use crate::numeric::tolerance::CANCELLED;
 use crate::program::Surface;
 
 /// The curves in which a plane cuts a quadric, where they are known.
 pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> SmallVec<[Curve; 2]> {
-    let branches = conic(plane, quadric, near).unwrap_or_default();
+    let branches = conic(plane, quadric, Nearness::of(near)).unwrap_or_default();
     branches.into_iter().map(|branch| branch.curve).collect()
 }
 
@@ -103,7 +103,12 @@ fn near_lines(
 }
 
 /// The conic in which a plane cuts a quadric.
-pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Branches, Unknown> {
+pub(super) fn conic(
+    plane: &Surface,
+    quadric: &Surface,
+    nearness: Nearness,
+) -> Result<Branches, Unknown> {
+    let Nearness { near, touch } = nearness;
     let foot = quadric.anchor - plane.value(quadric.anchor) * plane.linear;
     let (u, v) = plane.linear.any_orthonormal_pair();
     let Form {
@@ -137,8 +142,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
     } else {
         [(second, v, y), (first, u, x)]
     };
-    // Of whose size `near` is a share.
-    let scene = near / NEAR;
+    let scene = nearness.scene();
     // How steep the quadric is on the axis: at a cone's apex not at all.
     let steepest = [0.0, scene].map(|off| quadric.gradient(center + off * v).length());
     let is_ruled = second == 0.0 && y.abs() <= CANCELLED * steepest[0].max(steepest[1]);
@@ -154,7 +158,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
         let rest = quadric.value(center);
         // Of the points in the plane where the gradient points into it, the
         // centre is nearest to the surface.
-        let touches = rest.abs() <= near * quadric.gradient(center).length().max(near);
+        let touches = rest.abs() <= touch * quadric.gradient(center).length().max(touch);
         let radius = |value: f64| (rest / value).abs().sqrt();
         let (a, b) = (radius(first) * u, radius(second) * v);
         if (first > 0.0) == (second > 0.0) {
@@ -218,7 +222,7 @@ pub(super) fn conic(plane: &Surface, quadric: &Surface, near: f64) -> Result<Bra
         return Ok(branches);
     }
     let square = -rest / first;
-    if square.abs() <= near * near || rest.abs() <= near * quadric.gradient(center).length() {
+    if square.abs() <= touch * touch || rest.abs() <= touch * quadric.gradient(center).length() {
         // Touching all along it.
         branches.push(Branch::new(Curve::Line {
             point: center,

@@ -83,7 +83,7 @@ impl Boundary {
         let back = self.departure(scene, arriving, true);
         // Next to where curves touch they are one curve but for rounding, too, and
         // their order is that of their bends.
-        let same = |bends: f64| (2.0 * scene.weld * bends.abs()).sqrt().max(SAME_ANGLE);
+        let same = |bends: f64| (2.0 * scene.touch * bends.abs()).sqrt().max(SAME_ANGLE);
         let clockwise = |&half_edge: &HalfEdgeId| {
             let leaves = self.departure(scene, half_edge, false);
             let turn = (back.angle - leaves.angle).rem_euclid(TAU);

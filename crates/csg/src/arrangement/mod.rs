@@ -104,7 +104,7 @@ use self::scene::{Plane, Scene};
 use self::traced::Traced;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::{NEAR, ON_PLANE, VALUE, WELD};
+use crate::numeric::tolerance::{NEAR, ON_PLANE, TOUCH, VALUE, WELD};
 use crate::program::{Origin, Program, Surface, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
@@ -121,9 +121,9 @@ pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
 pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
 
 /// Surfaces that are nowhere farther apart than this share of the scene bound walls or
-/// gaps that the stages of the evaluation cannot tell from none: a curve on the one is
-/// on the other, too, by [`ON_PLANE`], or touches it, by [`NEAR`]. Planes alone are
-/// told apart as far as their vertices are, by [`WELD`].
+/// gaps that the stages of the evaluation are not asked to tell from none: a curve on the
+/// one is on the other, too, by [`ON_PLANE`], and points of both are one, by [`NEAR`]. Planes
+/// alone are told apart as far as their vertices are, by [`WELD`].
 pub(crate) fn unresolved(program: &Program) -> f64 {
     if is_polyhedral(program) {
         3.0 * WELD
@@ -243,6 +243,7 @@ fn in_blocks<T>(
         looks: &looks,
         on_plane: ON_PLANE * longest + rounding,
         near: NEAR * longest + rounding,
+        touch: TOUCH * longest + rounding,
         reach,
         weld: WELD * longest + 10.0 * rounding,
         rounding,

@@ -2,7 +2,7 @@
 
 use super::conic::conic;
 use super::curve::{Branch, Branches};
-use super::intersection::{Unknown, line};
+use super::intersection::{Nearness, Unknown, line};
 use super::pencil;
 use crate::numeric::tolerance::{CANCELLED, NEAR};
 use crate::program::Surface;
@@ -11,20 +11,20 @@ use crate::program::Surface;
 /// quadric in conics, and two quadrics in curves of degree four (see
 /// [`pencil`]) or, if their quadratic parts agree, in a plane. Surfaces that
 /// come nearer to each other than `near` without crossing touch.
-pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Unknown> {
+pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Branches, Unknown> {
     if a.is_plane() && b.is_plane() {
         return Ok(line(a, b).into_iter().map(Branch::new).collect());
     }
     if a.is_plane() {
-        return conic(a, b, near);
+        return conic(a, b, nearness);
     }
     if b.is_plane() {
-        return conic(b, a, near);
+        return conic(b, a, nearness);
     }
     if let Some(plane) = radical_plane(a, b) {
-        return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, near));
+        return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, nearness));
     }
-    pencil::curves(a, b, near)
+    pencil::curves(a, b, nearness)
 }
 
 /// The plane in which two quadrics of the same quadratic part, but for a factor,
@@ -160,7 +160,7 @@ pub(super) mod tests {
                 anchor: x * DVec3::X,
                 ..surface([0.0; 6], DVec3::X, 0.0)
             };
-            let found = curves(&plane, &saddle, 1e-9).expect("they are known");
+            let found = curves(&plane, &saddle, Nearness::of(1e-9)).expect("they are known");
             assert_eq!(found.len(), 2, "{x}");
             for branch in &found {
                 assert_eq!(branch.nodes.len(), nodes, "{x}");
@@ -184,7 +184,7 @@ pub(super) mod tests {
                 DVec3::new(0.0, -0.0866, -0.075),
                 1.0 - 7.0 * 10f64.powi(-power),
             );
-            let found = curves(&one, &other, 1e-9);
+            let found = curves(&one, &other, Nearness::of(1e-9));
             let found = found.unwrap_or_else(|why| panic!("{power}: {why:?}"));
             assert!(!found.is_empty(), "{power}");
             for branch in &found {
@@ -200,6 +200,100 @@ pub(super) mod tests {
         }
     }
 
+    /// Balls of radius 1, one of them no ball by less than they overlap, have a loop in common,
+    /// however small it is; or nothing, or touch.
+    #[test]
+    fn balls_that_nearly_touch_meet_in_loops() {
+        let mut random = Random(3);
+        for case in 0..200 {
+            let overlap = 10f64.powi(-6 - case % 6);
+            let turn = turn(&mut random);
+            let along = turn * DVec3::X;
+            let one = of_axes(DVec3::ZERO, DMat3::IDENTITY, [1.0; 3], (0.0, -1.0));
+            let other = |off: f64, odd: f64| {
+                let center = (2.0 + off) * along;
+                of_axes(center, turn, [1.0, 1.0, 1.0 + odd], (0.0, -1.0))
+            };
+            let overlapping = other(-overlap, 0.3 * overlap);
+            let found = curves(&one, &overlapping, Nearness::of(NEAR));
+            let found = found.unwrap_or_else(|why| panic!("{case}: {why:?}"));
+            assert!(!found.is_empty(), "{case}: {overlap}");
+            let radius = overlap.sqrt();
+            for branch in &found {
+                let [start, end] = branch.curve.range(DVec3::ZERO, 3.0).expect("it is near");
+                for k in 0..50 {
+                    let at = branch.curve.at(start + f64::from(k) / 50.0 * (end - start));
+                    let off = solve::residual([&one, &overlapping].into_iter(), at);
+                    assert!(off < 2e-15, "{case}: {off}");
+                    let from_axis = at.reject_from(along).length();
+                    assert!(
+                        (from_axis / radius - 1.0).abs() < 0.2,
+                        "{case}: {from_axis}"
+                    );
+                }
+            }
+            let apart = curves(&one, &other(overlap, 0.3 * overlap), Nearness::of(NEAR));
+            assert!(apart.is_ok_and(|none| none.is_empty()), "{case}");
+            let touching = curves(&one, &other(0.0, 0.0), Nearness::of(NEAR));
+            assert!(
+                matches!(touching, Err(Unknown::Touch(_))),
+                "{case}: {touching:?}"
+            );
+        }
+    }
+
+    /// A cone or cylinder, and the same turned by a matrix of six digits: their curves lie in
+    /// two planes but for that.
+    pub fn equal_but_for_digits(random: &mut Random) -> [Surface; 2] {
+        let values = [[1.0, 1.0, -0.25 - random.unit()], [1.0, 1.0, 0.0]];
+        let values = values[random.below(2)];
+        let constant = if values[2] == 0.0 { -0.3 } else { 0.0 };
+        let one = of_axes(DVec3::ZERO, turn(random), values, (0.0, constant));
+        let [xx, yy, zz, xy, yz, zx] = one.quadratic;
+        let [xy, yz, zx] = [xy, yz, zx].map(|mixed| 0.5 * mixed);
+        let form = DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz]);
+        let angle = [90.0f64, 120.0, 45.0][random.below(3)].to_radians();
+        let [sin, cos] = [angle.sin(), angle.cos()].map(|number| (number * 1e6).round() * 1e-6);
+        let back = DMat3::from_cols_array(&[cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0]);
+        let turned = back.transpose() * form * back;
+        let entry = |i: usize, j: usize| turned.col(j)[i];
+        let mixed = |i: usize, j: usize| 2.0 * entry(i, j);
+        let [xx, yy, zz] = [0, 1, 2].map(|k| entry(k, k));
+        let quadratic = [xx, yy, zz, mixed(0, 1), mixed(1, 2), mixed(2, 0)];
+        // Off the axis about which one was turned, more or less.
+        let off = 0.3 * random.unit() * DVec3::X;
+        let other = Surface::of_terms(back.transpose() * off, quadratic, DVec3::ZERO, constant);
+        [Surface { anchor: off, ..one }, other]
+    }
+
+    #[test]
+    fn curves_in_two_planes_but_for_little_are_known_and_all() {
+        let mut random = Random(4);
+        let (mut known, mut points) = (0, 0);
+        for case in 0..300 {
+            let surfaces = equal_but_for_digits(&mut random);
+            let Ok(branches) = curves(&surfaces[0], &surfaces[1], Nearness::of(NEAR)) else {
+                continue;
+            };
+            for branch in &branches {
+                let Some([start, end]) = branch.curve.range(DVec3::ZERO, 3.0) else {
+                    continue;
+                };
+                for k in 0..50 {
+                    let at = branch.curve.at(start + f64::from(k) / 50.0 * (end - start));
+                    let off = solve::residual(surfaces.iter(), at);
+                    assert!(
+                        off < 1e-11 * (1.0 + at.length()),
+                        "{case}: {off} {surfaces:?}"
+                    );
+                }
+            }
+            known += 1;
+            points += check(&surfaces, branches, &mut random);
+        }
+        assert!(known > 290 && points > 700, "{known} {points}");
+    }
+
     /// The apex of one is on the other one: their curve passes through it twice.
     #[test]
     fn nodes_are_on_the_pieces_of_curves_that_have_them() {
@@ -210,7 +304,7 @@ pub(super) mod tests {
             let apex = DVec3::new(a, 0.0, 1.0);
             let one = of_axes(DVec3::ZERO, DMat3::IDENTITY, [1.0, 1.0, -a * a], (0.0, 0.0));
             let other = of_axes(apex, turn(&mut random), [1.0, 1.0, -b * b], (0.0, 0.0));
-            let Ok(found) = curves(&one, &other, 1e-9) else {
+            let Ok(found) = curves(&one, &other, Nearness::of(1e-9)) else {
                 continue;
             };
             let mut count = 0;
@@ -241,7 +335,8 @@ pub(super) mod tests {
         let upright = cone(apex, [1.0, 1.0, -1.0, 0.0, 0.0, 0.0]);
         let along_x = [-1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
         for anchor in [apex, other] {
-            let found = curves(&upright, &cone(anchor, along_x), 1e-9).expect("they are known");
+            let found = curves(&upright, &cone(anchor, along_x), Nearness::of(1e-9))
+                .expect("they are known");
             assert_eq!(found.len(), 2);
             for branch in &found {
                 for t in [-0.7, 0.4] {
@@ -267,7 +362,7 @@ pub(super) mod tests {
                 DVec3::new(0.5, 0.3, 0.1),
                 DVec3::new(0.8, 0.6, tilt).normalize(),
             );
-            let found = curves(&plane, &cylinder, NEAR).expect("they are known");
+            let found = curves(&plane, &cylinder, Nearness::of(NEAR)).expect("they are known");
             for side in [-1.0, 1.0] {
                 for z in [-0.5, 0.0, 0.4] {
                     let height = plane.linear.z * (z - plane.anchor.z)
@@ -320,17 +415,17 @@ pub(super) mod tests {
             };
             let plane = Surface::plane(foot, normal);
             let [wanted, found] = [
-                curves(&plane, &touching, 1e-9),
-                curves(&touching, &other, 1e-9),
+                curves(&plane, &touching, Nearness::of(1e-9)),
+                curves(&touching, &other, Nearness::of(1e-9)),
             ]
             .map(|curves| curves.map_or(0, |branches| branches.len()));
             assert_eq!(
                 found,
                 wanted,
                 "case {case} {factor} {share} {foot} {normal}{touching:?} {:?}",
-                curves(&touching, &other, 1e-9)
+                curves(&touching, &other, Nearness::of(1e-9))
             );
-            let branches = curves(&touching, &other, 1e-9).unwrap_or_default();
+            let branches = curves(&touching, &other, Nearness::of(1e-9)).unwrap_or_default();
             for branch in branches {
                 assert!(!matches!(branch.curve, Curve::Rulings(_)), "case {case}");
                 let [start, end] = branch.curve.range(DVec3::ZERO, 3.0).expect("a range");
@@ -429,7 +524,7 @@ pub(super) mod tests {
         let (mut known, mut points) = (0, 0);
         for _ in 0..400 {
             let surfaces = [quadric(&mut random), quadric(&mut random)];
-            let Ok(branches) = curves(&surfaces[0], &surfaces[1], NEAR) else {
+            let Ok(branches) = curves(&surfaces[0], &surfaces[1], Nearness::of(NEAR)) else {
                 continue;
             };
             known += 1;
@@ -452,7 +547,7 @@ pub(super) mod tests {
             }
             cone.anchor = on_other.point;
             for surfaces in [[cone, other], [other, cone]] {
-                let found = curves(&surfaces[0], &surfaces[1], NEAR);
+                let found = curves(&surfaces[0], &surfaces[1], Nearness::of(NEAR));
                 let branches = found.unwrap_or_else(|e| panic!("{e:?} {surfaces:?}"));
                 known += 1;
                 points += check(&surfaces, branches, &mut random);
@@ -486,7 +581,8 @@ pub(super) mod tests {
             let roll = |share: f64| if is_rolled { 0.2 + 5.8 * share } else { 0.0 };
             let one = touching(true, 0.0);
             let surfaces = [one, touching(round % 3 > 0, roll(f64::from(round) / 200.0))];
-            let branches = curves(&surfaces[0], &surfaces[1], NEAR).expect("they are known");
+            let branches =
+                curves(&surfaces[0], &surfaces[1], Nearness::of(NEAR)).expect("they are known");
             let line = turn.x_axis;
             for place in [-0.7, 0.2] {
                 let on = branches.iter().map(|b| distance(&b.curve, place * line));

@@ -12,6 +12,7 @@
 //! but not those of its derivatives.
 
 mod conics;
+mod contact;
 mod cubic;
 mod lines;
 mod planes;
@@ -22,16 +23,15 @@ use std::f64::consts::TAU;
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use self::conics::conics;
 use super::curve::{Branch, Branches, Curve};
-use super::intersection::Unknown;
-use super::roots::Roots;
-use super::rulings::{Lines, OnLines, Part, Rulings, matrix};
+use super::intersection::{Nearness, Unknown};
+use super::roots::{Roots, Tolerance};
+use super::rulings::{Lines, OnLines, Part, Rulings, form, matrix};
 use super::trig::{BEGIN, Trig};
+use crate::numeric::jacobi;
 use crate::numeric::tolerance::{
     AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING,
 };
-use crate::numeric::{eigen_symmetric, jacobi};
 use crate::program::Surface;
 
 /// Two quadrics, and the combinations of them.
@@ -41,6 +41,11 @@ struct Pencil<'a> {
     origin: DVec3,
     unit: f64,
     matrices: [DMat4; 2],
+    nearness: Nearness,
+    /// Whether they are about a place at which the surfaces nearly touch, and of the unit of
+    /// their curve: the second is then not of the second surface, but of the pencil's quadric
+    /// with no gradient there.
+    is_about_contact: bool,
 }
 
 /// Angles whose cosine and sine are factors of singular matrices.
@@ -63,85 +68,87 @@ enum Carrier {
     Other,
 }
 
-/// The curves of two quadrics that are nearer to each other than `near` where
-/// they touch.
-pub(super) fn curves(a: &Surface, b: &Surface, near: f64) -> Result<Branches, Unknown> {
-    let pencil = Pencil::of([a, b], near);
-    if let Some(lines) = pencil.common_vertex(near) {
+/// The curves of two quadrics.
+pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Branches, Unknown> {
+    let pencil = Pencil::of([a, b], nearness);
+    if let Some(lines) = pencil.common_vertex() {
         return Ok(lines);
     }
-    if let Some(known) = pencil.along_ruling(near) {
+    if let Some(known) = pencil.along_ruling() {
         return known;
     }
-    let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
-    let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
-        let other = pencil.combined([-y, x]);
-        match carrier(&pencil.combined([x, y])) {
-            Carrier::Cone(lines) => {
-                let known = pencil.on_cone(&lines, &other, near);
-                (!matches!(known, Err(Unknown::NoForm))).then_some(known)
-            }
-            Carrier::Hyperboloid(lines) => {
-                hyperboloids.push((lines, other));
-                None
-            }
-            Carrier::Empty => Some(Ok(Branches::new())),
-            Carrier::Other => None,
-        }
-    };
-    // Conics first, which are the simplest curves.
-    let Singular {
-        mut angles,
-        multiple,
-    } = pencil.singular_members();
-    for &angle in &multiple {
-        if let Some(known) = pencil.on_planes(angle, near) {
-            return known;
-        }
-    }
-    // Then the surfaces themselves, which are known best; of these the one whose
-    // apex is on the other one, as there the other's lines tell nothing.
-    let is_on_first = |apex: DVec3| a.value(apex).abs() <= near * a.gradient(apex).length();
-    let mut own = [[1.0, 0.0], [0.0, 1.0]];
-    if b.apex().is_some_and(is_on_first) {
-        own.swap(0, 1);
-    }
-    for own in own {
-        if let Some(known) = consider(own) {
-            return known;
-        }
-    }
-    for &angle in &angles {
-        let (sin, cos) = elementary::sin_cos(angle);
-        if let Some(known) = consider([cos, sin]) {
-            return known;
-        }
-    }
-    for singular in multiple
-        .iter()
-        .flat_map(|&angle| pencil.singular_near(angle))
-    {
-        if let Some(known) = consider(singular) {
-            return known;
-        }
-    }
-    angles.sort_by(f64::total_cmp);
-    let first = angles.first().copied().unwrap_or(0.0);
-    angles.push(first + 0.5 * TAU);
-    for between in angles.windows(2) {
-        let (sin, cos) = elementary::sin_cos(0.5 * (between[0] + between[1]));
-        if let Some(known) = consider([cos, sin]) {
-            return known;
-        }
-    }
-    let on_hyperboloid =
-        |(lines, other): (Lines, DMat4)| pencil.on_lines(&lines, &other, near).ok();
-    let known = hyperboloids.into_iter().find_map(on_hyperboloid);
-    known.ok_or(Unknown::NoForm)
+    pencil.by_members()
 }
 
 impl<'a> Pencil<'a> {
-    fn of(surfaces: [&'a Surface; 2], near: f64) -> Self {
+    /// The curves by that quadric of the pencil on which they are known best.
+    fn by_members(&self) -> Result<Branches, Unknown> {
+        let near = self.nearness.near;
+        let [a, b] = self.surfaces;
+        let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
+        let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
+            let other = self.combined([-y, x]);
+            match carrier(&self.combined([x, y])) {
+                Carrier::Cone(lines) => {
+                    let known = self.on_cone(&lines, &other);
+                    (!matches!(known, Err(Unknown::NoForm))).then_some(known)
+                }
+                Carrier::Hyperboloid(lines) => {
+                    hyperboloids.push((lines, other));
+                    None
+                }
+                Carrier::Empty => Some(Ok(Branches::new())),
+                Carrier::Other => None,
+            }
+        };
+        // Conics first, which are the simplest curves.
+        let Singular {
+            mut angles,
+            multiple,
+        } = self.singular_members();
+        for &angle in &multiple {
+            if let Some(known) = self.on_planes(angle) {
+                return known;
+            }
+        }
+        // Then the surfaces themselves, which are known best; of these the one whose
+        // apex is on the other one, as there the other's lines tell nothing.
+        let is_on_first = |apex: DVec3| a.value(apex).abs() <= near * a.gradient(apex).length();
+        let mut own = [[1.0, 0.0], [0.0, 1.0]];
+        if b.apex().is_some_and(is_on_first) {
+            own.swap(0, 1);
+        }
+        for own in own {
+            if let Some(known) = consider(own) {
+                return known;
+            }
+        }
+        for &angle in &angles {
+            let (sin, cos) = elementary::sin_cos(angle);
+            if let Some(known) = consider([cos, sin]) {
+                return known;
+            }
+        }
+        for singular in multiple.iter().flat_map(|&angle| self.singular_near(angle)) {
+            if let Some(known) = consider(singular) {
+                return known;
+            }
+        }
+        angles.sort_by(f64::total_cmp);
+        let first = angles.first().copied().unwrap_or(0.0);
+        angles.push(first + 0.5 * TAU);
+        for between in angles.windows(2) {
+            let (sin, cos) = elementary::sin_cos(0.5 * (between[0] + between[1]));
+            if let Some(known) = consider([cos, sin]) {
+                return known;
+            }
+        }
+        let on_hyperboloid = |(lines, other): (Lines, DMat4)| self.on_lines(&lines, &other).ok();
+        let known = hyperboloids.into_iter().find_map(on_hyperboloid);
+        known.ok_or(Unknown::NoForm)
+    }
+
+    fn of(surfaces: [&'a Surface; 2], nearness: Nearness) -> Self {
         let [a, b] = surfaces;
         let origin = 0.5 * (a.anchor + b.anchor);
         let size = surfaces.map(|s| {
@@ -150,13 +157,19 @@ impl<'a> Pencil<'a> {
         });
         let unit = size[0].max(size[1]).max(a.anchor.distance(b.anchor));
         // Two cones of one apex look the same at any scale: that of the scene will do.
-        let unit = if unit > near { unit } else { near / NEAR };
+        let unit = if unit > nearness.near {
+            unit
+        } else {
+            nearness.scene()
+        };
         let matrices = surfaces.map(|s| matrix(s, origin, unit));
         Self {
             surfaces,
             origin,
             unit,
             matrices,
+            nearness,
+            is_about_contact: false,
         }
     }
 
@@ -225,24 +238,24 @@ impl<'a> Pencil<'a> {
 
     /// The lines in which two cones of one apex meet: then all quadrics of the pencil
     /// are such, and the determinant, being 0 of each, tells nothing.
-    fn common_vertex(&self, near: f64) -> Option<Branches> {
+    fn common_vertex(&self) -> Option<Branches> {
         let [Some(one), Some(other)] = self.surfaces.map(Surface::apex) else {
             return None;
         };
-        if one.distance(other) > near {
+        if one.distance(other) > self.nearness.near {
             return None;
         }
         let Carrier::Cone(lines) = carrier(&self.matrices[0]) else {
             return None;
         };
         let form = lines.form(&self.matrices[1]);
-        Some(self.through_vertex(&lines, &form.a, near))
+        Some(self.through_vertex(&lines, &form.a))
     }
 
     /// The curves of two cones or cylinders that touch each other along a line: then all
     /// quadrics of the pencil have a vertex on it, and the determinant, being 0 of each, tells
     /// nothing. One of them is the plane in which both touch, and another plane.
-    fn along_ruling(&self, near: f64) -> Option<Result<Branches, Unknown>> {
+    fn along_ruling(&self) -> Option<Result<Branches, Unknown>> {
         let [Carrier::Cone(one), Carrier::Cone(other)] = self.matrices.each_ref().map(carrier)
         else {
             return None;
@@ -252,7 +265,7 @@ impl<'a> Pencil<'a> {
         let polars = [*b * vertices[0], *a * vertices[1]];
         let is_on = |vertex: DVec4, polar: DVec4| {
             let slope = polar.truncate().length();
-            let off = near / self.unit * vertex.w.abs();
+            let off = self.nearness.near / self.unit * vertex.w.abs();
             slope > TOUCHING && vertex.dot(polar).abs() <= (2.0 * off * slope).max(NO_VALUE)
         };
         if !(0..2).all(|k| is_on(vertices[k], polars[k])) {
@@ -271,7 +284,7 @@ impl<'a> Pencil<'a> {
         let polar = member * plane;
         let rest = 2.0 * polar - plane.dot(polar) * plane;
         let is_plane = |vector: DVec4| vector.is_finite() && vector.length() > CANCELLED;
-        is_plane(rest).then(|| self.in_planes(&[plane, rest], near))
+        is_plane(rest).then(|| self.in_planes(&[plane, rest]))
     }
 
     /// A point in space.
@@ -280,7 +293,7 @@ impl<'a> Pencil<'a> {
     }
 
     /// The curves on a cone or cylinder.
-    fn on_cone(&self, lines: &Lines, other: &DMat4, near: f64) -> Result<Branches, Unknown> {
+    fn on_cone(&self, lines: &Lines, other: &DMat4) -> Result<Branches, Unknown> {
         let vertex = lines.q[0];
         let polar = *other * vertex;
         let at_vertex = vertex.dot(polar);
@@ -292,7 +305,7 @@ impl<'a> Pencil<'a> {
         // Half the gradient, and how far the vertex is from the other surface.
         let slope = polar.truncate().length();
         let is_on = if is_finite {
-            let off = (near / self.unit * vertex.w).abs();
+            let off = (self.nearness.near / self.unit * vertex.w).abs();
             at_vertex.abs()
                 <= (2.0 * off * slope)
                     .max(off * off * size)
@@ -301,42 +314,55 @@ impl<'a> Pencil<'a> {
             at_vertex.abs() <= NO_VALUE * size
         };
         if !is_on {
-            return self.on_lines(lines, other, near);
+            return self.on_lines(lines, other);
         }
         let form = lines.form(other);
         if form.b.magnitude() <= CANCELLED * size {
-            return Ok(self.through_vertex(lines, &form.a, near));
+            return Ok(self.through_vertex(lines, &form.a));
         }
-        // Where the curve passes through the vertex.
-        let mut roots = Roots::default();
-        form.b.roots(CANCELLED * form.b.magnitude(), &mut roots);
-        let a_there = |angle: &f64| form.a.value(*angle).abs();
-        let has_line = |angle: &&f64| a_there(angle) <= NEAR * size;
-        let angles = roots.simple.iter().chain(&roots.touching);
-        let in_both: SmallVec<[f64; 2]> = angles.filter(has_line).copied().collect();
-        match in_both[..] {
-            [] => {}
-            [angle] => return self.beside_line([vertex, lines.point(angle)]),
-            _ => return Err(Unknown::NoForm),
+        let mut branches = Branches::new();
+        for (lines, until) in spread(lines, |_| true) {
+            let form = lines.form(other);
+            // Where the curve passes through the vertex.
+            let mut roots = Roots::default();
+            let nothing = CANCELLED * form.b.magnitude();
+            match until {
+                Some(until) => {
+                    let everywhere = Tolerance::everywhere(nothing);
+                    form.b.roots_on([-until, until], &everywhere, &mut roots);
+                }
+                None => form.b.roots(nothing, &mut roots),
+            }
+            let has_line = |angle: &&f64| {
+                let square = lines.point(**angle).length_squared();
+                form.a.value(**angle).abs() <= NEAR * size * square
+            };
+            let angles = roots.simple.iter().chain(&roots.touching);
+            let in_both: SmallVec<[f64; 2]> = angles.filter(has_line).copied().collect();
+            match in_both[..] {
+                [] => {}
+                [angle] => return self.beside_line([vertex, lines.point(angle)]),
+                _ => return Err(Unknown::NoForm),
+            }
+            let mut nodes: SmallVec<[f64; 2]> = SmallVec::new();
+            if is_finite {
+                let places = roots.simple.iter().chain(&roots.touching);
+                nodes.extend(places.map(|angle| angle - BEGIN));
+            }
+            let curve = self.rulings(&lines, &form, (Part::Once, until));
+            branches.extend(curve.parts().into_iter().map(|piece| Branch {
+                nodes: within(&nodes, piece.between),
+                curve: Curve::Rulings(Box::new(piece)),
+            }));
         }
-        let mut nodes: SmallVec<[f64; 2]> = SmallVec::new();
-        if is_finite {
-            let places = roots.simple.iter().chain(&roots.touching);
-            nodes.extend(places.map(|angle| angle - BEGIN));
-        }
-        let curve = self.rulings(lines, &form, Part::Once);
-        let pieces = curve.cut_at_infinity().into_iter().map(|piece| Branch {
-            nodes: within(&nodes, piece.between),
-            curve: Curve::Rulings(Box::new(piece)),
-        });
-        Ok(pieces.collect())
+        Ok(branches)
     }
 
     /// The lines that two cones or cylinders of one vertex have in common.
-    fn through_vertex(&self, lines: &Lines, a: &Trig, near: f64) -> Branches {
+    fn through_vertex(&self, lines: &Lines, a: &Trig) -> Branches {
         let vertex = lines.q[0];
         let mut roots = Roots::default();
-        a.roots(near / self.unit * a.magnitude(), &mut roots);
+        a.roots(self.nearness.near / self.unit * a.magnitude(), &mut roots);
         // Where they touch, along one line.
         roots.simple.retain(|t| !roots.touching.contains(t));
         let mut branches = Branches::new();
@@ -361,7 +387,12 @@ impl<'a> Pencil<'a> {
         branches
     }
 
-    fn rulings(&self, lines: &Lines, on_lines: &OnLines, part: Part) -> Rulings {
+    fn rulings(
+        &self,
+        lines: &Lines,
+        on_lines: &OnLines,
+        (part, until): (Part, Option<f64>),
+    ) -> Rulings {
         Rulings {
             origin: self.origin,
             unit: self.unit,
@@ -369,71 +400,23 @@ impl<'a> Pencil<'a> {
             on_lines: on_lines.clone(),
             part,
             between: None,
+            until,
         }
     }
+}
 
-    /// The curves of quadrics that touch at a point.
-    fn through_contact(&self, start: DVec3, near: f64) -> Result<Branches, Unknown> {
-        let [a, b] = self.surfaces;
-        let at = contact(a, b, start);
-        let [p, q] = [a, b].map(|s| s.gradient(at));
-        let factor = p.dot(q) / q.length_squared();
-        if !factor.is_finite() || (p - factor * q).length() > TOUCHING * p.length() {
-            return Err(Unknown::NoForm);
+/// Lines on which curves are told best: those of a quadric, or, if it is two planes but for
+/// little and the curves lie in these, those of each plane, and up to which angle they are.
+/// Digits depend on it alone.
+fn spread(lines: &Lines, is_on: impl Fn(&Lines) -> bool) -> SmallVec<[(Lines, Option<f64>); 2]> {
+    let planes = lines.of_two_planes();
+    let planes = planes.filter(|planes| planes.iter().any(|(lines, _)| is_on(lines)));
+    match planes {
+        Some(planes) => {
+            let planes = planes.into_iter();
+            planes.map(|(lines, until)| (lines, Some(until))).collect()
         }
-        // The one of the pencil whose gradient is 0 there.
-        let mut member: [f64; 6] = a.quadratic;
-        for (sum, value) in member.iter_mut().zip(b.quadratic) {
-            *sum -= factor * value;
-        }
-        let (values, axes) = eigen_symmetric(member);
-        let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
-        let values = order.map(|k| values[k]);
-        let axes = order.map(|k| axes.col(k));
-        let largest = values[2].max(-values[0]);
-        let is_small = |value: f64| value.abs() <= TOUCHING * largest;
-        let sign = |value: f64| if is_small(value) { 0.0 } else { value.signum() };
-        // 0 along a line: it meets the surfaces in points if it is not on them.
-        let along = |axis: DVec3| {
-            if is_small(0.5 * a.curvature_along(axis)) {
-                Err(Unknown::NoForm)
-            } else {
-                Err(Unknown::Touch(smallvec![at]))
-            }
-        };
-        match values.map(sign) {
-            [-1.0, 0.0, 1.0] => {
-                let [low, high] = [values[0], values[2]].map(|v| v.abs().sqrt());
-                let sides = [1.0, -1.0].map(|sign| {
-                    Surface::plane(
-                        at,
-                        (low * axes[0] + sign * high * axes[2]).normalize_or_zero(),
-                    )
-                });
-                // Of the two points on their line one is where the contact was found.
-                let along = axes[1];
-                let square = 0.5 * a.curvature_along(along);
-                let other = at - a.gradient(at).dot(along) / square * along;
-                let nodes = [at, other].into_iter().filter(|node| node.is_finite());
-                conics(&sides, &nodes.collect::<SmallVec<[DVec3; 2]>>(), a, near)
-            }
-            // A cone with its apex there.
-            [-1.0, middle, 1.0] => {
-                let scaled = |k: usize| (axes[k] / values[k].abs().sqrt()).extend(0.0);
-                let odd = if middle > 0.0 { 0 } else { 2 };
-                let apex = ((at - self.origin) / self.unit).extend(1.0);
-                let lines = Lines {
-                    p: [scaled(odd), scaled((odd + 1) % 3), scaled((odd + 2) % 3)],
-                    q: [apex, DVec4::ZERO, DVec4::ZERO],
-                };
-                self.on_cone(&lines, &self.matrices[1], near)
-            }
-            [1.0, 1.0, 1.0] | [-1.0, -1.0, -1.0] => Err(Unknown::Touch(smallvec![at])),
-            [0.0, 1.0, 1.0] => along(axes[0]),
-            [-1.0, -1.0, 0.0] => along(axes[2]),
-            _ => Err(Unknown::NoForm),
-        }
+        None => smallvec![(lines.clone(), None)],
     }
 }
 
@@ -484,7 +467,11 @@ fn carrier(matrix: &DMat4) -> Carrier {
         };
         values.iter().zip(&vectors).filter_map(own).collect()
     };
-    let (plus, minus) = (of_sign(1.0), of_sign(-1.0));
+    let (mut plus, mut minus) = (of_sign(1.0), of_sign(-1.0));
+    // Of a pair of planes but for little the first vector of either is short.
+    for vectors in [&mut plus, &mut minus] {
+        vectors.sort_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    }
     let none = DVec4::ZERO;
     match (plus.as_slice(), minus.as_slice()) {
         (&[x, y], &[one]) | (&[one], &[x, y]) => {
@@ -504,29 +491,4 @@ fn carrier(matrix: &DMat4) -> Carrier {
         ([_, _, _, _], []) | ([], [_, _, _, _]) => Carrier::Empty,
         _ => Carrier::Other,
     }
-}
-
-/// Where two surfaces have the same tangent plane, from near it.
-fn contact(a: &Surface, b: &Surface, start: DVec3) -> DVec3 {
-    const STEPS: u32 = 6;
-    let hessian = |s: &Surface| {
-        let [xx, yy, zz, xy, yz, zx] = s.quadratic;
-        glam::DMat3::from_cols_array(&[2.0 * xx, xy, zx, xy, 2.0 * yy, yz, zx, yz, 2.0 * zz])
-    };
-    let mut at = start;
-    for _ in 0..STEPS {
-        // a = 0 and ∇a = factor ∇b, by Newton's method.
-        let [p, q] = [a, b].map(|s| s.gradient(at));
-        let factor = p.dot(q) / q.length_squared();
-        let [u, v] = <[DVec3; 2]>::from(q.normalize_or_zero().any_orthonormal_pair());
-        let second = hessian(a) - factor * hessian(b);
-        let rows = glam::DMat3::from_cols(p, second * u, second * v).transpose();
-        let off = p - factor * q;
-        let step = rows.inverse() * DVec3::new(a.value(at), off.dot(u), off.dot(v));
-        if !step.is_finite() || step.length() > 1e-3 * a.gradient(at).length() {
-            break;
-        }
-        at -= step;
-    }
-    at
 }

@@ -52,6 +52,7 @@ impl Stage {
             looks: &[0],
             on_plane: 1e-12,
             near: 1e-9,
+            touch: 1e-13,
             reach: 10.0,
             weld: 1e-11,
             rounding: 1e-15,

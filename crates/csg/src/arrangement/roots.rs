@@ -248,11 +248,6 @@ impl Roots {
         samples.push(to);
         let crosses = is_negative(&from) != is_negative(&to);
         if !crosses {
-            // The equation tells best where it touches.
-            if is_nothing(&sample(place)) {
-                self.touching.push(place);
-                return;
-            }
             let sign = from.1.signum();
             let inner = 1..samples.len() - 1;
             let nearest =
@@ -260,8 +255,11 @@ impl Roots {
             let nearest = nearest.unwrap_or(1);
             let around = [samples[nearest - 1].0, samples[nearest + 1].0];
             let extreme = sample(extremum(around, sign, &value));
-            if is_nothing(&extreme) {
-                self.touching.push(extreme.0);
+            let is_beyond = |sample: &Sample| sign * sample.1 < 0.0 && !is_nothing(sample);
+            if !is_beyond(&extreme) && !is_beyond(&samples[nearest]) {
+                // The equation tells best where it touches.
+                let touching = [sample(place), extreme].into_iter().find(is_nothing);
+                self.touching.extend(touching.map(|(t, _)| t));
                 return;
             }
             if sign * extreme.1 < sign * samples[nearest].1 {

@@ -4,8 +4,9 @@
 use glam::DVec3;
 
 use super::curve::Curve;
+use super::intersection::Nearness;
 use super::pairs::curves;
-use super::pairs::tests::quadric;
+use super::pairs::tests::{equal_but_for_digits, quadric};
 use super::roots::Roots;
 use super::rulings::Rulings;
 use crate::program::Surface;
@@ -22,7 +23,7 @@ struct Stretch {
 impl Stretch {
     /// All those of two quadrics, as far as they are within a reach of 3.
     fn of(surfaces: &[Surface; 2]) -> Vec<Self> {
-        let branches = curves(&surfaces[0], &surfaces[1], NEAR).unwrap_or_default();
+        let branches = curves(&surfaces[0], &surfaces[1], Nearness::of(NEAR)).unwrap_or_default();
         let curves = branches.into_iter().map(|branch| branch.curve);
         let within = |curve: Curve| {
             let range = curve.range(DVec3::ZERO, 3.0)?;
@@ -139,9 +140,20 @@ fn has(found: &[f64], wanted: f64, within: f64) -> bool {
 #[test]
 fn roots_on_curves_of_degree_four_are_those_between_samples() {
     let mut random = Random(3);
+    check_roots(3, || [quadric(&mut random), quadric(&mut random)]);
+}
+
+#[test]
+fn roots_on_curves_in_two_planes_but_for_little_are_those_between_samples() {
+    let mut random = Random(4);
+    check_roots(5, || equal_but_for_digits(&mut random));
+}
+
+fn check_roots(seed: u64, mut next: impl FnMut() -> [Surface; 2]) {
+    let mut random = Random(seed);
     let (mut stretches, mut wanted_roots) = (0, 0);
     for case in 0..400 {
-        let pair = [quadric(&mut random), quadric(&mut random)];
+        let pair = next();
         for stretch in Stretch::of(&pair) {
             let third = surface(&mut random);
             let found = stretch.roots(&third);
@@ -238,7 +250,7 @@ fn contacts_of_fourth_order_are_found() {
         let mut vector = || DVec3::new(number(), number(), number());
         let plane = Surface::plane(quadric.anchor + 0.3 * vector(), vector().normalize());
         let across = vector();
-        for branch in curves(&plane, &quadric, NEAR).unwrap_or_default() {
+        for branch in curves(&plane, &quadric, Nearness::of(NEAR)).unwrap_or_default() {
             let curve = branch.curve;
             let Some(range) = curve.range(DVec3::ZERO, 2.0) else {
                 continue;
@@ -303,8 +315,8 @@ fn curves_cross_both_faces_of_a_plate() {
         let plate = Surface::of_terms(center, square, DVec3::ZERO, -half * half);
         let middle = Surface::plane(center, normal);
         let found = [
-            curves(&pair[0], &pair[1], NEAR),
-            curves(&plane, &pair[0], NEAR),
+            curves(&pair[0], &pair[1], Nearness::of(NEAR)),
+            curves(&plane, &pair[0], Nearness::of(NEAR)),
         ];
         for branch in found.into_iter().flat_map(Result::unwrap_or_default) {
             let curve = branch.curve;

@@ -19,14 +19,25 @@ use smallvec::{SmallVec, smallvec};
 
 use super::roots::{Candidate, Roots, Tolerance};
 use super::trig::{BEGIN, Trig};
-use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, SAME_ANGLE, SAME_ROOT};
+use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, POLYNOMIAL, SAME_ANGLE, SAME_ROOT};
 use crate::program::Surface;
 
 /// The matrix of a quadric in coordinates about `origin` of some unit.
 pub(super) fn matrix(surface: &Surface, origin: DVec3, unit: f64) -> DMat4 {
-    let [xx, yy, zz, xy, yz, zx] = surface.quadratic;
-    let [x, y, z] = (surface.gradient(origin) / unit).to_array();
-    let constant = surface.value(origin) / (unit * unit);
+    form(
+        surface.quadratic,
+        surface.gradient(origin),
+        surface.value(origin),
+        unit,
+    )
+}
+
+/// The matrix of a quadratic form with a gradient and a value at the origin, in coordinates of
+/// some unit.
+pub(super) fn form(quadratic: [f64; 6], gradient: DVec3, value: f64, unit: f64) -> DMat4 {
+    let [xx, yy, zz, xy, yz, zx] = quadratic;
+    let [x, y, z] = (gradient / unit).to_array();
+    let constant = value / (unit * unit);
     DMat4::from_cols_array_2d(&[
         [xx, 0.5 * xy, 0.5 * zx, 0.5 * x],
         [0.5 * xy, yy, 0.5 * yz, 0.5 * y],
@@ -112,9 +123,41 @@ impl Lines {
         }
     }
 
+    /// Of a quadric that is two planes but for little, whose lines are all next to one line
+    /// but for few in each plane: those of one plane and of the other, both spread, each with the
+    /// angle up to which, to both sides of 0, they are those of that plane.
+    pub fn of_two_planes(&self) -> Option<[(Self, f64); 2]> {
+        /// Of how many digits are lost else.
+        const NARROW: f64 = 0.03;
+        /// The tangent of half the angle from one plane to where the lines are the other's:
+        /// about 1, but surfaces are often placed such that there something else is.
+        const SHARE: f64 = 1.287;
+        let length = |v: DVec4| v.length();
+        let [one, x, y] = self.p.map(length);
+        let [w, ..] = self.q.map(length);
+        let is_cone = self.q[1] == DVec4::ZERO && self.q[2] == DVec4::ZERO;
+        let long = if is_cone { y } else { y.min(w) };
+        let narrow = one.max(x) / long;
+        if narrow > NARROW {
+            return None;
+        }
+        let half = 2.0 * elementary::atan2(narrow, 1.0);
+        let of_plane = |middle: f64, share: f64| {
+            let until = 2.0 * elementary::atan2(share, narrow);
+            (self.spread(middle, half), until)
+        };
+        Some([of_plane(0.0, SHARE), of_plane(PI, SHARE.recip())])
+    }
+
     /// The point of p on the line at an angle.
     pub fn point(&self, angle: f64) -> DVec4 {
         on_conic(&self.p, elementary::sin_cos(angle))
+    }
+
+    /// How long the vectors of both points of the line at an angle are.
+    pub fn lengths(&self, angle: f64) -> [f64; 2] {
+        let turn = elementary::sin_cos(angle);
+        [&self.p, &self.q].map(|round| on_conic(round, turn).length())
     }
 
     /// The values of a plane at p and q.
@@ -159,8 +202,10 @@ pub(crate) struct Rulings {
     pub lines: Lines,
     pub on_lines: OnLines,
     pub part: Part,
-    /// Where the curve comes from infinity and goes there.
+    /// Of a part of the curve between which places.
     pub between: Option<(f64, f64)>,
+    /// If it is on some of the lines alone, the angle up to which, to both sides of 0.
+    pub until: Option<f64>,
 }
 
 /// How a curve runs along a surface.
@@ -379,28 +424,32 @@ impl Rulings {
         surface: &Surface,
         [start, end]: [f64; 2],
     ) -> Result<Vec<Candidate>, Along> {
-        let (mut equation, size) = if surface.is_plane() {
+        let (mut equation, mut size) = if surface.is_plane() {
             self.on_plane(self.plane(surface))
         } else {
             self.on_quadric(&matrix(surface, self.origin, self.unit))
         };
         if equation.magnitude() <= CANCELLED * size {
-            let size;
             (equation, size) = self.beside_branch(surface).ok_or(Along::Within)?;
             if equation.magnitude() <= CANCELLED * size {
                 return Err(Along::Within);
             }
         }
-        let nothing = CANCELLED * equation.magnitude();
+        let nothing = (CANCELLED * equation.magnitude()).max(POLYNOMIAL * size);
         let mut roots = Roots::default();
-        match self.part {
-            // Elsewhere it may be next to nothing for long.
-            Part::Between { middle, half, .. } => {
+        // Elsewhere it may be next to nothing for long.
+        let lines = match (self.part, self.until) {
+            (Part::Between { middle, half, .. }, _) => Some((middle, half)),
+            (_, Some(until)) => Some((0.0, until)),
+            _ => None,
+        };
+        match lines {
+            Some((middle, half)) => {
                 const MARGIN: f64 = 1.01;
                 let range = [middle - MARGIN * half, middle + MARGIN * half];
                 equation.roots_on(range, &Tolerance::everywhere(nothing), &mut roots);
             }
-            _ => equation.roots(nothing, &mut roots),
+            None => equation.roots(nothing, &mut roots),
         }
         if roots.is_lost {
             return Err(Along::Beside);
@@ -437,29 +486,57 @@ impl Rulings {
         Ok(places)
     }
 
-    /// Cuts the curve where it goes to infinity.
-    pub fn cut_at_infinity(self) -> Vec<Self> {
+    /// The parts of the curve between where it goes to infinity and the last of the lines
+    /// that it is on.
+    pub fn parts(self) -> Vec<Self> {
         let infinity = DVec4::W;
         let [p, q] = self.lines.values(infinity);
         let (at_infinity, _) = self.on_plane(infinity);
         let mut roots = Roots::default();
         at_infinity.roots(NO_DISCRIMINANT * at_infinity.magnitude(), &mut roots);
-        let mut poles: Vec<f64> = Vec::new();
+        let mut ends: Vec<f64> = Vec::new();
         for &angle in roots.simple.iter().chain(&roots.touching) {
             let point = [q.value(angle), -p.value(angle)];
-            poles.extend(self.place(angle, point));
+            ends.extend(self.place(angle, point));
         }
-        poles.sort_by(f64::total_cmp);
-        poles.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
-        let Some(&first) = poles.first() else {
-            return vec![self];
+        let last = self.until.iter().flat_map(|&until| [until, -until]);
+        for angle in last.filter(|&angle| self.has_line(angle)) {
+            ends.extend(self.places(angle, 0.0).iter().map(|c| c.place));
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|a, b| (*a - *b).abs() < SAME_ANGLE);
+        let Some(&first) = ends.first() else {
+            let is_own = self.is_on_own_lines(0.0);
+            return is_own.then_some(self).into_iter().collect();
         };
-        let next = poles[1..].iter().copied().chain([first + TAU]);
+        let next = ends[1..].iter().copied().chain([first + TAU]);
+        let between = ends.iter().copied().zip(next);
+        let own = between.filter(|(from, to)| self.is_on_own_lines(0.5 * (from + to)));
         let part = |between| Self {
             between: Some(between),
             ..self.clone()
         };
-        poles.iter().copied().zip(next).map(part).collect()
+        own.map(part).collect()
+    }
+
+    /// Whether the line at an angle has points of the curve, were it on all lines.
+    fn has_line(&self, angle: f64) -> bool {
+        match self.part {
+            Part::Between { middle, half, .. } => {
+                ((angle - middle + PI).rem_euclid(TAU) - PI).abs() < half
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether a place on the curve is on one of the lines that it is on.
+    fn is_on_own_lines(&self, t: f64) -> bool {
+        let angle = match self.part {
+            Part::Between { middle, half, .. } => middle - half * elementary::sin_cos(t + BEGIN).1,
+            _ => t + BEGIN,
+        };
+        let off = (angle + PI).rem_euclid(TAU) - PI;
+        self.until.is_none_or(|until| off.abs() < until)
     }
 }
 
@@ -517,6 +594,7 @@ mod tests {
             on_lines: on_lines.clone(),
             part: Part::Around { is_plus },
             between: None,
+            until: None,
         });
         let on_upper = branches.iter().find(|branch| branch.at(0.0).z > 0.0);
         let curve = Curve::Rulings(Box::new(on_upper.expect("one is above").clone()));

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
 use super::frame::Frame;
+use super::intersection::Nearness;
 use super::piece::Side;
 use super::relations::Relations;
 use crate::control::Control;
@@ -42,6 +43,8 @@ pub(super) struct Scene<'a> {
     pub looks: &'a [u32],
     pub on_plane: f64,
     pub near: f64,
+    /// Nearer surfaces and curves that do not cross touch.
+    pub touch: f64,
     /// No point of the solid is farther from the origin.
     pub reach: f64,
     pub weld: f64,
@@ -66,6 +69,12 @@ impl<'a> Scene<'a> {
     /// Of a curved surface, if it has one.
     pub fn frame(&self, id: SurfaceId) -> Option<&'a Frame> {
         self.frames[id.index()].as_ref()
+    }
+
+    /// Distances below which its surfaces agree.
+    pub fn nearness(&self) -> Nearness {
+        let &Self { near, touch, .. } = self;
+        Nearness { near, touch }
     }
 
     /// Whether the caller wants more.

@@ -82,6 +82,7 @@ fn clusters(
         [0.2, 0.5, 0.8].iter().all(is_near)
     };
     let mut clusters: SmallVec<[Cluster; 4]> = SmallVec::new();
+    let mut touches: SmallVec<[bool; 4]> = SmallVec::new();
     for (at, found) in places {
         let joins = |last: &&mut Cluster| stays(last.to, at, doubtful);
         let cluster = match clusters.last_mut().filter(joins) {
@@ -94,17 +95,24 @@ fn clusters(
                     from: at,
                     ..Cluster::default()
                 });
+                touches.push(false);
                 let new = clusters.len() - 1;
                 &mut clusters[new]
             }
         };
         cluster.to = at;
-        cluster.is_contact |= touching.contains(&at);
         match found {
-            Found::Root => cluster.roots.push(at),
+            Found::Root => {
+                cluster.is_contact |= touching.contains(&at);
+                cluster.roots.push(at);
+            }
             Found::Node => cluster.node = Some(at),
-            Found::Touch => {}
+            Found::Touch => touches[clusters.len() - 1] = true,
         }
+    }
+    // Of two roots that can be told apart the one between them tells nothing.
+    for (cluster, touches) in clusters.iter_mut().zip(touches) {
+        cluster.is_contact |= touches && cluster.roots.len() < 2;
     }
     clusters.retain(|cluster| cluster.is_contact || !cluster.roots.is_empty());
     clusters
@@ -256,28 +264,38 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
     contacts
 }
 
-/// The points in which three surfaces, ascending, cross, by the first of their curves that
-/// tells. To be asked for by [`Scene::crossings`].
+/// The points in which three surfaces, ascending, cross, each by that of their curves which
+/// tells it best. To be asked for by [`Scene::crossings`].
 pub(super) fn crossings(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[DVec3; 2]> {
     let surfaces = ids.map(|id| scene.surface(id));
+    let mut found: SmallVec<[Crossing; 8]> = SmallVec::new();
     for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
-        let Ok(common) = scene.common(CurveId::first_of([ids[a], ids[b]])) else {
-            continue;
-        };
-        let found = common.iter().map(|branch| {
+        let common = scene.common(CurveId::first_of([ids[a], ids[b]]));
+        for branch in common.iter().flat_map(|branches| branches.iter()) {
             let triple = Triple {
                 curve: &branch.curve,
                 nodes: &branch.nodes,
                 pair: [surfaces[a], surfaces[b]],
                 third: surfaces[third],
             };
-            triple.crossings(scene)
-        });
-        if let Some(found) = found.collect::<Option<SmallVec<[_; 2]>>>() {
-            return found.into_iter().flatten().collect();
+            triple.add_crossings(scene, &mut found);
         }
     }
-    SmallVec::new()
+    found.sort_by(|one, other| one.blur.total_cmp(&other.blur));
+    let mut points: SmallVec<[DVec3; 2]> = SmallVec::new();
+    for Crossing { at, blur } in found {
+        if points.iter().all(|known| known.distance(at) > blur) {
+            points.push(at);
+        }
+    }
+    points
+}
+
+/// Where a curve crosses a surface.
+struct Crossing {
+    at: DVec3,
+    /// How far from there it may as well be.
+    blur: f64,
 }
 
 /// Where roots along a curve cannot be told apart for sure.
@@ -304,46 +322,56 @@ impl Triple<'_> {
         self.curve.at(at + reach).distance(self.curve.at(at))
     }
 
-    /// Where the curve crosses the third surface; none if it runs along it.
-    fn crossings(&self, scene: &Scene<'_>) -> Option<SmallVec<[DVec3; 2]>> {
-        let Some(range) = self.curve.range(DVec3::ZERO, scene.reach) else {
-            return Some(SmallVec::new());
+    /// Adds where the curve crosses the third surface, also where roots cannot be told apart
+    /// for sure: whether they are a contact is another question.
+    fn add_crossings(&self, scene: &Scene<'_>, found: &mut SmallVec<[Crossing; 8]>) {
+        /// How far rounding may part roots along one curve and along another, in what it may
+        /// part those along one.
+        const MARGIN: f64 = 16.0;
+        let Some((_, clusters)) = self.met(scene) else {
+            return;
         };
-        let mut roots = Roots::default();
-        let tolerances = [scene.on_plane, scene.near];
-        let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
-        if meets == Meets::Curve || roots.is_lost {
-            return None;
-        }
-        let clusters = self.clusters(&mut roots, scene.rounding);
-        let single = clusters.iter().filter(|cluster| cluster.is_single_root());
         let [a, b] = self.pair;
-        let point =
-            |cluster: &Cluster| scene.common_to(&[a, b, self.third], self.curve.at(cluster.from));
-        Some(single.map(point).collect())
+        let apart = clusters
+            .iter()
+            .filter(|cluster| !cluster.is_contact && cluster.node.is_none());
+        for &root in apart.flat_map(|cluster| &cluster.roots) {
+            let at = scene.common_to(&[a, b, self.third], self.curve.at(root));
+            let [normal, along] = [self.third.gradient(at), self.curve.direction(root)];
+            let sine = normal.normalize_or_zero().dot(along.normalize_or_zero());
+            let blur = MARGIN * scene.rounding / sine.abs();
+            found.push(Crossing { at, blur });
+        }
+    }
+
+    /// How long the curve is in the scene, by its parameter, and where it meets the third
+    /// surface; none if it runs along it, or that is not known.
+    fn met(&self, scene: &Scene<'_>) -> Option<(f64, SmallVec<[Cluster; 4]>)> {
+        let range = self.curve.range(DVec3::ZERO, scene.reach)?;
+        let mut roots = Roots::default();
+        let tolerances = [scene.on_plane, scene.touch];
+        let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
+        let is_known = meets == Meets::Points && !roots.is_lost;
+        is_known.then(|| {
+            let clusters = self.clusters(&mut roots, scene.rounding);
+            (range[1] - range[0], clusters)
+        })
     }
 
     /// Adds where roots cannot be told apart for sure.
     fn add_doubtful(&self, scene: &Scene<'_>, found: &mut SmallVec<[Doubtful; 8]>) {
-        let Some(range) = self.curve.range(DVec3::ZERO, scene.reach) else {
+        let Some((range, clusters)) = self.met(scene) else {
             return;
         };
-        let mut roots = Roots::default();
-        let tolerances = [scene.on_plane, scene.near];
-        let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
-        if meets == Meets::Curve || roots.is_lost {
-            return;
-        }
-        let clusters = self.clusters(&mut roots, scene.rounding);
         for cluster in clusters.iter().filter(|cluster| !cluster.is_single_root()) {
-            let at = self.place(cluster, range[1] - range[0]);
+            let at = self.place(cluster, range);
             let mut ball = self.around(cluster, at);
             let [a, b] = self.pair;
             ball.center = scene.common_to(&[a, b], ball.center);
             found.push(Doubtful {
                 ball,
                 is_contact: cluster.is_contact,
-                blur: self.blur(at, range[1] - range[0], scene.rounding),
+                blur: self.blur(at, range, scene.rounding),
             });
         }
     }

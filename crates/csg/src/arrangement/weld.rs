@@ -161,6 +161,7 @@ mod tests {
             looks: &[],
             on_plane: 1e-11,
             near: 1e-9,
+            touch: 1e-13,
             reach: 10.0,
             weld: 1e-10,
             rounding: 1e-15,

@@ -62,12 +62,19 @@ pub(crate) const ON_PLANE: f64 = 0.1 * WELD;
 /// thirtieth of [`NEAR`]. What is nearer in the model is settled before.
 pub(crate) const WELD: f64 = 3e-11;
 
-/// Do curved surfaces that do not cross touch, is an ellipse a circle, is a length nothing beside
-/// another one?
+/// Does a curve touch a surface that it does not cross, and do two surfaces?
 ///
-/// Decree: the square root of it, 3e-5, is how far from a contact surfaces are told apart. It is
-/// far above [`VALUE`], and no tolerance asked for is below. What is nearer in the model is
-/// settled before.
+/// Above rounding: values along curves are right to [`VALUE`], and to some more where curves are
+/// computed from several factors; 28 times that. Its square root, 3e-7, is how far from a contact
+/// surfaces are told apart: what is farther from touching has two roots along all three curves
+/// of three surfaces.
+pub(crate) const TOUCH: f64 = 1e-13;
+
+/// Is a point of a curve where another point is, is an ellipse a circle, is a length nothing
+/// beside another one?
+///
+/// Decree: far above [`VALUE`], and no tolerance asked for is below. Surfaces that are nearer to
+/// each other all over are made one before.
 pub(crate) const NEAR: f64 = 1e-9;
 
 /// The same of a mesh that is refined, in its own precision.

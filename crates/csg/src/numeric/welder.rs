@@ -52,8 +52,8 @@ impl Welder {
         let floor = place.floor();
         let (own, within) = (floor.as_i64vec3(), place - floor);
         let step = |is_near: BVec3| I64Vec3::select(is_near, I64Vec3::ONE, I64Vec3::ZERO);
-        let low = own - step(within.cmplt(DVec3::splat(NEAR_SIDE)));
-        let high = own + step(within.cmpgt(DVec3::splat(1.0 - NEAR_SIDE)));
+        let low = own.saturating_sub(step(within.cmplt(DVec3::splat(NEAR_SIDE))));
+        let high = own.saturating_add(step(within.cmpgt(DVec3::splat(1.0 - NEAR_SIDE))));
         for x in low.x..=high.x {
             for y in low.y..=high.y {
                 for z in low.z..=high.z {

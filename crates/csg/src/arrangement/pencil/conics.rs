@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::arrangement::conic::conic;
 use crate::arrangement::curve::Branches;
-use crate::arrangement::intersection::{Contacts, Unknown};
+use crate::arrangement::intersection::{Contacts, Nearness, Unknown};
 use crate::program::Surface;
 
 /// The conics in which planes cut a quadric, with nodes where they cross.
@@ -12,12 +12,12 @@ pub(super) fn conics(
     planes: &[Surface],
     nodes: &[DVec3],
     quadric: &Surface,
-    near: f64,
+    nearness: Nearness,
 ) -> Result<Branches, Unknown> {
     let mut branches = Branches::new();
     let mut contacts = Contacts::new();
     for plane in planes {
-        let conic = match conic(plane, quadric, near) {
+        let conic = match conic(plane, quadric, nearness) {
             Err(Unknown::Touch(at)) => {
                 contacts.extend(at);
                 continue;

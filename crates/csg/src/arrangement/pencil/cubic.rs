@@ -35,7 +35,7 @@ impl Pencil<'_> {
         form.b.roots(CANCELLED * form.b.magnitude(), &mut roots);
         let angles = roots.simple.iter().chain(&roots.touching);
         let nodes: SmallVec<[f64; 4]> = angles.map(|angle| angle - BEGIN).collect();
-        let cubic = self.rulings(&lines, &form, Part::Once).cut_at_infinity();
+        let cubic = self.rulings(&lines, &form, (Part::Once, None)).parts();
         // At infinity once or three times, and all of it twice for a whole turn.
         if cubic.len() % 4 != 2 {
             return Err(Unknown::NoForm);

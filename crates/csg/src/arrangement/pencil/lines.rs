@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DMat4;
 use smallvec::SmallVec;
 
-use super::Pencil;
+use super::{Pencil, spread};
 use crate::arrangement::curve::{Branch, Branches, Curve};
 use crate::arrangement::intersection::Unknown;
 use crate::arrangement::roots::Roots;
@@ -14,28 +14,27 @@ use crate::arrangement::trig::BEGIN;
 
 impl Pencil<'_> {
     /// The curves on lines that meet the other surface twice.
-    pub(super) fn on_lines(
-        &self,
-        lines: &Lines,
-        other: &DMat4,
-        near: f64,
-    ) -> Result<Branches, Unknown> {
-        let form = lines.form(other);
-        let parts = match parts_of(&form) {
-            Ok(parts) => parts,
-            Err(NoParts::Lost) => return Err(Unknown::NoForm),
-            Err(NoParts::Contact(angle)) => {
-                let curve = self.rulings(lines, &form, Part::Around { is_plus: true });
-                let point = curve.at((angle - BEGIN).rem_euclid(TAU));
-                return self.through_contact(point, near);
-            }
-        };
+    pub(super) fn on_lines(&self, lines: &Lines, other: &DMat4) -> Result<Branches, Unknown> {
+        let is_on = |lines: &Lines| is_in_plane(lines, other);
         let mut branches = Branches::new();
-        for part in parts {
-            let narrow = self.on_narrow_lines(lines, other, &part);
-            let curve = narrow.unwrap_or_else(|| self.rulings(lines, &form, part));
-            let curves = curve.cut_at_infinity().into_iter();
-            branches.extend(curves.map(|c| Branch::new(Curve::Rulings(Box::new(c)))));
+        for (lines, until) in spread(lines, is_on) {
+            let form = lines.form(other);
+            let parts = match parts_of(&form, until) {
+                Ok(parts) => parts,
+                Err(NoParts::Lost) => return Err(Unknown::NoForm),
+                Err(NoParts::Contact(angle)) => {
+                    let part = (Part::Around { is_plus: true }, None);
+                    let curve = self.rulings(&lines, &form, part);
+                    let point = curve.at((angle - BEGIN).rem_euclid(TAU));
+                    return self.through_contact(point);
+                }
+            };
+            for part in parts {
+                let narrow = self.on_narrow_lines(&lines, other, &part, until);
+                let curve = narrow.unwrap_or_else(|| self.rulings(&lines, &form, (part, until)));
+                let curves = curve.parts().into_iter();
+                branches.extend(curves.map(|c| Branch::new(Curve::Rulings(Box::new(c)))));
+            }
         }
         Ok(branches)
     }
@@ -43,13 +42,21 @@ impl Pencil<'_> {
     /// A curve that is on few of the lines, with these spread: as they are, its discriminant,
     /// a polynomial of degree four in their angle, would be what is left of terms the larger the
     /// fewer they are. So is all of a curve on a cone as flat as two planes.
-    fn on_narrow_lines(&self, lines: &Lines, other: &DMat4, part: &Part) -> Option<Rulings> {
+    fn on_narrow_lines(
+        &self,
+        lines: &Lines,
+        other: &DMat4,
+        part: &Part,
+        until: Option<f64>,
+    ) -> Option<Rulings> {
         /// In radians, half of all. Digits are lost with its fourth power.
         const NARROW: f64 = 0.5;
         let &Part::Between { middle, half, .. } = part else {
             return None;
         };
-        if half > NARROW {
+        let off = (middle + PI).rem_euclid(TAU) - PI;
+        let is_all = until.is_none_or(|until| off.abs() + half < until);
+        if half > NARROW || !is_all {
             return None;
         }
         let lines = lines.spread(middle, half);
@@ -63,8 +70,33 @@ impl Pencil<'_> {
         let after = roots.simple.iter().map(signed).filter(|&angle| angle > 0.0);
         let (from, to) = (before.reduce(f64::max)?, after.reduce(f64::min)?);
         let part = Part::between(from, to, &discriminant);
-        (discriminant.value(0.0) > 0.0).then(|| self.rulings(&lines, &form, part))
+        (discriminant.value(0.0) > 0.0).then(|| self.rulings(&lines, &form, (part, None)))
     }
+}
+
+/// Whether curves on lines that are spread in a plane lie in that: most points of theirs are not
+/// next to where it meets another plane. Curves of flat surfaces are.
+fn is_in_plane(lines: &Lines, other: &DMat4) -> bool {
+    const SAMPLES: u32 = 32;
+    /// From there, of how far a plane's points are.
+    const AWAY: f64 = 0.1;
+    let form = lines.form(other);
+    let (discriminant, nothing) = form.discriminant();
+    let mut counts = [0, 0];
+    for k in 0..SAMPLES {
+        let angle = ((f64::from(k) + 0.5) / f64::from(SAMPLES) - 0.5) * PI;
+        let square = discriminant.value(angle);
+        if square <= nothing {
+            continue;
+        }
+        let [a, b] = [&form.a, &form.b].map(|f| f.value(angle));
+        let [p, q] = lines.lengths(angle);
+        for root in [square.sqrt(), -square.sqrt()] {
+            let is_away = ((root - b) * p).abs() > AWAY * (a * q).abs();
+            counts[usize::from(is_away)] += 1;
+        }
+    }
+    counts[1] > counts[0]
 }
 
 /// Why it is not told on which of a quadric's lines its curves are.
@@ -76,8 +108,9 @@ enum NoParts {
 }
 
 /// On which of a quadric's lines its curves are: by where the discriminant of the other
-/// surface's quadratic form on the lines is 0.
-fn parts_of(form: &OnLines) -> Result<SmallVec<[Part; 2]>, NoParts> {
+/// surface's quadratic form on the lines is 0. Of few of them, those at angles up to `until`, it
+/// does not matter what is on the others.
+fn parts_of(form: &OnLines, until: Option<f64>) -> Result<SmallVec<[Part; 2]>, NoParts> {
     let (discriminant, nothing) = form.discriminant();
     let mut parts: SmallVec<[Part; 2]> = SmallVec::new();
     if discriminant.magnitude() <= nothing {
@@ -86,7 +119,11 @@ fn parts_of(form: &OnLines) -> Result<SmallVec<[Part; 2]>, NoParts> {
     }
     let mut roots = Roots::default();
     discriminant.roots(nothing, &mut roots);
-    if let Some(&touching) = roots.touching.first() {
+    let is_own = |&angle: &f64| {
+        let off = (angle + PI).rem_euclid(TAU) - PI;
+        until.is_none_or(|until| off.abs() <= until)
+    };
+    if let Some(touching) = roots.touching.iter().copied().find(is_own) {
         return Err(NoParts::Contact(touching));
     }
     roots.simple.sort_by(f64::total_cmp);
@@ -95,7 +132,12 @@ fn parts_of(form: &OnLines) -> Result<SmallVec<[Part; 2]>, NoParts> {
         [] => parts.extend([true, false].map(|is_plus| Part::Around { is_plus })),
         angles if angles.len() % 2 == 1 => return Err(NoParts::Lost),
         angles => {
-            let is_between = discriminant.value(0.5 * (angles[0] + angles[1])) > 0.0;
+            // Where it is farthest from 0: at some angle of spread lines it is next to that.
+            let value =
+                |share: f64| discriminant.value(angles[0] + share * (angles[1] - angles[0]));
+            let farthest = [0.2, 0.5, 0.8].map(value).into_iter();
+            let farthest = farthest.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+            let is_between = farthest.is_some_and(|value| value > 0.0);
             for k in (usize::from(!is_between)..angles.len()).step_by(2) {
                 let from = angles[k];
                 let to = *angles.get(k + 1).unwrap_or(&(angles[0] + TAU));

@@ -16,7 +16,7 @@ impl Pencil<'_> {
     /// The curves in a quadric of the pencil that is a pair of planes, if it is:
     /// of real ones, or of complex ones, which have a line in common that may meet
     /// the surfaces in two contacts.
-    pub(super) fn on_planes(&self, angle: f64, near: f64) -> Option<Result<Branches, Unknown>> {
+    pub(super) fn on_planes(&self, angle: f64) -> Option<Result<Branches, Unknown>> {
         /// The same of a pair of planes before its angle is refined.
         const NEARLY: f64 = 1e-4;
         let (sin, cos) = elementary::sin_cos(angle);
@@ -42,10 +42,10 @@ impl Pencil<'_> {
         }
         let [p, q] = [0, 1].map(|k| values[k].abs().sqrt() * vectors[k]);
         if is_null(values[1]) {
-            return Some(self.in_planes(&[p], near));
+            return Some(self.in_planes(&[p]));
         }
         if values[0] * values[1] < 0.0 {
-            return Some(self.in_planes(&[p + q, p - q], near));
+            return Some(self.in_planes(&[p + q, p - q]));
         }
         let [x, y] = [vectors[2], vectors[3]];
         let matrix = self.matrices[0];
@@ -70,7 +70,7 @@ impl Pencil<'_> {
     }
 
     /// The conics in planes, with nodes where these meet.
-    pub(super) fn in_planes(&self, planes: &[DVec4], near: f64) -> Result<Branches, Unknown> {
+    pub(super) fn in_planes(&self, planes: &[DVec4]) -> Result<Branches, Unknown> {
         let plane = |&vector: &DVec4| {
             let normal = vector.truncate();
             let square = normal.length_squared();
@@ -97,12 +97,12 @@ impl Pencil<'_> {
             let middle = line.at(vertex);
             let lowest = quadric.value(middle);
             let half = (-lowest / a).sqrt();
-            let touches = lowest.abs() <= near * quadric.gradient(middle).length();
+            let touches = lowest.abs() <= self.nearness.touch * quadric.gradient(middle).length();
             let places: &[f64] = if touches { &[0.0] } else { &[half, -half] };
             let places = places.iter().map(|off| middle + off * direction);
             nodes.extend(places.filter(|node| node.is_finite()));
         }
-        conics(&planes, &nodes, quadric, near)
+        conics(&planes, &nodes, quadric, self.nearness)
     }
 }
 
