@@ -23,7 +23,7 @@ pub enum Why {
     Curve,
     /// How a surface can be parted so that each part is seen without overlap.
     Chart,
-    /// Where a curve crosses a surface that it runs along.
+    /// Where a curve crosses a surface: it may run along it too closely.
     Crossing,
     /// In which order surfaces lie around a curve.
     Order,
@@ -42,7 +42,7 @@ impl Why {
         match self {
             Self::Curve => "the curves in which two surfaces meet are not known",
             Self::Chart => "a surface cannot be parted so that each part is seen whole",
-            Self::Crossing => "a curve runs along a surface too closely to tell where it crosses",
+            Self::Crossing => "it could not be told where a curve crosses a surface",
             Self::Order => "surfaces around a curve are too close to tell their order",
             Self::Contour => "edges around a face do not close",
             Self::Face => "a face could not be cut into triangles",

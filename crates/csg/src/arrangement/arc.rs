@@ -90,6 +90,18 @@ impl Arc<'_> {
         direction.dot(a.cross(b))
     }
 
+    /// Whether a place is farther than near on the other side of a surface, as far as that
+    /// is not known by the given edge.
+    pub fn is_beyond(&self, at: DVec3, id: SurfaceId, is_inside: bool) -> bool {
+        let surface = self.scene.surface(id);
+        let value = surface.value(at);
+        if (value <= 0.0) == is_inside {
+            return false;
+        }
+        let slope = surface.gradient(at).length();
+        value.abs() > self.scene.near * slope && self.side_of_edge(id).is_none()
+    }
+
     /// Whether a stretch of the curve is one point but for rounding.
     pub fn is_short(&self, [start, end]: [f64; 2]) -> bool {
         let middle = self.curve.at(0.5 * (start + end));

@@ -69,6 +69,8 @@ pub(super) struct ArcTracer {
     roots: Roots,
     /// All surfaces of the cell through the curve.
     through: SmallVec<[Position; 4]>,
+    /// Per position of the cell whether the stretch is inside, by what was crossed before.
+    signs: Vec<bool>,
     /// For each stretch whether the solid may change around the curve.
     changes: Vec<bool>,
 }
@@ -194,20 +196,22 @@ impl ArcTracer {
         let places = self.events.iter().map(place);
         self.places.extend(places);
         let begin = || arc.point(curve.at(start), None);
+        self.signs.clone_from(&self.sectors.inside);
         let mut open = Wedges::new();
         let mut from = (start, DVec3::NAN);
         for stretch in 0..=self.events.len() {
             let before = stretch.checked_sub(1).map(|k| self.events[k]);
+            if let Some(crossed) = before.and_then(|event| event.crossed()) {
+                self.signs[crossed.index()] ^= true;
+            }
             let [low, high] = self.ends(stretch, [start, end]);
             let wedges = if low >= high {
                 open.clone()
             } else if self.changes[stretch] {
-                let wedges = self.wedges(arc, 0.5 * (low + high), stretch);
-                if wedges.is_none() && arc.is_short([low, high]) {
-                    open.clone()
-                } else {
-                    let place = curve.at(0.5 * (low + high));
-                    wedges.ok_or(Stop::undecided(Why::Order, place))?
+                let middle = 0.5 * (low + high);
+                match self.wedges(arc, middle, stretch) {
+                    Err(_) if arc.is_short([low, high]) => open.clone(),
+                    wedges => wedges.map_err(|why| Stop::undecided(why, curve.at(middle)))?,
                 }
             } else {
                 Wedges::new()
@@ -458,7 +462,9 @@ impl ArcTracer {
         if through.len() > 2 {
             points.extend(scene.nodes(&through));
         }
-        let mut places: SmallVec<[f64; 4]> = nodes.into();
+        let nodes = nodes.iter().copied();
+        let mut places: SmallVec<[f64; 4]> =
+            nodes.filter(|at| (start..=end).contains(at)).collect();
         for point in points {
             let at = curve.place(point).filter(|at| start < *at && *at < end);
             let is_known = || places.iter().any(|&place| is_near(place, point));
@@ -497,8 +503,8 @@ impl ArcTracer {
 
     /// Adds where a curve crosses a plane that is no surface of the solid.
     fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
-        let tolerances = [arc.scene.on_plane, arc.scene.near];
         self.roots.clear();
+        let tolerances = arc.scene.tolerances();
         let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
         if meets == Meets::Points && !self.roots.simple.is_empty() {
             let ends = Ends::Plane(self.planes.len());
@@ -579,12 +585,22 @@ impl ArcTracer {
     }
 
     /// The faces that meet in the block on the stretch of a curve around its
-    /// middle. None if that cannot be told.
-    fn wedges(&mut self, arc: &Arc<'_>, middle: f64, stretch: usize) -> Option<Wedges> {
+    /// middle, or why that cannot be told.
+    fn wedges(&mut self, arc: &Arc<'_>, middle: f64, stretch: usize) -> Result<Wedges, Why> {
         let Arc { scene, block, .. } = *arc;
         let at = arc.curve.at(middle);
         if !block.contains(at) {
-            return Some(Wedges::new());
+            return Ok(Wedges::new());
+        }
+        // If not, a crossing was missed, or is none.
+        let is_as_crossed = block
+            .surfaces()
+            .zip(&self.signs)
+            .all(|((position, id), &sign)| {
+                !arc.is_beyond(at, id, sign) || self.through.contains(&position)
+            });
+        if !is_as_crossed {
+            return Err(Why::Crossing);
         }
         let direction = arc.curve.direction(middle).normalize_or_zero();
         let id = |half_plane: HalfPlane| block.id(half_plane.position);
@@ -599,7 +615,7 @@ impl ArcTracer {
         let is_clear = self.sectors.is_in_order()
             || self.sort_around(towards, bend, direction, scene.same_bend());
         if self.sectors.around.len() > 64 {
-            return None;
+            return Err(Why::Order);
         }
         let (values, place) = self.sectors.values(block, stretch);
         let patch = |half_plane: HalfPlane| {
@@ -607,7 +623,11 @@ impl ArcTracer {
             frame.map_or(0, |f| f.patch(at, towards(half_plane), scene.on_plane))
         };
         let wedges = self.sectors.wedges(block, scene, values, place, patch);
-        (is_clear || wedges.is_empty()).then_some(wedges)
+        if is_clear || wedges.is_empty() {
+            Ok(wedges)
+        } else {
+            Err(Why::Order)
+        }
     }
 
     /// Sorts the half-planes of the surfaces through a curve, those in the same

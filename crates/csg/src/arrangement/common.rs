@@ -72,7 +72,7 @@ impl Scene<'_> {
         range @ [start, end]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
-        let tolerances = [self.on_plane, self.touch];
+        let tolerances = self.tolerances();
         let surface = self.surface(third);
         if matches!(curve, Curve::Line { .. } | Curve::Ellipse { .. }) {
             return curve.meet(surface, range, tolerances, roots);

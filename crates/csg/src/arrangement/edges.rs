@@ -29,8 +29,7 @@ impl Scene<'_> {
                 continue;
             };
             roots.clear();
-            let tolerances = [self.on_plane, self.near];
-            line.meet(surface, [0.0, length], tolerances, &mut roots);
+            line.meet(surface, [0.0, length], self.tolerances(), &mut roots);
             points.extend(roots.simple.iter().map(|&t| line.at(t)));
         }
         points

@@ -77,6 +77,12 @@ impl<'a> Scene<'a> {
         Nearness { near, touch }
     }
 
+    /// How near to a surface a curve runs along it, and how near it touches it: for
+    /// [`Curve::meet`](super::curve::Curve::meet).
+    pub fn tolerances(&self) -> [f64; 2] {
+        [self.on_plane, self.touch]
+    }
+
     /// Whether the caller wants more.
     pub fn go_on(&self) -> Result<(), Stop> {
         self.control.check().map_err(|_| Stop::Halted)

@@ -349,7 +349,7 @@ impl Triple<'_> {
     fn met(&self, scene: &Scene<'_>) -> Option<(f64, SmallVec<[Cluster; 4]>)> {
         let range = self.curve.range(DVec3::ZERO, scene.reach)?;
         let mut roots = Roots::default();
-        let tolerances = [scene.on_plane, scene.touch];
+        let tolerances = scene.tolerances();
         let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
         let is_known = meets == Meets::Points && !roots.is_lost;
         is_known.then(|| {
