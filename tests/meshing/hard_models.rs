@@ -458,6 +458,7 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "groove-along-a-ruling",
         "pipe-and-its-mirror",
         "round-end-in-a-cylinder",
+        "shaft-beside-a-collar",
     ] {
         for pose in [HOME, TURNED] {
             let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");

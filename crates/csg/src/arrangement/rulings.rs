@@ -456,10 +456,15 @@ impl Rulings {
         }
         let mut places: Vec<Candidate> = Vec::new();
         let mut add = |angle: f64, reach: f64| {
-            places.extend(self.places(angle, reach).into_iter().map(|c| Candidate {
-                place: start + (c.place - start).rem_euclid(TAU),
-                ..c
-            }));
+            for candidate in self.places(angle, reach) {
+                let place = start + (candidate.place - start).rem_euclid(TAU);
+                let at = |place| Candidate { place, ..candidate };
+                places.push(at(place));
+                // A stretch may reach beyond both ends of a piece.
+                if reach > 0.0 && self.between.is_some() {
+                    places.extend([place - TAU, place + TAU].map(at));
+                }
+            }
         };
         for &angle in &roots.simple {
             add(angle, 0.0);
