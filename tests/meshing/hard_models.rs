@@ -453,6 +453,8 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "apex-on-a-rim",
         "balls-overlapping-by-rounding",
         "balls-turned-in-six-digits",
+        "bores-crossing-on-a-ruling",
+        "cross-bore-out-of-a-slab",
         "frusta-around-an-axis",
         "frusta-on-one-plane",
         "groove-along-a-ruling",

@@ -205,14 +205,12 @@ impl ArcTracer {
                 self.signs[crossed.index()] ^= true;
             }
             let [low, high] = self.ends(stretch, [start, end]);
-            let wedges = if low >= high {
+            let wedges = if self.is_one_place(arc, stretch, [low, high]) {
                 open.clone()
             } else if self.changes[stretch] {
                 let middle = 0.5 * (low + high);
-                match self.wedges(arc, middle, stretch) {
-                    Err(_) if arc.is_short([low, high]) => open.clone(),
-                    wedges => wedges.map_err(|why| Stop::undecided(why, curve.at(middle)))?,
-                }
+                let wedges = self.wedges(arc, middle, stretch);
+                wedges.map_err(|why| Stop::undecided(why, curve.at(middle)))?
             } else {
                 Wedges::new()
             };
@@ -582,6 +580,16 @@ impl ArcTracer {
             before.map_or(start, |event| event.at),
             after.map_or(end, |event| event.at),
         ]
+    }
+
+    /// Whether a stretch is one place: rounding tells which of the events at its ends comes first,
+    /// and what would be between them.
+    fn is_one_place(&self, arc: &Arc<'_>, stretch: usize, [low, high]: [f64; 2]) -> bool {
+        let ends = stretch.checked_sub(1).zip(self.places.get(stretch));
+        let is_near = |(before, &after): (usize, &DVec3)| {
+            self.places[before].distance(after) <= arc.scene.weld
+        };
+        low >= high || ends.is_some_and(is_near) && arc.is_short([low, high])
     }
 
     /// The faces that meet in the block on the stretch of a curve around its

@@ -8,7 +8,7 @@ use super::intersection::Nearness;
 use super::piece::Side;
 use super::relations::Relations;
 use crate::control::Control;
-use crate::numeric::tolerance::{NEAR, SAME_BEND, TOUCHING_REACH};
+use crate::numeric::tolerance::{BLURRED_REACH, NEAR, SAME_BEND, TOUCHING_REACH};
 use crate::program::{Given, Surface, SurfaceId};
 use crate::surface::solve;
 use crate::undecided::Stop;
@@ -99,6 +99,11 @@ impl<'a> Scene<'a> {
     /// quarter of the digits.
     pub fn touching_reach(&self) -> f64 {
         TOUCHING_REACH * self.weld
+    }
+
+    /// Contacts farther from each other are two.
+    pub fn blurred_reach(&self) -> f64 {
+        BLURRED_REACH * self.weld
     }
 
     /// By how much rounding may move points of a surface before its values are to be

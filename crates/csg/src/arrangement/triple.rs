@@ -198,7 +198,7 @@ impl Ball {
         if distance <= self.radius + other.radius + scene.weld {
             return true;
         }
-        if distance > scene.touching_reach() {
+        if distance > scene.blurred_reach() {
             return false;
         }
         let middle = self.center.midpoint(other.center);

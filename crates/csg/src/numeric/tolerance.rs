@@ -101,6 +101,14 @@ pub(crate) const SAME_BEND: f64 = NEAR;
 /// of the digits: ε^(1/4) is 1e-4, and this much of [`WELD`] is 3e-5.
 pub(crate) const TOUCHING_REACH: f64 = 1e6;
 
+/// May contacts of three surfaces, each told along another of their curves, be one, in distances
+/// below which other points are, if all between the two is common to the three?
+///
+/// Derived: a curve may cross a surface to the fifth order where the other two surfaces of its
+/// three meet the third in a contact of the fourth, and is within rounding of it as far as a fifth
+/// of the digits tells: ε^(1/5) is 7e-4, and this much of [`WELD`] is 1e-3.
+pub(crate) const BLURRED_REACH: f64 = 3e7;
+
 /// May rounding alone have made two roots along a curve, in roundings that the surface stays
 /// within between them, if another curve of the same three surfaces tells so?
 ///
