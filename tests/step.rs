@@ -31,9 +31,14 @@ const NOT_VALID: [(&str, &str); 2] = [
     ),
 ];
 
-/// A tree whose volume is off by more, of it: the hull of points of six digits, whose faces have more
-/// than three corners, which are off their planes by these digits.
-const NOT_SO_EXACT: (&str, f64) = ("tests__data__scad__3D__issues__issue1089b", 1.1e-8);
+/// Those whose volumes are off by more, of it. The hull of points of six digits has faces of more
+/// than three corners, which are off their planes by these digits. Two frusta meet in a curve that
+/// bends by a radius of a thousandth: what is read back has 9e-6 less volume with images through ten
+/// times as many points (by a quadrature of its own the solid has 0.0726931382).
+const NOT_SO_EXACT: [(&str, f64); 2] = [
+    ("tests__data__scad__3D__issues__issue1089b", 1.1e-8),
+    ("shaft-beside-a-collar", 2e-7),
+];
 
 fn start() -> Script {
     let required = include_str!("step/requirements.txt");
@@ -138,12 +143,8 @@ impl Tally {
         let high = points().reduce(DVec3::max).expect("a vertex");
         let stray = 1e-9 * low.distance(high) * measure.area.value;
         let off = (found.volume - volume).abs();
-        let (of_digits, digits) = NOT_SO_EXACT;
-        let digits = if name.starts_with(of_digits) {
-            digits
-        } else {
-            0.0
-        };
+        let known = NOT_SO_EXACT.iter().find(|(of, _)| name.starts_with(of));
+        let digits = known.map_or(0.0, |&(_, digits)| digits);
         let allowed =
             (1e-9 + self.slack + digits) * volume + if has_quartics { stray } else { 0.0 };
         hold(

@@ -459,6 +459,7 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "frusta-on-one-plane",
         "groove-along-a-ruling",
         "pipe-and-its-mirror",
+        "rim-on-a-rod-beside-a-block",
         "round-end-in-a-cylinder",
         "shaft-beside-a-collar",
     ] {

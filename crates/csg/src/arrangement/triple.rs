@@ -242,7 +242,7 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
     let nodes = scene.nodes(&ids);
     let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
     while let Some(first) = found.iter().position(|place| place.is_contact) {
-        let mut ball = found.remove(first).ball;
+        let Doubtful { mut ball, blur, .. } = found.remove(first);
         while let Some(same) = found
             .iter()
             .position(|other| ball.is_same(scene, &surfaces, &other.ball))
@@ -256,12 +256,38 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
             let radius = 0.0;
             ball.is_same(scene, &surfaces, &Ball { center, radius })
         });
-        if let Some(sharp) = near.next().or(node) {
+        let sharper = || sharper(scene, ids, ball.center, blur);
+        if let Some(sharp) = near.next().or(node).or_else(sharper) {
             ball.center = sharp;
         }
         contacts.push(ball);
     }
     contacts
+}
+
+/// Where two of three surfaces cross another one next to a contact of the three that none of
+/// their curves tells better than to `blur`: of a contact of the fourth order a quarter of the
+/// digits are known, and others that pass through it know it better.
+fn sharper(scene: &Scene<'_>, ids: [SurfaceId; 3], contact: DVec3, blur: f64) -> Option<DVec3> {
+    if blur <= scene.touching_reach() {
+        return None;
+    }
+    let surfaces = ids.map(|id| scene.surface(id));
+    let is_near = |surface: &Surface| {
+        surface.value(contact).abs() <= blur * surface.gradient(contact).length()
+    };
+    let others = (0..).map(SurfaceId).zip(scene.surfaces);
+    let others = others.filter(|(id, surface)| !ids.contains(id) && is_near(surface));
+    let [a, b, c] = ids;
+    let pairs = others.flat_map(|(other, _)| [[a, b, other], [a, c, other], [b, c, other]]);
+    let points = pairs.flat_map(|ids| scene.crossings(ids).to_vec());
+    let is_common = |point: &DVec3| {
+        point.distance(contact) <= blur
+            && solve::residual(surfaces.into_iter(), *point) <= scene.rounding
+    };
+    let distance = |point: &DVec3| point.distance(contact);
+    let common = points.filter(is_common);
+    common.min_by(|p, q| distance(p).total_cmp(&distance(q)))
 }
 
 /// The points in which three surfaces, ascending, cross, each by that of their curves which

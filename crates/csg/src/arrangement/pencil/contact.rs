@@ -13,7 +13,7 @@ use crate::program::Surface;
 
 /// A place where surfaces touch or nearly do, and the quadric of the pencil whose gradient is 0
 /// there.
-struct Contact {
+struct Tangency {
     at: DVec3,
     /// The gradient of the first surface.
     gradient: DVec3,
@@ -27,7 +27,7 @@ struct Contact {
     axes: [DVec3; 3],
 }
 
-impl Contact {
+impl Tangency {
     /// From near it; none if the surfaces have no tangent plane in common there.
     fn of([a, b]: [&Surface; 2], start: DVec3) -> Option<Self> {
         let at = contact(a, b, start);
@@ -71,8 +71,8 @@ impl Pencil<'_> {
         /// some far away, which tell nothing.
         const FAR: f64 = 1e3;
         let [a, _] = self.surfaces;
-        let contact = Contact::of(self.surfaces, start).ok_or(Unknown::NoForm)?;
-        let Contact {
+        let contact = Tangency::of(self.surfaces, start).ok_or(Unknown::NoForm)?;
+        let Tangency {
             at, values, axes, ..
         } = contact;
         if self.is_about_contact || at.distance(self.origin) > FAR * self.unit {
@@ -131,8 +131,8 @@ impl Pencil<'_> {
 
     /// The one curve of quadrics that nearly touch, if they do not cross elsewhere: none, or a
     /// loop around the contact, whose digits are lost in the pencil's unit.
-    fn beside_contact(&self, contact: &Contact) -> Result<Branches, Unknown> {
-        let &Contact { at, value, .. } = contact;
+    fn beside_contact(&self, contact: &Tangency) -> Result<Branches, Unknown> {
+        let &Tangency { at, value, .. } = contact;
         let steep = contact.gradient.length();
         if value.abs() <= self.nearness.touch * steep {
             return Err(Unknown::Touch(smallvec![at]));
