@@ -33,7 +33,7 @@ fn assert_sum(terms: &[(f64, Bounded)], name: &str) {
 #[test]
 fn volumes_of_combinations_add_up() {
     let (mut tried, mut undecided) = (0, 0);
-    for seed in 0..50 {
+    for seed in 0..30 {
         let mut random = Random::new(seed);
         let [a, b] = [random.solid(), random.solid()];
         let name = format!("seed {seed}");
@@ -48,7 +48,7 @@ fn volumes_of_combinations_add_up() {
         assert_sum(&[(1.0, or), (1.0, and), (-1.0, a), (-1.0, b)], &name);
         assert_sum(&[(1.0, less), (1.0, and), (-1.0, a)], &name);
     }
-    assert!(tried >= 35, "{tried}");
+    assert!(tried >= 21, "{tried}");
     assert!(undecided <= 2, "{undecided}");
 }
 

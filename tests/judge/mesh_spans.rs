@@ -10,9 +10,19 @@ use super::{Line, SIDE};
 pub fn crossings(mesh: &Mesh, line: &Line) -> Vec<(f64, i32)> {
     let turn = across(line);
     let at = turn * line.origin;
-    let triangles = (0..mesh.triangles.len()).map(|index| mesh.corners(index));
-    let found = triangles.filter_map(|corners| cross(corners.map(|p| turn * p), at));
-    found.collect()
+    let turned = turned(mesh, turn);
+    let triangles = turned.iter();
+    triangles
+        .filter_map(|&corners| cross(corners, at))
+        .collect()
+}
+
+/// The corners of all triangles, turned.
+fn turned(mesh: &Mesh, turn: DMat3) -> Vec<[DVec3; 3]> {
+    let positions: Vec<DVec3> = mesh.positions.iter().map(|&p| turn * p).collect();
+    let triangles = mesh.triangles.iter();
+    let corners = triangles.map(|corners| corners.map(|corner| positions[corner as usize]));
+    corners.collect()
 }
 
 /// The same for each of a grid of parallel lines.
@@ -29,8 +39,7 @@ pub fn bundle(mesh: &Mesh, lines: &[Line]) -> Vec<Vec<(f64, i32)>> {
             (low, row.reduce(DVec2::max).unwrap_or_default())
         })
         .collect();
-    for index in 0..mesh.triangles.len() {
-        let corners = mesh.corners(index).map(|p| turn * p);
+    for corners in turned(mesh, turn) {
         let low = corners.into_iter().reduce(DVec3::min).unwrap_or_default();
         let high = corners.into_iter().reduce(DVec3::max).unwrap_or_default();
         for (row, (least, greatest)) in rows.iter().enumerate() {
@@ -55,6 +64,10 @@ fn across(line: &Line) -> DMat3 {
 /// Where the vertical through a point crosses a triangle.
 fn cross(corners: [DVec3; 3], at: DVec3) -> Option<(f64, i32)> {
     let [a, b, c] = corners.map(|p| (p - at).truncate());
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    if low.cmpgt(DVec2::ZERO).any() || high.cmplt(DVec2::ZERO).any() {
+        return None;
+    }
     let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
     let is_inside = weights.iter().all(|&w| w > 0.0) || weights.iter().all(|&w| w < 0.0);
     let sum: f64 = weights.iter().sum();
@@ -85,12 +98,18 @@ pub fn winding(mut crossings: Vec<(f64, i32)>) -> Option<Vec<([f64; 2], i32)>> {
 /// How far a point is from a mesh, and the normal of the nearest triangle; infinitely from
 /// an empty one.
 pub fn nearest(mesh: &Mesh, place: DVec3) -> (f64, DVec3) {
-    let triangles = (0..mesh.triangles.len()).map(|index| mesh.corners(index));
-    let each = triangles.map(|t| (from_triangle(t, place), t));
-    let nearest = each.min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map_or((f64::INFINITY, DVec3::Z), |(distance, [a, b, c])| {
-        (distance, (b - a).cross(c - a).normalize_or(DVec3::Z))
-    })
+    let mut found = (f64::INFINITY, DVec3::Z);
+    for [a, b, c] in (0..mesh.triangles.len()).map(|index| mesh.corners(index)) {
+        let in_box = place.clamp(a.min(b).min(c), a.max(b).max(c));
+        if in_box.distance_squared(place) > found.0 * found.0 {
+            continue;
+        }
+        let distance = from_triangle([a, b, c], place);
+        if distance < found.0 {
+            found = (distance, (b - a).cross(c - a).normalize_or(DVec3::Z));
+        }
+    }
+    found
 }
 
 /// By the regions of a triangle's corners, edges and face (Ericson, *Real-Time Collision

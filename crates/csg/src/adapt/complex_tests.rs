@@ -130,7 +130,7 @@ fn mesh(
 #[test]
 fn random_octrees_with_random_transitions_and_pairings_are_manifold() {
     let mut triangles = 0;
-    for seed in 0..2000 {
+    for seed in 0..600 {
         let mut random = Random(seed);
         let levels = 1 + random.below(4) as u32;
         let (tree, _) = random_tree(&mut random, levels, 2);
@@ -145,7 +145,7 @@ fn random_octrees_with_random_transitions_and_pairings_are_manifold() {
         assert_eq!(check.unreferenced_vertices, 0, "seed {seed}");
         triangles += mesh.triangles.len();
     }
-    assert!(triangles > 100_000, "{triangles}");
+    assert!(triangles > 30_000, "{triangles}");
 }
 
 #[test]

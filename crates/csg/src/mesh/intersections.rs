@@ -141,7 +141,7 @@ mod tests {
                 (0u32..60, proptest::array::uniform3(0.0..0.3f64), 0usize..20),
                 1..12,
             ),
-            copies in 1usize..40,
+            copies in 1usize..12,
         ) {
             // (Copies far away, so that few of all triangles change.)
             let (count, triangles) = (mesh.positions.len() as u32, mesh.triangles.clone());

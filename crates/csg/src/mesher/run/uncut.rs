@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn uncut_faces_fit_the_rest() {
         let mut joined = 0;
-        for seed in 0..160 {
+        for seed in 0..80 {
             let mut random = Random(seed);
             let is_round = seed % 3 == 0;
             let first = ring(&mut random);
@@ -303,6 +303,6 @@ mod tests {
                 truth.volume()
             );
         }
-        assert!(joined > 150, "{joined}");
+        assert!(joined > 75, "{joined}");
     }
 }
