@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 # How often what was lost with its worker is done once more; of processes of this machine, how often
 # all begin again without anything having been done.
 RETRIES = 3
+# Seconds in which a task may end by itself before it is cancelled.
+SOON = 1.0
 # Items per worker that are under way at a time: results that nobody has fetched take memory.
 AHEAD = 2
 
@@ -68,7 +70,7 @@ class Engine:
     def _result(self, future: Any) -> Any:
         raise NotImplementedError
 
-    def _cancel(self, future: Any) -> None:
+    def _cancel(self, futures: list[Any]) -> None:
         raise NotImplementedError
 
     def run(
@@ -92,8 +94,7 @@ class Engine:
                     result = self._result(future)
                     yield under_way.pop(future), result
         finally:
-            for future in under_way:
-                self._cancel(future)
+            self._cancel(list(under_way))
 
 
 class Ray(Engine):
@@ -124,9 +125,15 @@ class Ray(Engine):
             # What the function raised, without the way that it came.
             raise error.cause from None
 
-    def _cancel(self, future: Any) -> None:
-        # (What a worker is doing stops as by Ctrl-C.)
-        self.ray.cancel(future)
+    def _cancel(self, futures: list[Any]) -> None:
+        """Those that do not end soon: Ray's core ends this process if a task is done just while it
+        is cancelled (https://github.com/ray-project/ray/pull/54798). The last first, so that
+        none begins as a worker is free."""
+        if futures:
+            _, left = self.ray.wait(futures, num_returns=len(futures), timeout=SOON)
+            for future in reversed(left):
+                # (What a worker is doing stops as by Ctrl-C.)
+                self.ray.cancel(future)
 
 
 class Futures(Engine):
@@ -140,8 +147,9 @@ class Futures(Engine):
     def _result(self, future: Any) -> Any:
         return future.result()
 
-    def _cancel(self, future: Any) -> None:
-        future.cancel()
+    def _cancel(self, futures: list[Any]) -> None:
+        for future in futures:
+            future.cancel()
 
 
 class Dask(Futures):
@@ -283,7 +291,7 @@ class Processes(Pool):
         with _ctrl_c_waits():
             return self.executor.submit(_call_here, function, item)
 
-    def _cancel(self, future: Any) -> None:
+    def _cancel(self, futures: list[Any]) -> None:
         """Nothing: they end with their processes. (An executor that loses these while it has
         cancelled futures leaves some behind: https://github.com/python/cpython/pull/108974.)"""
 
