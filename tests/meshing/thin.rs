@@ -27,7 +27,8 @@ fn check(what: &str, solid: &Solid, volume: f64) {
     let report = &meshed.report;
     assert!(report.check.is_manifold(), "{what}: {}", report.check);
     assert_eq!(report.fallbacks, [], "{what}");
-    assert!(report.is_proven(), "{what}: {:?}", report.undecided);
+    let why = (&report.undecided, report.moved, report.difference);
+    assert!(report.is_proven(), "{what}: {why:?}");
     assert!(report.deviation.is_some_and(|d| d <= TOLERANCE), "{what}");
     let mesh = &meshed.mesh;
     assert!(
@@ -148,6 +149,83 @@ fn shells_take_what_their_sides_take() {
             volume + 0.28 * ball * ((1.0 - 2.0 * wall).powi(3) - (1.0 - 3.0 * wall).powi(3));
         check(&format!("two, {wall}"), &turned(&(shell | within)), volume);
     }
+}
+
+/// The same of shells with holes and corners cut off, of walls that end along a circle or in a
+/// point, and of such as are nothing but two faces: volumes are those of closed forms.
+#[test]
+fn shells_may_be_cut_open_and_end_in_edges() {
+    type Scale = fn(f64) -> [f64; 3];
+    let scales: [(Scale, i32); 3] = [
+        (|k| [k; 3], 3),
+        (|k| [k, k, 1.0], 2),
+        (|k| [1.0, 1.0, k], 1),
+    ];
+    let ball = || Solid::sphere(1.0);
+    let quarter = || Solid::cuboid([2.0, 2.0, 4.0]).translate([1.0, 1.0, 0.0]);
+    let drill = || Solid::cylinder(0.2, -2.0..2.0).rotate_x(0.3);
+    for wall in [0.1, 1e-3, 1e-6] {
+        let k = 1.0 - wall;
+        for (scale, power) in scales {
+            let what = format!("{wall}, {:?}", scale(k));
+            let volume = 4.0 / 3.0 * PI * (1.0 - k.powi(power));
+            let shell = ball() - ball().scale_xyz(scale(k));
+            check_volume(&format!("shell of {what}"), &turned(&shell), volume);
+            // (Along a circle thinner walls end in too few digits for what cuts through it.)
+            if power == 1 && wall < 1e-4 {
+                continue;
+            }
+            let open = shell - quarter();
+            check_volume(&format!("open, {what}"), &turned(&open), 0.75 * volume);
+            if wall > TOLERANCE {
+                continue;
+            }
+            let round = Solid::sphere(1.0) | Solid::cylinder(0.6, 0.0..1.5);
+            let whole = round.clone() - round.scale_xyz(scale(k));
+            let drilled = whole - drill();
+            let boundary = Program::lower(&drilled).expect("valid");
+            let boundary = boundary.boundary(&BoundaryOptions::default());
+            let boundary = boundary.unwrap_or_else(|why| panic!("drilled, {what}: {why}"));
+            let volume = boundary.measure().volume.value;
+            check(&format!("drilled, {what}"), &turned(&drilled), volume);
+        }
+        let cone = || Solid::frustum(0.8, 0.0, -1.0..1.0);
+        let lower = cone().scale_xyz([1.0, 1.0, k]);
+        let volume = 0.16 * PI / 3.0 * (wall + 8.0 - (1.0 + k).powi(3));
+        check_volume(&format!("cone, {wall}"), &turned(&(cone() - lower)), volume);
+    }
+}
+
+/// The same of files.
+#[test]
+fn walls_of_files_are_cut_up_alike_on_both_sides() {
+    for (name, most) in [
+        ("ball-less-itself-flattened", 3000),
+        ("thin-shell-cut-open", 3000),
+        ("cone-less-itself-lower", 200),
+    ] {
+        let program = Program::lower(&model(name)).expect("a valid solid");
+        let meshed = Mesher::new().tolerance(0.1).mesh(&program);
+        let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+        assert_eq!(report.fallbacks, [], "{name}");
+        assert!(report.is_proven(), "{name}: {:?}", report.undecided);
+        assert!(mesh.self_intersections().is_empty(), "{name}");
+        assert!(mesh.triangles.len() < most, "{name}");
+    }
+}
+
+/// The same, of a boundary whose exact volume is that, too.
+fn check_volume(what: &str, solid: &Solid, volume: f64) {
+    let program = Program::lower(solid).expect("a valid solid");
+    let boundary = program.boundary(&BoundaryOptions::default());
+    let boundary = boundary.unwrap_or_else(|why| panic!("{what}: {why}"));
+    let measured = boundary.measure().volume;
+    let off = (measured.value - volume).abs();
+    assert!(
+        off <= measured.error + 1e-14,
+        "{what}: {measured:?}, {volume}"
+    );
+    check(what, solid, volume);
 }
 
 /// Strips between curves much nearer to each other than chords stray are joined straight across,

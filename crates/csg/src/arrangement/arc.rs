@@ -144,18 +144,65 @@ impl Arc<'_> {
     /// other two curves: the one that is known best.
     pub fn slanting_crossing(&self, start: DVec3, third: SurfaceId) -> Option<DVec3> {
         let scene = self.scene;
-        let surface = scene.surface(third);
-        let [first, second] = self.id.pair().filter(|_| self.edge.is_none())?;
         let [a, b] = self.surfaces;
-        let [p, q, r] = [a, b, surface].map(|s| s.gradient(start).normalize_or_zero());
-        if p.cross(q).dot(r).abs() * scene.on_plane >= scene.rounding {
+        if self.edge.is_some() {
             return None;
         }
-        let known = scene.crossings([first, second, third]);
+        match self.id.pair() {
+            Some([first, second]) => {
+                let all = [a, b, scene.surface(third)];
+                let known = scene
+                    .is_slanting(all, start)
+                    .then(|| scene.crossings([first, second, third]));
+                self.nearest(start, &known?)
+            }
+            None => self.slanting_on_seam(start, [self.id.first, third], b),
+        }
+    }
+
+    /// The point where the curve crosses a seam of one of its surfaces.
+    pub fn cut(&self, start: DVec3, seam: &Surface, owner: SurfaceId) -> DVec3 {
+        let other = self.id.surfaces().find(|&id| id != owner);
+        let slanting = other.and_then(|other| self.slanting_on_seam(start, [owner, other], seam));
+        slanting.unwrap_or_else(|| self.point(start, Some(seam)))
+    }
+
+    /// Where the curves of a surface and another one cross a seam of the first, if that is
+    /// where the point common to all three is known best.
+    fn slanting_on_seam(
+        &self,
+        start: DVec3,
+        pair: [SurfaceId; 2],
+        seam: &Surface,
+    ) -> Option<DVec3> {
+        /// In sines: the points themselves tell for sure.
+        const PERHAPS: f64 = 100.0;
+        let scene = self.scene;
+        let [own, other] = pair.map(|id| scene.surface(id));
+        if scene.sine([own, other, seam], start) > PERHAPS * scene.slanting() {
+            return None;
+        }
+        let mut known = scene.on_seam(pair, seam);
+        known.retain(|at| {
+            scene.is_slanting([own, other, seam], *at)
+                && sine([own, other], *at) < sine([own, seam], *at)
+        });
+        self.nearest(start, &known)
+    }
+
+    /// Where a third surface touches the curve, which is a seam: on the curve along which it
+    /// touches the surface, if it does so along one.
+    pub fn touched_on_seam(&self, start: DVec3, third: SurfaceId) -> Option<DVec3> {
+        let is_seam = self.id.pair().is_none();
+        let known = is_seam.then(|| self.scene.on_seam([self.id.first, third], self.surfaces[1]));
+        self.nearest(start, &known?)
+    }
+
+    fn nearest(&self, start: DVec3, known: &[DVec3]) -> Option<DVec3> {
         let distance = |known: &DVec3| known.distance(start);
         let nearest = known.iter().copied();
         let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.filter(|known| distance(known) <= scene.touching_reach())
+        nearest.filter(|known| distance(known) <= self.scene.touching_reach())
     }
 
     /// The point where another branch passes through the curve, from next to it.
@@ -215,4 +262,10 @@ impl Arc<'_> {
             before = here;
         }
     }
+}
+
+/// Of the angle at which two surfaces meet.
+fn sine(pair: [&Surface; 2], at: DVec3) -> f64 {
+    let [p, q] = pair.map(|surface| surface.gradient(at).normalize_or_zero());
+    p.cross(q).length()
 }

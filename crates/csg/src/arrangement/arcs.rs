@@ -25,7 +25,7 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
-use crate::numeric::tolerance::SAME_DIRECTION;
+use crate::numeric::tolerance::{SAME_ANGLE, SAME_DIRECTION};
 use crate::program::{Surface, SurfaceId};
 use crate::undecided::{Stop, Why};
 
@@ -62,8 +62,8 @@ pub(super) struct ArcTracer {
     lines: Tracer,
     sectors: Sectors,
     events: Vec<Event>,
-    /// The planes of these that are no surfaces of the solid.
-    planes: Vec<Surface>,
+    /// The planes of these that are no surfaces of the solid, and of which one they are seams.
+    planes: Vec<(Surface, Option<SurfaceId>)>,
     /// The points of the curve at all events.
     places: Vec<DVec3>,
     roots: Roots,
@@ -300,13 +300,14 @@ impl ArcTracer {
             let axis = side.linear.max_position();
             let at = side.anchor[axis];
             if bounds.min[axis] <= at + scene.near && bounds.max[axis] >= at - scene.near {
-                self.cut(arc, &side, range);
+                self.cut(arc, (&side, None), range);
             }
         }
         for k in 0..self.through.len() {
-            let frame = scene.frame(block.id(self.through[k]));
+            let owner = block.id(self.through[k]);
+            let frame = scene.frame(owner);
             for plane in frame.into_iter().flat_map(Frame::planes) {
-                self.cut(arc, plane, range);
+                self.cut(arc, (plane, Some(owner)), range);
             }
         }
         self.add_nodes(arc, range);
@@ -433,11 +434,15 @@ impl ArcTracer {
                 self.events.extend(roots.map(|&at| crossing(at)));
                 continue;
             }
-            let known = contact.and_then(|contact| arc.curve.place(contact.center));
+            let point = match contact {
+                Some(contact) => Some(contact.center),
+                None => arc.touched_on_seam(arc.curve.at(at), id),
+            };
+            let known = point.and_then(|point| arc.curve.place(point));
             let is_within = |at: &f64| (cluster.from..=cluster.to).contains(at);
             self.events.push(Event {
                 touched: Some(position),
-                point: contact.map(|contact| contact.center),
+                point,
                 ..event(known.filter(is_within).unwrap_or(at), cluster.crosses())
             });
         }
@@ -500,13 +505,18 @@ impl ArcTracer {
     }
 
     /// Adds where a curve crosses a plane that is no surface of the solid.
-    fn cut(&mut self, arc: &Arc<'_>, plane: &Surface, range: [f64; 2]) {
+    fn cut(
+        &mut self,
+        arc: &Arc<'_>,
+        (plane, owner): (&Surface, Option<SurfaceId>),
+        range: [f64; 2],
+    ) {
         self.roots.clear();
         let tolerances = arc.scene.tolerances();
         let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
         if meets == Meets::Points && !self.roots.simple.is_empty() {
             let ends = Ends::Plane(self.planes.len());
-            self.planes.push(*plane);
+            self.planes.push((*plane, owner));
             let places = self.roots.simple.iter();
             self.events.extend(places.map(|&at| Event {
                 at,
@@ -549,7 +559,7 @@ impl ArcTracer {
                 true => 0.0,
                 false => arc.turn([a, b], 0.5 * (low + high)),
             };
-            if turn.abs() <= SAME_DIRECTION && arc.edge.is_none() {
+            if turn.abs() <= SAME_ANGLE && arc.edge.is_none() {
                 self.sectors.order_is(&[]);
             } else if turn < 0.0 {
                 self.sectors.order_is(&[a, d, c, b]);
@@ -566,7 +576,10 @@ impl ArcTracer {
         }
         match self.events[event].ends {
             Ends::Surface(position) => arc.crossing(place, arc.block.id(position)),
-            Ends::Plane(index) => arc.point(place, Some(&self.planes[index])),
+            Ends::Plane(index) => match self.planes[index] {
+                (plane, Some(owner)) => arc.cut(place, &plane, owner),
+                (plane, None) => arc.point(place, Some(&plane)),
+            },
             Ends::Touch => arc.point(place, None),
             Ends::Node => arc.node(place),
         }

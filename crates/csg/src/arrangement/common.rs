@@ -6,7 +6,7 @@ use glam::DVec3;
 use smallvec::SmallVec;
 
 use super::ball::Ball;
-use super::curve::{Curve, Meets};
+use super::curve::{Branch, Curve, Meets};
 use super::intersection::Unknown;
 use super::pairs::curves;
 use super::piece::{CurveId, Other};
@@ -14,7 +14,7 @@ use super::relations::{Common, Meeting};
 use super::roots::Roots;
 use super::scene::Scene;
 use super::triple::{contacts, crossings};
-use crate::program::SurfaceId;
+use crate::program::{Surface, SurfaceId};
 
 impl Scene<'_> {
     /// The curves common to two surfaces, or to one and a seam of it, by any of them.
@@ -93,6 +93,38 @@ impl Scene<'_> {
         roots.touching.extend(within(&meeting.roots.touching));
         roots.is_lost |= meeting.roots.is_lost;
         meeting.meets
+    }
+
+    /// The sine of the angle between a curve of two of three surfaces and the third, times that of
+    /// the two.
+    pub fn sine(&self, surfaces: [&Surface; 3], at: DVec3) -> f64 {
+        let [p, q, r] = surfaces.map(|s| s.gradient(at).normalize_or_zero());
+        p.cross(q).dot(r).abs()
+    }
+
+    /// Below which sine rounding moves a point common to three surfaces farther than to where
+    /// they are still told to meet.
+    pub fn slanting(&self) -> f64 {
+        self.rounding / self.on_plane
+    }
+
+    pub fn is_slanting(&self, surfaces: [&Surface; 3], at: DVec3) -> bool {
+        self.sine(surfaces, at) < self.slanting()
+    }
+
+    /// Where the curves of two surfaces cross a seam of one of them.
+    pub fn on_seam(&self, mut ids: [SurfaceId; 2], seam: &Surface) -> SmallVec<[DVec3; 4]> {
+        ids.sort_unstable();
+        let common = self.common(CurveId::first_of(ids));
+        let curves = common.iter().flat_map(|branches| branches.iter());
+        let cross = |Branch { curve, .. }: &Branch| -> SmallVec<[DVec3; 4]> {
+            let mut roots = Roots::default();
+            if let Some(range) = curve.range(DVec3::ZERO, self.reach) {
+                curve.meet(seam, range, self.tolerances(), &mut roots);
+            }
+            roots.simple.iter().map(|&root| curve.at(root)).collect()
+        };
+        curves.flat_map(cross).collect()
     }
 
     /// Where three surfaces touch: in each ball is one point of all three, its centre. The

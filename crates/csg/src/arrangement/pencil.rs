@@ -30,7 +30,7 @@ use super::rulings::{Lines, OnLines, Part, Rulings, form, matrix};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::jacobi;
 use crate::numeric::tolerance::{
-    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING,
+    AT_INFINITY, CANCELLED, MULTIPLE_ROOT, NEAR, NO_VALUE, POLYNOMIAL, TOUCHING, VALUE,
 };
 use crate::program::Surface;
 
@@ -41,6 +41,9 @@ struct Pencil<'a> {
     origin: DVec3,
     unit: f64,
     matrices: [DMat4; 2],
+    /// By how much entries of the second one may be off, of its largest: more than rounding if
+    /// it is what is left between surfaces that are nearly one.
+    blur: f64,
     nearness: Nearness,
     /// Whether they are about a place at which the surfaces nearly touch, and of the unit of
     /// their curve: the second is then not of the second surface, but of the pencil's quadric
@@ -88,7 +91,7 @@ impl<'a> Pencil<'a> {
         let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
         let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
             let other = self.combined([-y, x]);
-            match carrier(&self.combined([x, y])) {
+            match carrier(&self.combined([x, y]), self.nothing(NO_VALUE, [x, y])) {
                 Carrier::Cone(lines) => {
                     let known = self.on_cone(&lines, &other);
                     (!matches!(known, Err(Unknown::NoForm))).then_some(known)
@@ -162,15 +165,22 @@ impl<'a> Pencil<'a> {
         } else {
             nearness.scene()
         };
-        let matrices = surfaces.map(|s| matrix(s, origin, unit));
+        let [one, other] = surfaces.map(|s| matrix(s, origin, unit));
+        let (other, blur) = what_differs(&one, other);
         Self {
             surfaces,
             origin,
             unit,
-            matrices,
+            matrices: [one, other],
+            blur,
             nearness,
             is_about_contact: false,
         }
+    }
+
+    /// Below which share of the largest a value of a combination is nothing.
+    fn nothing(&self, share: f64, [_, y]: [f64; 2]) -> f64 {
+        share.max(self.blur * y.abs())
     }
 
     fn combined(&self, [x, y]: [f64; 2]) -> DMat4 {
@@ -245,7 +255,7 @@ impl<'a> Pencil<'a> {
         if one.distance(other) > self.nearness.near {
             return None;
         }
-        let Carrier::Cone(lines) = carrier(&self.matrices[0]) else {
+        let Carrier::Cone(lines) = carrier(&self.matrices[0], NO_VALUE) else {
             return None;
         };
         let form = lines.form(&self.matrices[1]);
@@ -256,7 +266,8 @@ impl<'a> Pencil<'a> {
     /// quadrics of the pencil have a vertex on it, and the determinant, being 0 of each, tells
     /// nothing. One of them is the plane in which both touch, and another plane.
     fn along_ruling(&self) -> Option<Result<Branches, Unknown>> {
-        let [Carrier::Cone(one), Carrier::Cone(other)] = self.matrices.each_ref().map(carrier)
+        let [Carrier::Cone(one), Carrier::Cone(other)] = [[1.0, 0.0], [0.0, 1.0]]
+            .map(|own| carrier(&self.combined(own), self.nothing(NO_VALUE, own)))
         else {
             return None;
         };
@@ -456,13 +467,31 @@ fn multiple_roots(trig: &Trig) -> SmallVec<[f64; 4]> {
     found
 }
 
-/// What a quadric has, given by its matrix.
-fn carrier(matrix: &DMat4) -> Carrier {
+/// Another basis of the pencil of two matrices, if these are the same but for little: in place
+/// of the second one what it differs by, and by how much that is off.
+fn what_differs(one: &DMat4, other: DMat4) -> (DMat4, f64) {
+    /// Of the second one, what differs. Digits depend on it alone.
+    const LITTLE: f64 = 1e-3;
+    let dot = |p: &DMat4, q: &DMat4| -> f64 {
+        let [p, q] = [p, q].map(DMat4::to_cols_array);
+        p.iter().zip(q).map(|(p, q)| p * q).sum()
+    };
+    let rest = other - dot(one, &other) / dot(one, one) * *one;
+    let share = (dot(&rest, &rest) / dot(&other, &other)).sqrt();
+    if share.is_nan() || share >= LITTLE || share <= VALUE {
+        return (other, 0.0);
+    }
+    (rest * dot(&rest, &rest).sqrt().recip(), VALUE / share)
+}
+
+/// What a quadric has, given by its matrix, of which values are nothing below a share of the
+/// largest.
+fn carrier(matrix: &DMat4, nothing: f64) -> Carrier {
     let (values, vectors) = jacobi(matrix.to_cols_array_2d());
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let of_sign = |sign: f64| -> SmallVec<[DVec4; 4]> {
         let own = |(value, vector): (&f64, &[f64; 4])| {
-            (sign * value > NO_VALUE * largest)
+            (sign * value > nothing * largest)
                 .then(|| DVec4::from_array(*vector) / value.abs().sqrt())
         };
         values.iter().zip(&vectors).filter_map(own).collect()
@@ -475,7 +504,7 @@ fn carrier(matrix: &DMat4) -> Carrier {
     let none = DVec4::ZERO;
     match (plus.as_slice(), minus.as_slice()) {
         (&[x, y], &[one]) | (&[one], &[x, y]) => {
-            let is_null = |&k: &usize| values[k].abs() <= NO_VALUE * largest;
+            let is_null = |&k: &usize| values[k].abs() <= nothing * largest;
             let Some(null) = (0..4).find(is_null) else {
                 return Carrier::Other;
             };

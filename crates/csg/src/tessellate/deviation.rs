@@ -81,11 +81,14 @@ pub(super) fn first_order(surface: &Surface, at: DVec3) -> f64 {
 /// stationary point.
 #[inline]
 fn largest_on_triangle([a, b, c]: [f64; 3]) -> f64 {
+    /// Of the square of what is on the edges: where the sum of weights is less, rounding alone
+    /// may have made it, and inside there is no more than on the edges but for as much.
+    const NO_WEIGHT: f64 = 1e-12;
     let on_edges = 0.5 * a.abs().max(b.abs()).max(c.abs());
     let weights = [b * (a + c - b), c * (a + b - c), a * (b + c - a)];
     let sum: f64 = weights.iter().sum();
-    let is_inside = weights.iter().all(|w| w * sum >= 0.0) && sum != 0.0;
-    if is_inside {
+    let is_inside = weights.iter().all(|w| w * sum >= 0.0);
+    if is_inside && sum.abs() > NO_WEIGHT * on_edges * on_edges {
         on_edges.max((2.0 * a * b * c / sum).abs())
     } else {
         on_edges

@@ -7,8 +7,11 @@
 //! corners, which are not negative. So of two closed surfaces that are all along within the
 //! tolerance of each other one is cut up, and the other is its image.
 
+mod faces;
+
 use glam::DVec3;
 
+pub(crate) use self::faces::mirrored;
 use super::goal::Goal;
 use super::outcome::Outcome;
 use super::parts::Refined;

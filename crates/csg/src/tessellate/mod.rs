@@ -58,6 +58,7 @@ pub(crate) use self::goal::Goal;
 use self::grow::Grower;
 use self::half_edges::HalfEdges;
 use self::hand_back::hand_back;
+pub(crate) use self::mirror::mirrored;
 pub(crate) use self::outcome::{Outcome, Unkept};
 pub(crate) use self::parts::{Refined, join, join_refined, parts};
 pub(crate) use self::separate::{Parting, Separation, folded};

@@ -152,6 +152,7 @@ impl Pencil<'_> {
                 matrix(self.surfaces[0], at, unit) * (unit / steep),
                 ellipsoid * contact.largest().recip(),
             ],
+            blur: 0.0,
             nearness: self.nearness.within(unit / self.unit),
             is_about_contact: true,
         };

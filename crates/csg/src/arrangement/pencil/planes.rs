@@ -31,12 +31,13 @@ impl Pencil<'_> {
             on(vectors[2]) + on(vectors[3])
         });
         let length = elementary::hypot(x, y);
-        let (values, vectors) = if length > NEARLY {
-            eigenvectors(&self.combined([y / length, -x / length]))
-        } else {
-            (values, vectors)
+        let factors = match length > NEARLY {
+            true => [y / length, -x / length],
+            false => [cos, sin],
         };
-        let is_null = |value: f64| value.abs() <= CANCELLED * values[0].abs();
+        let (values, vectors) = eigenvectors(&self.combined(factors));
+        let nothing = self.nothing(CANCELLED, factors);
+        let is_null = |value: f64| value.abs() <= nothing * values[0].abs();
         if !is_null(values[2]) {
             return None;
         }

@@ -15,7 +15,7 @@ use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::{Program, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
-use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced};
+use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced, Unkept};
 
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
@@ -150,27 +150,38 @@ impl Run<'_> {
         /// In a row, that were no better.
         const MOST_IN_VAIN: u32 = 3;
         const FINER: f64 = 0.4;
+        /// So that it is enough where curvature differs along a surface.
+        const SPARE: f64 = 0.98;
         /// So many times as many triangles are not worth it.
         const MOST_GROWTH: usize = 20;
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
         let control = self.refining(&goal);
         let finish = |mut refined: Refined, goal: &Goal| {
+            let mut share = None;
             if self.mesher.check {
+                if let Some(mirrored) = mirrored(&refined, task, goal) {
+                    // What is only too far off need be no finer than that says.
+                    let mut reasons = mirrored.outcome.unkept.iter();
+                    let are_far = reasons.all(|(reason, _)| *reason == Unkept::Far);
+                    let finer = SPARE * goal.promised / mirrored.outcome.deviation;
+                    share = are_far.then_some(finer.clamp(FINER, 1.0));
+                    refined = mirrored;
+                }
                 let Refined { surfaced, outcome } = &mut refined;
                 self.separate(surfaced, outcome, task, goal)?;
             }
             let mut narrow = std::mem::take(&mut refined.outcome.tighter);
             narrow.sort_unstable();
             narrow.dedup();
-            Ok::<_, Error>((refined, narrow))
+            Ok::<_, Error>((refined, narrow, share))
         };
         let attempt = |goal: &Goal| {
             let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
             let refined: Vec<&Refined> = refined.iter().collect();
             finish(tessellate::join_refined(&refined), goal)
         };
-        let (mut best, mut narrow) = finish(first, &goal)?;
+        let (mut best, mut narrow, mut share) = finish(first, &goal)?;
         let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
         // At first it may be enough that no vertex of the surfaces is removed.
@@ -186,15 +197,15 @@ impl Run<'_> {
             for &surface in &narrow {
                 let tight = goal.tight.entry(surface);
                 tight
-                    .and_modify(|share| *share *= FINER)
-                    .or_insert(at_first);
+                    .and_modify(|known| *known *= share.unwrap_or(FINER))
+                    .or_insert(share.unwrap_or(at_first));
             }
             let refined = match attempt(&goal) {
                 // Better one that runs through itself than none.
                 Err(error) if is_too_much(&error).is_some() => break,
                 result => result?,
             };
-            narrow = refined.1;
+            (narrow, share) = (refined.1, refined.2);
             in_vain += 1;
             let is_too_large = refined.0.surfaced.triangles.len() > most_triangles;
             if refined.0.outcome.unkept.len() < best.outcome.unkept.len() {
@@ -281,6 +292,14 @@ fn merge_alike(mesh: &mut Mesh, program: &Program) {
         *index = merged[*index as usize];
     }
     mesh.surfaces = kept;
+}
+
+/// The same with faces as images of others, if fewer of its triangles run through each other so.
+fn mirrored(refined: &Refined, task: &Task<'_>, goal: &Goal) -> Option<Refined> {
+    let wrong = wrong_triangles(&refined.surfaced, task);
+    let mirrored = tessellate::mirrored(refined, &task.surfaces, goal, &wrong)?;
+    let left = wrong_triangles(&mirrored.surfaced, task);
+    (left.len() < wrong.len()).then_some(mirrored)
 }
 
 /// The pairs of triangles that run through each other once a mesh's points are

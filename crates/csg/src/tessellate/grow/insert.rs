@@ -139,6 +139,10 @@ impl Grower<'_, '_> {
         let is_done = sides.iter().any(|&side| mesh.region(side).way == Way::Done);
         let is_straight = mesh.curve_surfaces(rim).iter().all(|s| s.is_plane());
         let may_be_cut = is_fixed && !is_done && !is_straight;
-        may_be_cut.then(|| cut_of(mesh, rim, target, self.precision))?
+        let side = may_be_cut.then(|| cut_of(mesh, rim, target, self.precision))??;
+        // Another one that is stuck ought to be there.
+        let mut targets = self.stuck.iter().map(|(_, target)| target);
+        let is_taken = targets.any(|target| side.target.distance(*target) <= self.precision);
+        (!is_taken).then_some(side)
     }
 }

@@ -1,6 +1,7 @@
 //! How far what is made strays: noted in the outcome.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::Grower;
 use crate::program::SurfaceId;
@@ -14,22 +15,32 @@ impl Grower<'_, '_> {
     /// itself, which stay as they are.
     pub(super) fn measure_straight_edges(&mut self) {
         let mesh = &*self.mesh;
-        for half in mesh.edges().filter(|&half| mesh.is_feature(half)) {
-            let surfaces = mesh.curve_surfaces(half);
-            if surfaces.iter().all(|s| s.is_plane()) || mesh.is_contact(half) {
-                let [p, q] = [half, mesh.twin(half)].map(|side| mesh.at(mesh.origin(side)));
-                let bound = deviation::of_chord(surfaces, p, q);
-                let pair = mesh.curve(half);
-                let promised = self.goal.promised;
-                self.outcome.note(bound, p.midpoint(q), &pair, promised);
-            }
-        }
+        let is_straight = |half: u32| mesh.curve_surfaces(half).iter().all(|s| s.is_plane());
+        let edges = mesh.edges().filter(|&half| mesh.is_feature(half));
+        let edges = edges.filter(|&half| is_straight(half) || mesh.is_contact(half));
+        self.measure_chords(edges.collect());
     }
 
     /// Measures the chords of a curve that end in a vertex.
     fn measure_chords_at(&mut self, vertex: u32) {
         let mesh = &*self.mesh;
-        for half in mesh.around(vertex).filter(|&half| mesh.is_feature(half)) {
+        let chords = mesh.around(vertex).filter(|&half| mesh.is_feature(half));
+        self.measure_chords(chords.collect());
+    }
+
+    /// Measures all triangles and edges of a mesh.
+    pub(in crate::tessellate) fn measure_everything(&mut self) {
+        for triangle in 0..self.mesh.triangle_count() {
+            self.measure(triangle);
+        }
+        let mesh = &*self.mesh;
+        let edges = mesh.edges().filter(|&half| mesh.is_feature(half));
+        self.measure_chords(edges.collect());
+    }
+
+    fn measure_chords(&mut self, chords: SmallVec<[u32; 8]>) {
+        let mesh = &*self.mesh;
+        for half in chords {
             let [p, q] = [half, mesh.twin(half)].map(|side| mesh.at(mesh.origin(side)));
             let bound = deviation::of_chord(mesh.curve_surfaces(half), p, q);
             let pair = mesh.curve(half);

@@ -10,24 +10,28 @@ use crate::tessellate::contacts::Contacts;
 use crate::tessellate::curves::on_curve;
 
 impl HalfEdges<'_> {
+    /// For each vertex the first one in the same place.
+    pub fn places(&self) -> Vec<u32> {
+        // Zero has two signs.
+        let bits = |at: DVec3| (at + DVec3::ZERO).to_array().map(f64::to_bits);
+        let mut first_at = FxHashMap::default();
+        first_at.reserve(self.positions.len());
+        let first = |(vertex, &at): (u32, &DVec3)| match self.kinds[vertex as usize] {
+            Kind::Gone => vertex,
+            _ => *first_at.entry(bits(at)).or_insert(vertex),
+        };
+        (0u32..).zip(&self.positions).map(first).collect()
+    }
+
     /// Lets no vertex move that is in the same place as another one, where the
     /// solid touches itself, and leaves edges as they are that join the same two
     /// places as another one.
     pub fn fix_contacts(&mut self) {
-        // Zero has two signs.
-        let bits = |at: DVec3| (at + DVec3::ZERO).to_array().map(f64::to_bits);
-        // The first vertex in the same place, and whether there are others.
-        let mut places: Vec<u32> = (0..self.positions.len() as u32).collect();
+        let places = self.places();
         let mut is_shared = vec![false; self.positions.len()];
-        let mut first_at = FxHashMap::default();
-        first_at.reserve(self.positions.len());
-        for (vertex, place) in (0u32..).zip(&mut places) {
-            if self.kinds[vertex as usize] == Kind::Gone {
-                continue;
-            }
-            *place = *first_at.entry(bits(self.at(vertex))).or_insert(vertex);
-            if *place != vertex {
-                for shared in [*place, vertex] {
+        for (vertex, &place) in (0u32..).zip(&places) {
+            if place != vertex {
+                for shared in [place, vertex] {
                     self.kinds[shared as usize] = Kind::Corner;
                     is_shared[shared as usize] = true;
                 }
