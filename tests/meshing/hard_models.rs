@@ -483,6 +483,25 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
     }
 }
 
+/// A rod, cones and a ball that were meant to touch, be in line and of one radius, and miss it by
+/// as much as nobody sees: they are moved by about that, and no farther.
+#[test]
+fn what_misses_touching_by_little_is_moved_until_it_touches() {
+    let program = Program::lower(&model("spool-missed-by-a-billionth")).expect("a valid solid");
+    for tolerance in [0.7, 0.1, 0.02] {
+        let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+        let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+        assert_eq!(report.fallbacks, [], "{tolerance}");
+        assert!(report.check.is_manifold() && mesh.self_intersections().is_empty());
+        assert!(
+            report.deviation.is_some_and(|d| d <= tolerance),
+            "{tolerance}"
+        );
+        let moved = report.moved.map_or(0.0, |moved| moved.distance);
+        assert!(moved < 1e-5, "{tolerance}: {moved}");
+    }
+}
+
 /// The bound of a volume counts that edges are right to rounding only.
 #[test]
 fn volumes_of_slivers_are_within_their_bounds() {

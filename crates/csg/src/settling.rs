@@ -11,11 +11,21 @@ use crate::report::{Moved, Report};
 /// takes half a percent more triangles.
 pub(crate) const UNSEEN: f64 = 0.01;
 
+/// What is missed by less, of the scene, may have been meant.
+const MISSED: f64 = 1e-6;
+
+/// Of what surfaces may move, by how much they may miss: some are moved for several reasons.
+const SHARE: f64 = 0.1;
+
 /// What is done to surfaces, in the order in which it is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Settling {
     /// Those that cannot be told apart where boundaries are evaluated are made one.
     Merged,
+    /// Those that miss touching, being flush or in line by little are moved until they are.
+    Aligned,
+    /// The same as first, with shorter chords.
+    Finer,
     /// All that are nearer to each other than they may be moved are made one.
     MergedFarther,
     /// All are rounded to as many decimals as are a small share of the tolerance.
@@ -26,8 +36,10 @@ pub(crate) enum Settling {
 }
 
 impl Settling {
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Merged,
+        Self::Aligned,
+        Self::Finer,
         Self::MergedFarther,
         Self::Rounded,
         Self::Perturbed { within: 0.02 },
@@ -36,22 +48,22 @@ impl Settling {
         },
     ];
 
+    /// Those that move surfaces in different ways.
+    pub fn moves() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|way| *way != Self::Finer)
+    }
+
     /// Whether nothing is left of the solid because surfaces were moved: walls thinner
     /// than that are better meshed in another way than lost.
     pub fn has_lost(self, is_empty: bool) -> bool {
-        self != Self::Merged && is_empty
+        !matches!(self, Self::Merged | Self::Finer) && is_empty
     }
 
     /// The series of chords that are tried.
     pub fn chords(self) -> &'static [&'static [f64]] {
-        const ALL: [&[f64]; 3] = [
-            &arrangement::LONG_CHORDS,
-            &arrangement::SHORT_CHORDS,
-            &arrangement::SHORTEST_CHORDS,
-        ];
         match self {
-            Self::Merged => &ALL,
-            Self::MergedFarther | Self::Rounded | Self::Perturbed { .. } => &ALL[..1],
+            Self::Finer => &[&arrangement::SHORT_CHORDS, &arrangement::SHORTEST_CHORDS],
+            _ => &[&arrangement::LONG_CHORDS],
         }
     }
 }
@@ -74,7 +86,15 @@ impl Prepared {
         let ball = (bounds.center(), 0.5 * size.length());
         let merged = || program.merged(ball, unresolved.min(unseen), unseen);
         let settled = match settling {
-            Settling::Merged => merged()?,
+            Settling::Merged | Settling::Finer => merged()?,
+            Settling::Aligned => {
+                let within = (MISSED * size.max_element()).min(SHARE * unseen);
+                let same = unresolved.min(unseen);
+                match program.aligned(ball, (within, same), unseen)? {
+                    None => return Ok(None),
+                    aligned => aligned,
+                }
+            }
             Settling::MergedFarther => match program.merged(ball, unseen, unseen)? {
                 None => return Ok(None),
                 farther => farther,

@@ -131,6 +131,10 @@ impl Cut {
     fn new(scene: &Scene<'_>, boundary: &mut Boundary) -> Result<Self, Stop> {
         /// Times that edges of faces that cannot be cut are split.
         const ROUNDS: u32 = 12;
+        /// Times as many corners as at first, and as many besides, after which more are of no
+        /// help: those that are split are not the ones in the way.
+        const MOST_GROWTH: [usize; 2] = [8, 256];
+        let mut most = usize::MAX;
         let mut cut = Self::default();
         let mut place = DVec3::ZERO;
         let mut faces: Vec<FaceId> = FaceId::all(boundary.faces.len()).collect();
@@ -149,7 +153,11 @@ impl Cut {
                 let contours = &cut.contours[face.index()];
                 boundary.part(scene, face, contours, &mut splits);
             }
-            if round == ROUNDS || splits.is_empty() {
+            let corners = cut.contours.iter().flatten().map(Vec::len).sum::<usize>();
+            if round == 0 {
+                most = MOST_GROWTH[0] * corners + MOST_GROWTH[1];
+            }
+            if round == ROUNDS || splits.is_empty() || corners > most {
                 break;
             }
             let split = boundary.split_all(scene, &splits);

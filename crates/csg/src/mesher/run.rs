@@ -233,7 +233,7 @@ impl<'a> Run<'a> {
     /// The exact boundary of planes; none where it could not be closed.
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
-        for settling in Settling::ALL {
+        for settling in Settling::moves() {
             let mut attempt = report.clone();
             let places: Vec<DVec3> = report.undecided.iter().map(|u| u.place).collect();
             let Some(settled) = self.settle(&loose, settling, &places, &mut attempt)? else {

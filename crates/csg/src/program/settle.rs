@@ -8,6 +8,7 @@
 //! for the arithmetic of what comes later, whose stages would have to decide one
 //! after another whether it is there.
 
+mod aligned;
 mod chains;
 mod distance;
 mod rounding;
@@ -50,6 +51,35 @@ impl Program {
         most: f64,
     ) -> Result<Option<Settled>, Error> {
         self.united(self.surfaces().to_vec(), (origin, reach), within, most)
+    }
+
+    /// The program with its surfaces moved, by no more than `within` where the solid is, until
+    /// those touch, are flush or in line that miss it by less; then those that nearly coincide
+    /// made one as by [`merged`](Self::merged). None if that changes nothing, or would move one
+    /// farther than `most`.
+    pub(crate) fn aligned(
+        &self,
+        (origin, reach): (DVec3, f64),
+        (within, same): (f64, f64),
+        most: f64,
+    ) -> Result<Option<Settled>, Error> {
+        let about = |s: &Surface| s.relative_to(origin);
+        let before: Vec<Surface> = self.surfaces().iter().map(about).collect();
+        let is_fixed = |index: usize| self.is_given(SurfaceId(index as u32));
+        let Some(after) = aligned::aligned(&before, is_fixed, reach, within) else {
+            return Ok(None);
+        };
+        let mut pairs = before.iter().zip(&after);
+        if pairs.any(|(before, after)| before.distance_bound(after, reach) > most) {
+            return Ok(None);
+        }
+        let place =
+            |((surface, before), after): ((&Surface, &Surface), Surface)| match after == *before {
+                true => *surface,
+                false => after.relative_to(-origin),
+            };
+        let surfaces = self.surfaces().iter().zip(&before).zip(after).map(place);
+        self.united(surfaces.collect(), (origin, reach), same, most)
     }
 
     /// The program with the places, directions and sizes of all surfaces rounded to
@@ -234,6 +264,7 @@ mod tests {
     use crate::arrangement::random_quadric;
     use crate::random::Random;
     use crate::solid::Solid;
+    use crate::surface::SurfaceShape;
 
     const BALL: (DVec3, f64) = (DVec3::ZERO, 2.0);
 
@@ -281,6 +312,61 @@ mod tests {
                     "{k}: {near:?}"
                 );
             }
+        }
+    }
+
+    /// A ball in a round hole of its radius, between a plane that both touch and one through its
+    /// centre, each of which misses by as little.
+    #[test]
+    fn what_misses_by_little_is_moved_until_it_does_not() {
+        let mut random = Random(7);
+        for case in 0..200 {
+            let miss = 10f64.powi(-7 - case % 6);
+            let place = turn(&mut random);
+            let place =
+                glam::DAffine3::from_rotation_translation(place, DVec3::new(0.3, -0.2, 0.1));
+            let mut off = || miss * (2.0 * random.unit() - 1.0);
+            let solid = Solid::infinite_cylinder(0.5 + off())
+                .rotate_x(off())
+                .translate([off(), off(), 0.0])
+                | Solid::sphere(0.5 + off()).translate([off(), off(), 0.3 + off()])
+                | Solid::half_space([1.0, off(), off()], 0.5 + off())
+                | Solid::half_space([off(), off(), 1.0], 0.3 + off());
+            let before = lowered(&solid.affine(place));
+            let aligned = before.aligned(BALL, (10.0 * miss, 0.0), 100.0 * miss);
+            let aligned = aligned.expect("room").expect("misses");
+            assert!(aligned.moved < 60.0 * miss, "{case}: {}", aligned.moved);
+            let shapes = aligned.program.surfaces().iter().map(Surface::shape);
+            let (mut rod, mut ball, mut planes) = (None, None, Vec::new());
+            for shape in shapes {
+                match shape {
+                    SurfaceShape::Cylinder {
+                        point,
+                        axis,
+                        radius,
+                    } => rod = Some((point, axis, radius)),
+                    SurfaceShape::Sphere { center, radius } => ball = Some((center, radius)),
+                    SurfaceShape::Plane { point, normal } => planes.push((point, normal)),
+                    other => panic!("{other:?}"),
+                }
+            }
+            let (point, axis, radius) = rod.expect("a cylinder");
+            let (center, of_ball) = ball.expect("a sphere");
+            let mut values = vec![
+                (center - point).reject_from(axis).length(),
+                radius - of_ball,
+            ];
+            for (on, normal) in planes {
+                let along = normal.dot(axis).abs();
+                let height = (on - center).dot(normal);
+                let touches = if along > 0.5 { 0.0 } else { of_ball };
+                values.push(height.abs() - touches);
+                values.push(along.min(1.0 - along));
+            }
+            let left = values
+                .iter()
+                .fold(0.0f64, |most, value| most.max(value.abs()));
+            assert!(left < 2e-14, "{case}: {values:?}");
         }
     }
 
