@@ -133,7 +133,7 @@ impl Cut {
         const ROUNDS: u32 = 12;
         /// Times as many corners as at first, and as many besides, after which more are of no
         /// help: those that are split are not the ones in the way.
-        const MOST_GROWTH: [usize; 2] = [8, 256];
+        const MOST_GROWTH: [usize; 2] = [4, 64];
         let mut most = usize::MAX;
         let mut cut = Self::default();
         let mut place = DVec3::ZERO;
