@@ -210,8 +210,8 @@ impl<'m, 's> Mirror<'m, 's> {
         }
     }
 
-    /// Matches two faces, and from there on others beyond their borders that are no rims;
-    /// none if that cannot be done for all.
+    /// Matches two faces, and from there on others beyond their borders that are no rims; or
+    /// none of them if not all correspond.
     fn match_from(&mut self, seed: [u32; 2]) {
         let partner = |all: &Self, regions: [u32; 2]| regions.map(|r| all.partner[r as usize]);
         if partner(self, seed) != [NONE; 2] {
