@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashSet;
 
 use super::chart::{self, Chart};
+use super::quadrature;
 use crate::arrangement::{Arrangement, Curve, HalfEdgeId, Side};
 use crate::program::Surface;
 use crate::undecided::{Undecided, Why};
@@ -60,7 +61,7 @@ pub(super) fn regions(
             let area = if is_slit {
                 0.0
             } else {
-                chart.turn() * area(&polygon)
+                chart.turn() * area(all, curves, &chart, &half_edges)
             };
             let first = polygon.first().copied().unwrap_or_default();
             let bounds = polygon.iter().fold([first; 2], |[low, high], &point| {
@@ -140,14 +141,38 @@ fn polygon(
     polygon
 }
 
-fn area(polygon: &[DVec2]) -> f64 {
-    let Some(&first) = polygon.first() else {
+/// The area that a contour is around, above 0 if that is on its left, to as many digits as tell
+/// that: between two arcs next to each other chords would not.
+fn area(all: &Arrangement, curves: &Curves, chart: &Chart<'_>, contour: &[HalfEdgeId]) -> f64 {
+    const MOST_PANELS: u32 = 64;
+    let Some(&first) = contour.first() else {
         return 0.0;
     };
-    let sides = polygon
-        .windows(2)
-        .map(|w| (w[0] - first).perp_dot(w[1] - first));
-    0.5 * sides.sum::<f64>()
+    let flatten = |point: DVec3| chart.flatten(point);
+    let about = flatten(all.points[all.at(first).from.index()]);
+    let of_panels = |panels: u32| -> f64 {
+        let swept = |&half: &HalfEdgeId| {
+            let half_edge = all.at(half);
+            if half_edge.is_line {
+                let [a, b] = all.chord(half_edge).map(flatten);
+                return 0.5 * (a - about).perp_dot(b - about);
+            }
+            let curve = &curves.all[curves.of_half_edge[half.index()] as usize];
+            let at = |place: f64| flatten(curve.at(place));
+            quadrature::swept(at, half_edge.places, about, panels)
+        };
+        contour.iter().map(swept).sum()
+    };
+    let mut panels = 1;
+    let mut area = of_panels(panels);
+    loop {
+        let before = area;
+        panels *= 2;
+        area = of_panels(panels);
+        if (area - before).abs() <= 0.1 * area.abs() || panels >= MOST_PANELS {
+            return area;
+        }
+    }
 }
 
 /// The smallest of some outlines around a hole.
@@ -188,4 +213,33 @@ fn is_within_polygon(polygon: &[DVec2], point: DVec2) -> bool {
     let next = polygon.iter().cycle().skip(1);
     let sides = polygon.iter().zip(next).map(|(&a, &b)| [a, b]);
     chart::is_within(sides, point)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use crate::{BoundaryOptions, Program, Solid};
+
+    /// A thin shell between a ball and an ellipsoid in any direction, cut into six sectors, no
+    /// two of which touch: each plane has four faces between arcs that chords would cross.
+    #[test]
+    fn faces_between_close_arcs_are_no_holes_in_each_other() {
+        for power in 1..8 {
+            let thin = 10f64.powi(-power);
+            for turn in [0.3, 1.1, 2.3] {
+                let radii = [1.0 - thin, 1.0 - 2.0 * thin, 1.0 - 1.5 * thin];
+                let inner = Solid::ellipsoid(radii).rotate_x(turn).rotate_z(2.0 * turn);
+                let slab =
+                    |k: u32| Solid::cuboid([0.3, 4.0, 4.0]).rotate_z(f64::from(k) * PI / 3.0);
+                let solid = Solid::sphere(1.0) - inner - slab(0) - slab(1) - slab(2);
+                let program = Program::lower(&solid).expect("valid");
+                let brep = program.boundary(&BoundaryOptions::new()).expect("told");
+                let genera: Vec<usize> = brep.shells().map(|shell| shell.genus()).collect();
+                assert_eq!(genera, [0; 6], "{thin} {turn}");
+                let mut flat = brep.faces().filter(|face| face.surface().is_plane());
+                assert!(flat.all(|face| face.loops().len() == 1), "{thin} {turn}");
+            }
+        }
+    }
 }

@@ -298,6 +298,32 @@ fn halve_length(
     }
 }
 
+/// The area that the line from a point to one that runs along a curve sweeps over, above 0
+/// where it turns counter-clockwise, as the sum of some panels.
+pub(super) fn swept(
+    curve: impl Fn(f64) -> DVec2,
+    [from, to]: [f64; 2],
+    about: DVec2,
+    panels: u32,
+) -> f64 {
+    let step = (to - from) / f64::from(panels);
+    let panels = (0..panels).map(|k| from + f64::from(k) * step);
+    panels.map(|at| sweep(&curve, [at, at + step], about)).sum()
+}
+
+/// The same, by one rule.
+fn sweep(curve: &impl Fn(f64) -> DVec2, [from, to]: [f64; 2], about: DVec2) -> f64 {
+    let rule = &*ALONG;
+    let at = |&node: &f64| curve(from + node * (to - from)) - about;
+    let points: Vec<DVec2> = rule.nodes.iter().map(at).collect();
+    let terms = rule.derivatives.iter().zip(&points).zip(&rule.weights);
+    let term = |((row, point), weight): ((&Vec<f64>, &DVec2), &f64)| {
+        let slope: DVec2 = row.iter().zip(&points).map(|(&d, &p)| d * p).sum();
+        weight * point.perp_dot(slope)
+    };
+    0.5 * terms.map(term).sum::<f64>()
+}
+
 /// The length of a stretch, by one rule.
 fn chord(curve: &impl Fn(f64) -> DVec3, [from, to]: [f64; 2]) -> f64 {
     let rule = &*ALONG;
