@@ -156,7 +156,7 @@ fn divide_course(course: &impl Course, vertices: &[DVec3], goal: &Goal) -> Optio
 }
 
 /// The largest distance of one of the first so many chords, and its middle.
-fn farthest(
+pub(super) fn farthest(
     surfaces: [&Surface; 2],
     [first, last]: [DVec3; 2],
     points: &[DVec3],

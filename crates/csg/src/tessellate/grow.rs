@@ -18,7 +18,8 @@ mod measure;
 use crate::elementary;
 use glam::DVec3;
 
-use super::chains::{chains, divide, move_vertices};
+use super::alongside::align;
+use super::chains::{Division, chains, divide, move_vertices};
 use super::deviation;
 use super::fine::Fine;
 use super::flips::Waiting;
@@ -44,6 +45,8 @@ pub(super) struct Grower<'m, 's> {
     changed: Vec<u32>,
     /// Vertices that lie on chords, and where they ought to be.
     pub(super) stuck: Vec<(u32, DVec3)>,
+    /// Those that were put there nevertheless.
+    put: Vec<u32>,
     /// Vertices at which chords of curves were cut, to be measured once all are in place.
     cut: Vec<u32>,
     /// What could not be done.
@@ -67,6 +70,7 @@ impl<'m, 's> Grower<'m, 's> {
             waiting: Waiting::default(),
             changed: Vec::new(),
             stuck: Vec::new(),
+            put: Vec::new(),
             cut: Vec::new(),
             outcome: Outcome::default(),
         }
@@ -79,6 +83,7 @@ impl<'m, 's> Grower<'m, 's> {
         self.flip_everything();
         self.finish_curved_faces(control)?;
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
+        self.put_stuck();
         let far = self.halve_developable();
         let far = self.cut_far_triangles(far, control)?;
         self.free_stuck();
@@ -147,7 +152,16 @@ impl<'m, 's> Grower<'m, 's> {
     /// Finds the points that every edge along a curve needs.
     pub(super) fn measure_curves(&mut self) {
         let mut left = chains(self.mesh);
-        left.retain(|chain| !self.cut_up(chain));
+        let divided = left
+            .iter()
+            .map(|chain| divide(self.mesh, chain, self.goal, self.precision));
+        let mut divisions: Vec<Option<Division>> = divided.collect();
+        align(self.mesh, &left, &mut divisions, self.goal);
+        let mut divisions = divisions.into_iter();
+        left.retain(|chain| {
+            let division = divisions.next().flatten();
+            !division.is_some_and(|division| self.cut_into(chain, &division))
+        });
         if left.is_empty() {
             return;
         }
@@ -184,10 +198,13 @@ impl<'m, 's> Grower<'m, 's> {
 
     /// Finds the points for the edges of a chain.
     fn cut_up(&mut self, chain: &[u32]) -> bool {
-        let Some(division) = divide(self.mesh, chain, self.goal, self.precision) else {
-            return false;
-        };
-        if !move_vertices(self.mesh, chain, &division) {
+        let division = divide(self.mesh, chain, self.goal, self.precision);
+        division.is_some_and(|division| self.cut_into(chain, &division))
+    }
+
+    /// The same where they are known.
+    fn cut_into(&mut self, chain: &[u32], division: &Division) -> bool {
+        if !move_vertices(self.mesh, chain, division) {
             return false;
         }
         let promised = self.goal.promised;

@@ -4,8 +4,9 @@
 //!
 //! 1. [`coarsen`] takes out what vertices can be spared.
 //! 2. [`curves`] finds for every curve between two faces the points that it
-//!    needs, and [`grow`] puts them in, coarse to fine, and those that the
-//!    faces need; [`flips`] keeps triangles in shape.
+//!    needs, and [`mod@alongside`] lets those that run side by side have theirs in the same
+//!    places; [`grow`] puts them in, coarse to fine, and those that the faces need; [`flips`]
+//!    keeps triangles in shape.
 //! 3. Faces that bend both ways are only cut into large triangles that way
 //!    ([`patches`]), which [`fill`] then fills with small ones in one step.
 //! 4. [`deviation`] bounds how far the result strays.
@@ -17,6 +18,7 @@
 //! order. Spheres that are whole are [`geodesic`] polyhedra; walls thinner than the tolerance
 //! are cut up alike on both sides ([`mirror`]).
 
+mod alongside;
 mod beside;
 mod chains;
 mod coarsen;

@@ -111,7 +111,7 @@ impl Grower<'_, '_> {
 
     /// Cuts chords of curves that keep vertices from where they ought to be, beside
     /// these: next to where curves touch, one may be beyond the other one's chord.
-    pub(in super::super) fn cut_beside_stuck(&mut self) {
+    pub(super) fn cut_beside_stuck(&mut self) {
         const MOST_ROUNDS: usize = 8;
         for _ in 0..MOST_ROUNDS {
             let before = self.stuck.len();

@@ -102,18 +102,52 @@ impl Grower<'_, '_> {
             .note(bound, middle, tighter.as_slice(), promised);
     }
 
+    /// Puts vertices that are stuck on their surfaces, all at once, as some are in each other's
+    /// way. Chords beside those that fold triangles so, even after flips, are cut beforehand.
+    pub(super) fn put_stuck(&mut self) {
+        if self.stuck.is_empty() {
+            return;
+        }
+        let stuck = std::mem::take(&mut self.stuck);
+        let before: Vec<DVec3> = stuck.iter().map(|&(v, _)| self.mesh.at(v)).collect();
+        self.put_all(&stuck);
+        let folds = |vertex: u32| {
+            let mut around = self.mesh.around(vertex);
+            around.any(|half| self.mesh.is_folded(triangle_of(half)))
+        };
+        let folding: Vec<usize> = (0..stuck.len()).filter(|&k| folds(stuck[k].0)).collect();
+        if folding.is_empty() {
+            return;
+        }
+        for k in folding {
+            let (vertex, place) = stuck[k];
+            self.mesh.positions[vertex as usize] = before[k];
+            self.stuck.push((vertex, place));
+        }
+        self.cut_beside_stuck();
+        let stuck = std::mem::take(&mut self.stuck);
+        self.put_all(&stuck);
+    }
+
+    fn put_all(&mut self, stuck: &[(u32, DVec3)]) {
+        for &(vertex, place) in stuck {
+            self.mesh.positions[vertex as usize] = place;
+            self.put.push(vertex);
+            self.touch(vertex);
+        }
+        self.flip();
+    }
+
     /// Puts vertices that are stuck on their surfaces, and measures triangles, and chords that
-    /// were cut. What they fold may be unfolded by flips.
+    /// were cut.
     pub(super) fn settle(&mut self, mut far: Vec<u32>) {
-        if !self.stuck.is_empty() {
-            self.cut_beside_stuck();
-            let stuck = std::mem::take(&mut self.stuck);
-            for &(vertex, place) in &stuck {
-                self.mesh.positions[vertex as usize] = place;
-                self.touch(vertex);
-            }
-            self.flip();
-            for (vertex, place) in stuck {
+        self.put_stuck();
+        if !self.put.is_empty() {
+            let mut put = std::mem::take(&mut self.put);
+            put.sort_unstable();
+            put.dedup();
+            for vertex in put {
+                let place = self.mesh.at(vertex);
                 let around = self.mesh.around(vertex);
                 let folded = around.filter(|&half| self.mesh.is_folded(triangle_of(half)));
                 let surfaces: Vec<SurfaceId> =
