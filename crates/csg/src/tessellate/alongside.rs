@@ -94,8 +94,8 @@ pub(super) fn align(
     }
 }
 
-/// Pairs of chains that bound a face on its surface with nothing between them, and run
-/// nearer to each other somewhere than their chords stray.
+/// Pairs of chains that bound a face on its surface with nothing between them, where other surfaces
+/// meet it, and run nearer to each other somewhere than their chords stray.
 fn neighbours(
     mesh: &HalfEdges<'_>,
     chains: &[Vec<u32>],
@@ -124,7 +124,12 @@ fn neighbours(
             let face = mesh.surface_id(side);
             let others = chains_of.get(&mesh.apex(side)).into_iter().flatten();
             let others = others.filter(|&&other| other != index);
-            let bounds = |&&other: &&u32| mesh.curve(chains[other as usize][0]).contains(&face);
+            let own = beyond(mesh.curve(chain[0]), face);
+            // Two of one pair of surfaces part where these do.
+            let bounds = |&&other: &&u32| {
+                let curve = mesh.curve(chains[other as usize][0]);
+                curve.contains(&face) && beyond(curve, face) != own
+            };
             pairs.extend(
                 others
                     .filter(bounds)
