@@ -5,6 +5,7 @@ is done or under way, and how it ended."""
 
 import os
 import pathlib
+import signal
 import sys
 import time
 
@@ -59,6 +60,8 @@ def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:
 
 
 if __name__ == "__main__":
+    # Whoever runs the tests may ignore Ctrl-C, as shells let programs in the background do.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     engine, work, folder = sys.argv[1:]
     with CLUSTERS[engine]() as cluster:
         try:
