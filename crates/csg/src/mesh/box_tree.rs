@@ -316,7 +316,7 @@ pub(crate) fn along_curve(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) 
         .zip(codes)
         .map(|(number, code): (u64, u64)| code | number)
         .collect();
-    codes.sort_unstable();
+    codes.par_sort_unstable();
     codes
         .into_iter()
         .map(|code| (code & numbers) as u32)

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::box_tree::{Bounds, BoxTree, Boxed, along_curve};
 use super::predicates::{flat, turn};
@@ -43,22 +44,29 @@ impl Shells {
             corners.extend(shell);
             first_of.push(corners.len());
         }
-        let boxes: Vec<Bounds> = corners.iter().map(|c| grown(c, margin)).collect();
-        let of_shell = |ends: &[usize]| Bounds::around_all(boxes[ends[0]..ends[1]].iter().copied());
-        let bounds: Vec<Bounds> = first_of.windows(2).map(of_shell).collect();
+        let boxed = |shell: usize| {
+            let own = first_of[shell]..first_of[shell + 1];
+            let boxes: Vec<Bounds> = corners[own].iter().map(|c| grown(c, margin)).collect();
+            let order = along_curve(boxes.iter().copied());
+            (boxes, order)
+        };
+        let count = first_of.len() - 1;
+        let boxed: Vec<_> = (0..count).into_par_iter().map(boxed).collect();
+        let around = |(boxes, _): &(Vec<Bounds>, _)| Bounds::around_all(boxes.iter().copied());
+        let bounds: Vec<Bounds> = boxed.iter().map(around).collect();
         let mut entries = Vec::with_capacity(corners.len());
-        let mut shell_entries = Vec::with_capacity(bounds.len());
+        let mut shell_entries = Vec::with_capacity(count);
         for sheet in along_curve(bounds.iter().copied()) {
             shell_entries.push(Boxed {
                 bounds: bounds[sheet as usize],
                 index: sheet,
                 sheet,
             });
-            let first = first_of[sheet as usize];
-            let own = &boxes[first..first_of[sheet as usize + 1]];
-            entries.extend(along_curve(own.iter().copied()).into_iter().map(|k| Boxed {
-                bounds: own[k as usize],
-                index: (first + k as usize) as u32,
+            let first = first_of[sheet as usize] as u32;
+            let (boxes, order) = &boxed[sheet as usize];
+            entries.extend(order.iter().map(|&k| Boxed {
+                bounds: boxes[k as usize],
+                index: first + k,
                 sheet,
             }));
         }

@@ -47,7 +47,7 @@ impl First {
         lowering.walk(solid)?;
         Ok(match &mut lowering.polyhedra {
             Polyhedra::Met(regions) if !regions.is_empty() => {
-                let surfaces = lowering.builder.table.surfaces();
+                let surfaces = lowering.builder.table.into_surfaces();
                 Self::Placed(std::mem::take(regions), lowering.others, surfaces)
             }
             _ => Self::Lowered(lowering.finish().lowered),
@@ -58,8 +58,7 @@ impl First {
 /// What lowering comes to.
 pub(super) struct Finished {
     pub lowered: Lowered,
-    /// Of each surface its number among all: those that are not needed are left out where
-    /// faces are.
+    /// Where faces are left out, of each surface its number among all.
     pub ids: Vec<u32>,
 }
 
@@ -482,21 +481,31 @@ impl<'a> Lowering<'a> {
         } = self.builder;
         formula.root = root.operand;
         let mut formula = compact(&formula);
-        let mut surfaces = match self.polyhedra.placed() {
-            Some(placed) => [placed.surfaces, &table.surfaces()].concat(),
-            None => table.surfaces(),
-        };
-        let mut ids: Vec<u32> = (0..surfaces.len() as u32).collect();
+        let known = self
+            .polyhedra
+            .placed()
+            .map_or(&[][..], |placed| placed.surfaces);
+        let own = table.into_surfaces();
+        let count = known.len() + own.len();
         let others = self.others.iter().flat_map(|other| &other.half_spaces);
         let mut others: Vec<u32> = others.map(|&(surface, _)| surface).collect();
-        if matches!(self.polyhedra, Polyhedra::Written(_, Some(_))) {
-            let in_use = Renumbered::of(&mut formula, surfaces.len());
-            self.gathered
-                .renumber(|id| in_use.number(id.0).map(SurfaceId));
-            others.retain_mut(|surface| in_use.renumber(surface));
-            surfaces = in_use.pick(&surfaces);
-            ids = in_use.ids;
-        }
+        let (surfaces, ids) = match &self.polyhedra {
+            Polyhedra::Met(_) => (own, Vec::new()),
+            // Those that are known will do.
+            Polyhedra::Outlined(_) => (Vec::new(), Vec::new()),
+            Polyhedra::Written(_, None) => ([known, &own].concat(), Vec::new()),
+            Polyhedra::Written(_, Some(_)) => {
+                let in_use = Renumbered::of(&mut formula, count);
+                self.gathered
+                    .renumber(|id| in_use.number(id.0).map(SurfaceId));
+                others.retain_mut(|surface| in_use.renumber(surface));
+                let surface = |&id: &u32| match known.get(id as usize) {
+                    Some(surface) => *surface,
+                    None => own[id as usize - known.len()],
+                };
+                (in_use.ids.iter().map(surface).collect(), in_use.ids)
+            }
+        };
         let others = others.into_iter().map(SurfaceId);
         let given = self.gathered.finish(surfaces.len(), others);
         let lowered = Lowered {
@@ -575,11 +584,6 @@ impl Renumbered {
         let number = self.number(*surface);
         *surface = number.unwrap_or_default();
         number.is_some()
-    }
-
-    fn pick(&self, surfaces: &[Surface]) -> Vec<Surface> {
-        let ids = self.ids.iter();
-        ids.map(|&id| surfaces[id as usize]).collect()
     }
 }
 

@@ -111,14 +111,12 @@ impl Outline {
 
     /// The polyhedra as shells, their boxes grown by the margin.
     pub fn shells(&self) -> &Shells {
-        let corners = |region: &Region| -> Vec<[DVec3; 3]> {
+        let shells = self.regions.iter().map(|region| {
             let triangles = region.triangles.iter();
-            triangles
-                .map(|&triangle| region.corners(triangle))
-                .collect()
-        };
+            triangles.map(|&triangle| region.corners(triangle))
+        });
         self.shells
-            .get_or_init(|| Shells::new(self.regions.iter().map(corners), self.margin()))
+            .get_or_init(|| Shells::new(shells, self.margin()))
     }
 
     /// The formula, and what it names.

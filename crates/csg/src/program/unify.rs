@@ -61,27 +61,36 @@ impl WorldMap {
     /// The image of a surface: f'(p) = f(M⁻¹ p), normalised, with error
     /// bounds. `None` if a coefficient leaves the range of f64.
     pub fn apply(&self, local: &Surface) -> Option<Placed> {
-        let linear = self.map.matrix3;
-        let inverse = if self.is_identity() {
+        self.placing()(local)
+    }
+
+    /// The same for many surfaces.
+    pub fn placing(&self) -> impl Fn(&Surface) -> Option<Placed> + Sync {
+        let map = self.map;
+        let is_identity = self.is_identity();
+        let linear = map.matrix3;
+        let inverse = if is_identity {
             linear
         } else {
             linear.inverse()
         };
-        let position = local.anchor.length();
-        let position_error = self.linear_error * position
-            + self.offset_error
-            + 8.0 * EPS * (norm(&linear) * position + self.map.translation.length());
         let shape_error = 8.0 * EPS + 4.0 * self.linear_error * norm(&inverse);
-        let surface = if self.is_identity() {
-            *local
-        } else {
-            local.pulled_back(&inverse, self.map.transform_point3(local.anchor))
-        };
-        Some(Placed {
-            surface: normalised(&surface)?,
-            position_error,
-            shape_error,
-        })
+        let per_length = self.linear_error + 8.0 * EPS * norm(&linear);
+        let offset_error = self.offset_error + 8.0 * EPS * map.translation.length();
+        move |local| {
+            let surface = if is_identity {
+                *local
+            } else {
+                local.pulled_back(&inverse, map.transform_point3(local.anchor))
+            };
+            Some(Placed {
+                surface: normalised(&surface)?,
+                errors: Errors {
+                    position: per_length * local.anchor.length() + offset_error,
+                    shape: shape_error,
+                },
+            })
+        }
     }
 }
 
@@ -113,10 +122,16 @@ fn normalised(surface: &Surface) -> Option<Surface> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub surface: Surface,
-    /// Bound on how far the anchor is off, as a length.
-    position_error: f64,
-    /// Bound on the relative error of the coefficients.
-    shape_error: f64,
+    errors: Errors,
+}
+
+/// Bounds on what rounding did to a surface.
+#[derive(Clone, Copy, Debug)]
+struct Errors {
+    /// How far the anchor is off, as a length.
+    position: f64,
+    /// The relative error of the coefficients.
+    shape: f64,
 }
 
 impl Placed {
@@ -144,15 +159,15 @@ impl Placed {
             let offset = s.linear.dot(s.anchor);
             return (
                 LINEAR.dot(s.linear) + QUADRATIC[0] * offset,
-                2.0 * self.position_error + 4.0 * (self.shape_error + 8.0 * EPS) * (1.0 + far),
+                2.0 * self.errors.position + 4.0 * (self.errors.shape + 8.0 * EPS) * (1.0 + far),
             );
         }
         let linear = s.gradient(DVec3::ZERO);
         let form: f64 = QUADRATIC.iter().zip(s.quadratic).map(|(w, q)| w * q).sum();
         (
             form + LINEAR.dot(linear),
-            8.0 * self.position_error
-                + 16.0 * (self.shape_error + 8.0 * EPS) * (1.0 + far + s.linear.length()),
+            8.0 * self.errors.position
+                + 16.0 * (self.errors.shape + 8.0 * EPS) * (1.0 + far + s.linear.length()),
         )
     }
 
@@ -162,8 +177,8 @@ impl Placed {
         if a.is_plane() != b.is_plane() {
             return false;
         }
-        let shape = self.shape_error + other.shape_error;
-        let position = self.position_error + other.position_error;
+        let shape = self.errors.shape + other.errors.shape;
+        let position = self.errors.position + other.errors.position;
         let apart = (a.anchor - b.anchor).length();
         if a.is_plane() {
             return (a.linear - b.linear).abs().max_element() <= shape
@@ -202,6 +217,12 @@ struct NearNumbers {
 
 impl NearNumbers {
     const NONE: u32 = u32::MAX;
+
+    fn reserve(&mut self, more: usize) {
+        self.all.reserve(more);
+        self.last.reserve(more);
+        self.before.reserve(more);
+    }
 
     /// (Whatever is too large is in a cell at the end.)
     fn cell_of(&self, number: f64) -> i64 {
@@ -250,7 +271,8 @@ impl NearNumbers {
 /// The table of canonical surfaces under construction.
 #[derive(Debug, Default)]
 pub(super) struct SurfaceTable {
-    placed: Vec<Placed>,
+    surfaces: Vec<Surface>,
+    errors: Vec<Errors>,
     by_key: NearNumbers,
     widest_tolerance: f64,
 }
@@ -274,24 +296,39 @@ impl SurfaceTable {
         if let Some(found) = self.find(&flipped, flipped.key().0, reach) {
             return (found, true);
         }
-        self.placed.push(placed);
+        self.surfaces.push(placed.surface);
+        self.errors.push(placed.errors);
         (self.by_key.push(key), false)
     }
 
     /// Of those that coincide with a surface the one with the least key.
     fn find(&self, placed: &Placed, key: f64, reach: f64) -> Option<u32> {
         let near = self.by_key.near(key, reach);
-        let coinciding = near.filter(|&(_, index)| self.placed[index as usize].coincides(placed));
+        let coinciding = near.filter(|&(_, index)| self.at(index as usize).coincides(placed));
         let first = coinciding.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         first.map(|(_, index)| index)
     }
 
-    pub fn len(&self) -> usize {
-        self.placed.len()
+    fn at(&self, index: usize) -> Placed {
+        Placed {
+            surface: self.surfaces[index],
+            errors: self.errors[index],
+        }
     }
 
-    pub fn surfaces(&self) -> Vec<Surface> {
-        self.placed.iter().map(|placed| placed.surface).collect()
+    /// Makes room for so many more.
+    pub fn reserve(&mut self, more: usize) {
+        self.surfaces.reserve(more);
+        self.errors.reserve(more);
+        self.by_key.reserve(more);
+    }
+
+    pub fn len(&self) -> usize {
+        self.surfaces.len()
+    }
+
+    pub fn into_surfaces(self) -> Vec<Surface> {
+        self.surfaces
     }
 }
 

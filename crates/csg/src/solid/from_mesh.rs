@@ -153,8 +153,7 @@ impl Solid {
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, Box<MeshFaults>> {
         let faults = MeshFaults::of(mesh);
         if faults.bounds_a_solid() {
-            let positions = mesh.positions.iter().copied();
-            Ok(Self::polyhedron(positions, &mesh.triangles))
+            Ok(Self::of_checked(mesh))
         } else {
             Err(Box::new(faults))
         }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
+use smallvec::{SmallVec, smallvec};
 
 use super::partition::{Facet, Tree};
 use super::primitive::{Plane, Polyhedron, Primitive};
@@ -44,9 +45,17 @@ impl Solid {
         faces: impl IntoIterator<Item = F>,
     ) -> Self {
         let vertices: Vec<DVec3> = vertices.into_iter().map(Into::into).collect();
-        let faces: Vec<Vec<u32>> = faces.into_iter().map(|f| f.as_ref().to_vec()).collect();
-        let made = Faces::new(vertices, &faces).and_then(|faces| {
+        let made = Faces::new(vertices, faces).and_then(|faces| {
             faces.check()?;
+            Ok(faces.solid())
+        });
+        Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
+    }
+
+    /// The same of a mesh that is known to be closed, to face out and not to run through itself.
+    pub(super) fn of_checked(mesh: &Mesh) -> Self {
+        let made = Faces::new(mesh.positions.clone(), &mesh.triangles).and_then(|faces| {
+            faces.enclose(mesh.volume())?;
             Ok(faces.solid())
         });
         Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
@@ -65,9 +74,8 @@ impl Solid {
     /// # Errors
     /// As with [`Solid::polyhedron`].
     pub fn convex_parts(mesh: &Mesh) -> Result<Vec<Vec<Plane>>, NodeFault> {
-        let faces: Vec<Vec<u32>> = mesh.triangles.iter().map(|t| t.to_vec()).collect();
-        most(faces.len(), MOST_FACES_IN_PARTS)?;
-        let faces = Faces::new(mesh.positions.clone(), &faces)?;
+        most(mesh.triangles.len(), MOST_FACES_IN_PARTS)?;
+        let faces = Faces::new(mesh.positions.clone(), &mesh.triangles)?;
         Ok(match faces.convex() {
             Some(planes) => vec![planes],
             None => faces.tree().cells(),
@@ -100,18 +108,25 @@ impl Mesh {
 struct Faces {
     vertices: Vec<DVec3>,
     /// Triangles or flat polygons, each with the number of the face given.
-    faces: Vec<(Vec<u32>, usize)>,
+    faces: Vec<(Corners, u32)>,
     size: f64,
 }
 
+/// The corners of a face: most have three.
+type Corners = SmallVec<[u32; 4]>;
+type Points = SmallVec<[DVec3; 4]>;
+
 impl Faces {
-    fn new(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Result<Self, PolyhedronFault> {
-        most(faces.len(), MOST_FACES)?;
+    fn new<F: AsRef<[u32]>>(
+        vertices: Vec<DVec3>,
+        faces: impl IntoIterator<Item = F>,
+    ) -> Result<Self, PolyhedronFault> {
         let far = |v: &DVec3| v.is_nan() || v.abs().max_element() >= 1e100;
         if let Some(vertex) = vertices.iter().position(far) {
             return Err(PolyhedronFault::NotFinite { vertex });
         }
         let mut places: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+        places.reserve(vertices.len());
         let same: Vec<u32> = (0..)
             .zip(&vertices)
             .map(|(index, vertex)| {
@@ -124,14 +139,20 @@ impl Faces {
             .iter()
             .map(|v| v.abs().max_element())
             .fold(0.0, f64::max);
+        let faces = faces.into_iter();
         let mut result = Self {
             vertices,
-            faces: Vec::with_capacity(faces.len()),
+            faces: Vec::with_capacity(faces.size_hint().0.min(MOST_FACES)),
             size,
         };
-        for (face, corners) in faces.iter().enumerate() {
-            let mut named = Vec::with_capacity(corners.len());
-            for &corner in corners {
+        let mut given = 0;
+        for (face, corners) in faces.enumerate() {
+            given = face + 1;
+            if given > MOST_FACES {
+                continue;
+            }
+            let mut named = Corners::new();
+            for &corner in corners.as_ref() {
                 let Some(&vertex) = same.get(corner as usize) else {
                     return Err(PolyhedronFault::NoSuchVertex {
                         face,
@@ -146,34 +167,39 @@ impl Faces {
                 named.pop();
             }
             if named.len() >= 3 {
-                result.add(named, face);
+                result.add(named, face as u32);
             }
         }
+        most(given, MOST_FACES)?;
         Ok(result)
     }
 
-    fn add(&mut self, corners: Vec<u32>, face: usize) {
-        let points: Vec<DVec3> = corners.iter().map(|&i| self.vertices[i as usize]).collect();
-        let flat = plane_of(&points).is_none_or(|plane| {
+    fn add(&mut self, corners: Corners, face: u32) {
+        if corners.len() == 3 {
+            self.faces.push((corners, face));
+            return;
+        }
+        let points = self.points(&corners);
+        let is_flat = plane_of(&points).is_none_or(|plane| {
             let off = |p: &DVec3| (plane.normal.dot(*p) - plane.offset).abs();
             points.iter().all(|p| off(p) <= ON_FACE * self.size)
         });
-        if corners.len() == 3 || flat {
+        if is_flat {
             self.faces.push((corners, face));
             return;
         }
         for triangle in triangles_of(&points) {
-            let corners = triangle.map(|k| corners[k]).to_vec();
-            self.faces.push((corners, face));
+            self.faces
+                .push((triangle.map(|k| corners[k]).into_iter().collect(), face));
         }
     }
 
-    fn points(&self, corners: &[u32]) -> Vec<DVec3> {
+    fn points(&self, corners: &[u32]) -> Points {
         corners.iter().map(|&i| self.vertices[i as usize]).collect()
     }
 
     fn check(&self) -> Result<(), PolyhedronFault> {
-        let mut balance: FxHashMap<(u32, u32), (i32, usize)> = FxHashMap::default();
+        let mut balance: FxHashMap<(u32, u32), (i32, u32)> = FxHashMap::default();
         for (corners, face) in &self.faces {
             let next = corners.iter().cycle().skip(1);
             for (&a, &b) in corners.iter().zip(next) {
@@ -184,29 +210,35 @@ impl Faces {
         let open = balance.iter().filter(|(_, (sum, _))| *sum != 0);
         if let Some((&(a, b), &(_, face))) = open.min_by_key(|(edge, (_, face))| (*face, **edge)) {
             let edge = [a, b].map(|i| self.vertices[i as usize]);
+            let face = face as usize;
             return Err(PolyhedronFault::Open { face, edge });
         }
         let (mesh, owners) = self.mesh();
-        let volume = mesh.volume();
-        if volume < 0.0 {
-            return Err(PolyhedronFault::InsideOut);
-        }
-        if volume <= NO_VOLUME * self.size.powi(3) {
-            return Err(PolyhedronFault::Degenerate);
-        }
+        self.enclose(mesh.volume())?;
         let crossings = mesh.self_intersections();
         let real = |pair: &&[u32; 2]| owners[pair[0] as usize] != owners[pair[1] as usize];
         if let Some(pair) = crossings.iter().find(real) {
             return Err(PolyhedronFault::Crossing {
-                faces: pair.map(|t| owners[t as usize]),
+                faces: pair.map(|t| owners[t as usize] as usize),
                 place: mesh.corners(pair[0] as usize)[0],
             });
         }
         Ok(())
     }
 
+    /// That faces enclose so much makes them the boundary of a solid.
+    fn enclose(&self, volume: f64) -> Result<(), PolyhedronFault> {
+        if volume < 0.0 {
+            return Err(PolyhedronFault::InsideOut);
+        }
+        if volume <= NO_VOLUME * self.size.powi(3) {
+            return Err(PolyhedronFault::Degenerate);
+        }
+        Ok(())
+    }
+
     /// All faces as triangles, and whose they are.
-    fn mesh(&self) -> (Mesh, Vec<usize>) {
+    fn mesh(&self) -> (Mesh, Vec<u32>) {
         let mut triangles = Vec::new();
         let mut owners = Vec::new();
         for (corners, face) in &self.faces {
@@ -219,9 +251,12 @@ impl Faces {
     }
 
     fn solid(&self) -> (Solid, Vec<DVec3>) {
-        let mut used: Vec<u32> = self.faces.iter().flat_map(|(c, _)| c).copied().collect();
-        used.sort_unstable();
-        used.dedup();
+        let mut is_used = vec![false; self.vertices.len()];
+        for &corner in self.faces.iter().flat_map(|(corners, _)| corners) {
+            is_used[corner as usize] = true;
+        }
+        let used = self.vertices.iter().zip(is_used);
+        let used = used.filter_map(|(&vertex, is_used)| is_used.then_some(vertex));
         let solid = if self.faces.len() > FEW_FACES {
             Solid::primitive(Primitive::Polyhedron(Arc::new(self.polyhedron())))
         } else if let Some(planes) = self.convex() {
@@ -229,20 +264,26 @@ impl Faces {
         } else {
             self.tree().solid()
         };
-        (solid, self.points(&used))
+        (solid, used.collect())
     }
 
     /// All faces with planes of their own.
     fn polyhedron(&self) -> Polyhedron {
-        let mut triangles = Vec::new();
-        let mut faces = Vec::new();
-        let mut planes = Vec::new();
+        let count = self.faces.len();
+        let mut triangles = Vec::with_capacity(count);
+        let mut faces = Vec::with_capacity(count);
+        let mut planes = Vec::with_capacity(count);
         for (corners, _) in &self.faces {
             let points = self.points(corners);
             let face = plane_of(&points).map_or(NO_FACE, |plane| {
                 planes.push(plane);
                 planes.len() as u32 - 1
             });
+            if let &[a, b, c] = &corners[..] {
+                triangles.push([a, b, c]);
+                faces.push(face);
+                continue;
+            }
             for triangle in triangles_of(&points) {
                 let flat = plane_of(&triangle.map(|k| points[k])).is_none();
                 triangles.push(triangle.map(|k| corners[k]));
@@ -285,7 +326,7 @@ impl Faces {
             Some(Facet {
                 face,
                 plane,
-                corners: points.into(),
+                corners: points.into_iter().collect(),
             })
         });
         let facets: Vec<Facet> = facets.collect();
@@ -389,7 +430,10 @@ pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
 }
 
 /// Triangles that make up a polygon, seen along its normal: ears cut off.
-pub(super) fn triangles_of(points: &[DVec3]) -> Vec<[usize; 3]> {
+pub(super) fn triangles_of(points: &[DVec3]) -> SmallVec<[[usize; 3]; 2]> {
+    if points.len() == 3 {
+        return smallvec![[0, 1, 2]];
+    }
     let Some(plane) = plane_of(points) else {
         return (2..points.len()).map(|k| [0, k - 1, k]).collect();
     };
@@ -403,5 +447,5 @@ pub(super) fn triangles_of(points: &[DVec3]) -> Vec<[usize; 3]> {
         .iter()
         .map(|p| DVec2::new(p.dot(x), p.dot(y)))
         .collect();
-    Profile::ears(&flat)
+    Profile::ears(&flat).into()
 }

@@ -6,6 +6,7 @@
 //! a sphere of radius r from which they stray by d; those of an icosahedron are 5.33 r / d.
 
 use crate::elementary;
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -17,6 +18,13 @@ use super::surfaced::{BYTES_PER_FINISHED, Surfaced};
 use super::whole::Whole;
 use crate::control::Control;
 use crate::error::Error;
+
+/// After so many vertices it is asked whether to go on.
+const VERTICES_PER_CHECK: usize = 1 << 14;
+
+/// Sides are shorter than so many n-ths of the arc of an edge: 1.468 for an octahedron, whose
+/// faces are the larger.
+const SHORTEST_ENOUGH: f64 = 1.47;
 
 /// A regular polyhedron of triangles.
 struct Regular {
@@ -119,9 +127,14 @@ impl<'a> Geodesic<'a> {
 
     /// The triangles of a face, counter-clockwise.
     fn triangles(&self) -> impl Iterator<Item = [[usize; 2]; 3]> {
+        self.triangles_within(0..self.n)
+    }
+
+    /// Those of which both steps of the first corners are in a range.
+    fn triangles_within(&self, steps: Range<usize>) -> impl Iterator<Item = [[usize; 2]; 3]> {
         let n = self.n;
-        (0..n).flat_map(move |j| {
-            (0..n - j).flat_map(move |i| {
+        steps.clone().flat_map(move |j| {
+            (steps.start..steps.end.min(n - j)).flat_map(move |i| {
                 let up = [[i, j], [i + 1, j], [i, j + 1]];
                 let down = [[i + 1, j], [i + 1, j + 1], [i, j + 1]];
                 std::iter::once(up).chain((i + j + 1 < n).then_some(down))
@@ -140,22 +153,35 @@ impl<'a> Geodesic<'a> {
     /// Whether triangles are near enough and sides short enough, by one of the faces, which
     /// are all alike.
     fn is_enough(&self, tolerance: f64, angle: Option<f64>) -> bool {
-        let face = self.regular.faces[0];
-        let is_enough = |places: [[usize; 2]; 3]| {
-            let [p, q, r] = places.map(|place| self.at(face, place));
-            let mut sides = [(p, q), (q, r), (r, p)].into_iter();
-            let is_short = |angle| sides.all(|(a, b)| elementary::angle_between(a, b) <= angle);
-            angle.is_none_or(is_short) && strays(DVec3::ZERO, 1.0, [p, q, r]) <= tolerance
+        let is_short = |angle: f64| {
+            SHORTEST_ENOUGH * self.regular.arc <= angle * self.n as f64
+                || self.triangles().all(|places| self.longest(places) <= angle)
         };
-        // The largest are in the middle.
-        let middle = self.n / 3;
-        let in_middle = [[middle, middle], [middle + 1, middle], [middle, middle + 1]];
-        let fits = in_middle.iter().all(|[i, j]| i + j <= self.n);
-        (!fits || is_enough(in_middle)) && self.triangles().all(is_enough)
+        let mut in_middle = self.triangles_within(self.middle());
+        in_middle.all(|places| self.strays(places) <= tolerance) && angle.is_none_or(is_short)
+    }
+
+    /// Where the triangles are that stray most, by the steps of their first corners.
+    fn middle(&self) -> Range<usize> {
+        let third = self.n / 3;
+        third.saturating_sub(1)..(third + 2).min(self.n)
+    }
+
+    fn strays(&self, places: [[usize; 2]; 3]) -> f64 {
+        let face = self.regular.faces[0];
+        strays(DVec3::ZERO, 1.0, places.map(|place| self.at(face, place)))
+    }
+
+    /// The longest side, as an arc.
+    fn longest(&self, places: [[usize; 2]; 3]) -> f64 {
+        let [p, q, r] = places.map(|place| self.at(self.regular.faces[0], place));
+        let sides = [(p, q), (q, r), (r, p)];
+        let arcs = sides.map(|(a, b)| elementary::angle_between(a, b));
+        arcs.into_iter().fold(0.0, f64::max)
     }
 
     /// All vertices: those of the regular polyhedron, those on its edges, those in its faces.
-    fn vertices(&self) -> Vec<DVec3> {
+    fn vertices(&self) -> impl Iterator<Item = DVec3> {
         let Regular {
             vertices,
             edges,
@@ -164,17 +190,12 @@ impl<'a> Geodesic<'a> {
         } = self.regular;
         let on_edges = edges
             .iter()
-            .flat_map(|&[a, b]| (1..self.n).map(move |i| self.at([a, b, b], [i, 0])));
-        let inside = faces.iter().flat_map(|&face| {
+            .flat_map(move |&[a, b]| (1..self.n).map(move |i| self.at([a, b, b], [i, 0])));
+        let inside = faces.iter().flat_map(move |&face| {
             let rows = 1..self.n;
             rows.flat_map(move |j| (1..self.n - j).map(move |i| self.at(face, [i, j])))
         });
-        vertices
-            .iter()
-            .copied()
-            .chain(on_edges)
-            .chain(inside)
-            .collect()
+        vertices.iter().copied().chain(on_edges).chain(inside)
     }
 
     /// The number of the vertex at a place of a face.
@@ -240,13 +261,16 @@ pub(super) fn sphere(
         return Ok(None);
     };
     let geodesic = Geodesic::new(regular, n);
-    let vertices = geodesic.vertices().into_iter();
-    let positions: Option<Vec<DVec3>> = vertices
-        .map(|at| region.project(whole.surface, whole.center + radius * at))
-        .collect();
-    let Some(positions) = positions else {
-        return Ok(None);
-    };
+    let mut positions = Vec::with_capacity(regular.count(n) / 2 + 2);
+    for (index, at) in geodesic.vertices().enumerate() {
+        if index % VERTICES_PER_CHECK == 0 {
+            control.check()?;
+        }
+        let Some(at) = region.project(whole.surface, whole.center + radius * at) else {
+            return Ok(None);
+        };
+        positions.push(at);
+    }
     let mut surfaced = Surfaced {
         positions,
         ..part.empty()
@@ -276,6 +300,25 @@ mod tests {
 
     use super::*;
 
+    /// With all numbers of triangles that are tried.
+    #[test]
+    fn those_that_stray_most_are_in_the_middle_and_sides_are_short() {
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        for regular in &*REGULAR {
+            for n in (1..80).chain([199, 200, 201, 400]) {
+                let geodesic = Geodesic::new(regular, n);
+                let strays = |places| geodesic.strays(places);
+                let all = most(&mut geodesic.triangles().map(strays));
+                let middle = geodesic.triangles_within(geodesic.middle());
+                let middle = most(&mut middle.map(strays));
+                assert!(all <= middle + 1e-15, "{n}: {all:e} {middle:e}");
+                let longest = most(&mut geodesic.triangles().map(|p| geodesic.longest(p)));
+                let bound = SHORTEST_ENOUGH * regular.arc / n as f64;
+                assert!(longest < bound, "{n}: {longest} {bound}");
+            }
+        }
+    }
+
     #[test]
     fn geodesic_polyhedra_are_closed_and_as_near_as_is_said() {
         for (regular, ideal) in REGULAR.iter().zip([7.0, 5.6]) {
@@ -284,7 +327,7 @@ mod tests {
             for tolerance in [1.0, 0.3, 0.1, 0.03, 0.01, 1e-3] {
                 let n = regular.fewest(tolerance, None);
                 let geodesic = Geodesic::new(regular, n);
-                let vertices = geodesic.vertices();
+                let vertices: Vec<DVec3> = geodesic.vertices().collect();
                 let mut sides = HashSet::new();
                 let mut farthest = 0.0f64;
                 for (face, &corners) in regular.faces.iter().enumerate() {

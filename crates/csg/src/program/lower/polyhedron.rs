@@ -98,13 +98,15 @@ impl Lowering<'_> {
         };
         // Of each face the surface, and whether that looks the other way.
         let mut placed: Vec<Option<(u32, bool)>> = vec![None; planes.len()];
+        let placing = map.placing();
+        self.builder.table.reserve(planes.len());
         for &face in faces {
             if placed[face as usize].is_some() {
                 continue;
             }
             let Plane { normal, offset } = planes[face as usize];
             let plane = Surface::plane(offset * normal, normal);
-            let Some(surface) = map.apply(&plane) else {
+            let Some(surface) = placing(&plane) else {
                 return Err(self.error(out_of_range));
             };
             placed[face as usize] = Some(self.builder.table.insert(surface));
