@@ -2,7 +2,6 @@
 //! transforms or seen from its two sides, becomes one surface.
 
 use glam::{DAffine3, DMat3, DVec3};
-use rustc_hash::FxHashMap;
 
 use crate::surface::Surface;
 
@@ -95,12 +94,14 @@ impl WorldMap {
 }
 
 fn normalised(surface: &Surface) -> Option<Surface> {
-    let size = if surface.is_plane() {
+    if surface.is_plane() {
         let largest = surface.linear.abs().max_element();
-        largest * (surface.linear / largest).length()
-    } else {
-        surface.quadratic.iter().fold(0.0f64, |m, c| m.max(c.abs()))
-    };
+        let size = largest * (surface.linear / largest).length();
+        let linear = surface.linear / size;
+        let finite = size > 0.0 && surface.anchor.is_finite() && linear.is_finite();
+        return finite.then_some(Surface { linear, ..*surface });
+    }
+    let size = surface.quadratic.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let clean = |value: f64| value / size;
     let result = Surface {
         anchor: surface.anchor,
@@ -135,9 +136,8 @@ struct Errors {
 }
 
 impl Placed {
-    /// A number that is the same, up to the tolerance given with it, for all
-    /// descriptions of one surface with the same orientation, and most likely
-    /// different for different surfaces.
+    /// A number that is the same but for its sign, up to the tolerance given with it, for all
+    /// descriptions of one surface, and most likely different for different surfaces.
     fn key(&self) -> (f64, f64) {
         // Irrational weights: distinct coefficients rarely collide.
         const QUADRATIC: [f64; 6] = [
@@ -158,14 +158,14 @@ impl Placed {
         if s.is_plane() {
             let offset = s.linear.dot(s.anchor);
             return (
-                LINEAR.dot(s.linear) + QUADRATIC[0] * offset,
+                (LINEAR.dot(s.linear) + QUADRATIC[0] * offset).abs(),
                 2.0 * self.errors.position + 4.0 * (self.errors.shape + 8.0 * EPS) * (1.0 + far),
             );
         }
         let linear = s.gradient(DVec3::ZERO);
         let form: f64 = QUADRATIC.iter().zip(s.quadratic).map(|(w, q)| w * q).sum();
         (
-            form + LINEAR.dot(linear),
+            (form + LINEAR.dot(linear)).abs(),
             8.0 * self.errors.position
                 + 16.0 * (self.errors.shape + 8.0 * EPS) * (1.0 + far + s.linear.length()),
         )
@@ -205,13 +205,14 @@ impl Placed {
     }
 }
 
-/// Numbers, found by nearness: a hashed grid of cells.
+/// Numbers from 0 on, found by nearness: a grid of cells, which share slots.
 #[derive(Debug, Default)]
 struct NearNumbers {
     all: Vec<f64>,
     width: f64,
-    /// The last number in each cell, and the one before each in the same.
-    last: FxHashMap<i64, u32>,
+    /// The last number in each slot, and the one before each in the same. There are as many
+    /// slots as numbers or more, a power of two.
+    last: Vec<u32>,
     before: Vec<u32>,
 }
 
@@ -220,22 +221,39 @@ impl NearNumbers {
 
     fn reserve(&mut self, more: usize) {
         self.all.reserve(more);
-        self.last.reserve(more);
         self.before.reserve(more);
+        self.spread(self.width, self.all.len() + more);
     }
 
     /// (Whatever is too large is in a cell at the end.)
-    fn cell_of(&self, number: f64) -> i64 {
-        (number / self.width).floor() as i64
+    fn cell_of(&self, number: f64) -> u64 {
+        (number / self.width) as u64
+    }
+
+    fn slot_of(&self, cell: u64) -> usize {
+        /// The golden ratio's part of 2⁶⁴ (D. E. Knuth, *The Art of Computer Programming* 3,
+        /// 6.4: multiplicative hashing).
+        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        let bits = self.last.len().trailing_zeros();
+        (cell.wrapping_mul(GOLDEN).rotate_left(bits) as usize) & self.last.len().wrapping_sub(1)
     }
 
     /// Readies it for being asked at a distance.
     fn widen(&mut self, reach: f64) {
-        if reach <= 0.5 * self.width {
+        if reach > 0.5 * self.width {
+            self.spread(4.0 * reach, self.all.len());
+        }
+    }
+
+    /// Puts all numbers in cells of a width, and in slots enough for more.
+    fn spread(&mut self, width: f64, count: usize) {
+        let slots = count.next_power_of_two().max(self.last.len()).max(1);
+        if width == self.width && slots == self.last.len() {
             return;
         }
-        self.width = 4.0 * reach;
+        self.width = width;
         self.last.clear();
+        self.last.resize(slots, Self::NONE);
         self.before.clear();
         for index in 0..self.all.len() {
             self.link(index);
@@ -243,13 +261,16 @@ impl NearNumbers {
     }
 
     fn link(&mut self, index: usize) {
-        let cell = self.cell_of(self.all[index]);
-        let before = self.last.insert(cell, index as u32);
-        self.before.push(before.unwrap_or(Self::NONE));
+        let slot = self.slot_of(self.cell_of(self.all[index]));
+        let before = std::mem::replace(&mut self.last[slot], index as u32);
+        self.before.push(before);
     }
 
     fn push(&mut self, number: f64) -> u32 {
         let index = self.all.len();
+        if index >= self.last.len() {
+            self.spread(self.width, index + 1);
+        }
         self.all.push(number);
         self.link(index);
         index as u32
@@ -259,11 +280,12 @@ impl NearNumbers {
     fn near(&self, number: f64, reach: f64) -> impl Iterator<Item = (f64, u32)> {
         let [low, high] = [number - reach, number + reach].map(|end| self.cell_of(end));
         (low..=high).flat_map(move |cell| {
-            let last = self.last.get(&cell).copied();
-            let before = |&index: &u32| {
-                Some(self.before[index as usize]).filter(|&before| before != Self::NONE)
-            };
-            std::iter::successors(last, before).map(|index| (self.all[index as usize], index))
+            let last = self.last.get(self.slot_of(cell)).copied();
+            let some = |index: &u32| *index != Self::NONE;
+            let before = move |&index: &u32| Some(self.before[index as usize]).filter(some);
+            let in_slot = std::iter::successors(last.filter(some), before);
+            let in_slot = in_slot.map(|index| (self.all[index as usize], index));
+            in_slot.filter(move |&(other, _)| self.cell_of(other) == cell)
         })
     }
 }
@@ -286,27 +308,32 @@ impl SurfaceTable {
         let reach = tolerance + self.widest_tolerance;
         self.by_key.widen(reach);
         if let Some(found) = self.find(&placed, key, reach) {
-            return (found, false);
-        }
-        // (Its key is the other one's but for the sign.)
-        let flipped = Placed {
-            surface: placed.surface.negated(),
-            ..placed
-        };
-        if let Some(found) = self.find(&flipped, flipped.key().0, reach) {
-            return (found, true);
+            return found;
         }
         self.surfaces.push(placed.surface);
         self.errors.push(placed.errors);
         (self.by_key.push(key), false)
     }
 
-    /// Of those that coincide with a surface the one with the least key.
-    fn find(&self, placed: &Placed, key: f64, reach: f64) -> Option<u32> {
+    /// Of those that coincide with a surface the one with the least key, the same way round if
+    /// there is such.
+    fn find(&self, placed: &Placed, key: f64, reach: f64) -> Option<(u32, bool)> {
+        let flipped = |index: u32| {
+            let other = self.at(index as usize);
+            let negated = Placed {
+                surface: placed.surface.negated(),
+                ..*placed
+            };
+            let is_flipped = !other.coincides(placed);
+            (!is_flipped || other.coincides(&negated)).then_some(is_flipped)
+        };
         let near = self.by_key.near(key, reach);
-        let coinciding = near.filter(|&(_, index)| self.at(index as usize).coincides(placed));
-        let first = coinciding.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        first.map(|(_, index)| index)
+        let coinciding = near.filter_map(|(key, index)| Some((flipped(index)?, key, index)));
+        let first = coinciding.min_by(|a, b| {
+            let by_key = a.1.total_cmp(&b.1);
+            a.0.cmp(&b.0).then(by_key).then(a.2.cmp(&b.2))
+        });
+        first.map(|(is_flipped, _, index)| (index, is_flipped))
     }
 
     fn at(&self, index: usize) -> Placed {
@@ -346,7 +373,7 @@ mod tests {
         for step in 0..600 {
             let reach = 1e-3 * f64::from(1 + step / 100);
             numbers.widen(reach);
-            let asked = 2.0 * random.unit() - 1.0;
+            let asked = random.unit();
             let is_near = |number: f64| (number - asked).abs() <= reach;
             let told: Vec<u32> = numbers
                 .near(asked, reach)
@@ -370,7 +397,7 @@ mod tests {
     #[test]
     fn numbers_of_any_size_are_taken() {
         let mut numbers = NearNumbers::default();
-        for number in [0.0, 1e300, -1e300, f64::INFINITY, f64::NAN] {
+        for number in [0.0, 1e300, 2e300, f64::INFINITY, f64::NAN] {
             numbers.widen(1e-15);
             let _ = numbers.near(number, 1e-15).count();
             numbers.push(number);

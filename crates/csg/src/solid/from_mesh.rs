@@ -32,7 +32,8 @@ pub struct MeshFaults {
 }
 
 impl MeshFaults {
-    fn of(mesh: &Mesh) -> Self {
+    /// What is wrong with a mesh, and its volume if that can be told.
+    fn of(mesh: &Mesh) -> (Self, f64) {
         let check = mesh.check();
         let mut faults = Self {
             crossings: 0,
@@ -45,7 +46,7 @@ impl MeshFaults {
         };
         // Without these nothing more can be told.
         if faults.check.out_of_range_triangles > 0 || faults.check.non_finite_vertices > 0 {
-            return faults;
+            return (faults, f64::NAN);
         }
         for index in 0..mesh.triangles.len() {
             let [a, b, c] = mesh.corners(index);
@@ -66,9 +67,10 @@ impl MeshFaults {
         faults.crossing_places = first
             .map(|&pair| (pair, mesh.corners(pair[0] as usize)[0]))
             .collect();
+        let volume = mesh.volume();
         let closed = faults.check.is_closed() && faults.check.is_oriented();
-        faults.inside_out = closed && mesh.volume() < 0.0;
-        faults
+        faults.inside_out = closed && volume < 0.0;
+        (faults, volume)
     }
 
     /// Whether the mesh bounds a solid: closed, facing out and nowhere through
@@ -151,9 +153,9 @@ impl Solid {
     /// All that is wrong with the mesh, if it bounds no solid: nothing is mended
     /// silently.
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, Box<MeshFaults>> {
-        let faults = MeshFaults::of(mesh);
+        let (faults, volume) = MeshFaults::of(mesh);
         if faults.bounds_a_solid() {
-            Ok(Self::of_checked(mesh))
+            Ok(Self::of_checked(mesh, volume))
         } else {
             Err(Box::new(faults))
         }

@@ -52,10 +52,11 @@ impl Solid {
         Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
     }
 
-    /// The same of a mesh that is known to be closed, to face out and not to run through itself.
-    pub(super) fn of_checked(mesh: &Mesh) -> Self {
+    /// The same of a mesh that is known to be closed, to enclose a volume and not to run
+    /// through itself.
+    pub(super) fn of_checked(mesh: &Mesh, volume: f64) -> Self {
         let made = Faces::new(mesh.positions.clone(), &mesh.triangles).and_then(|faces| {
-            faces.enclose(mesh.volume())?;
+            faces.enclose(volume)?;
             Ok(faces.solid())
         });
         Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
@@ -418,9 +419,11 @@ pub(super) fn plane_of(points: &[DVec3]) -> Option<Plane> {
     let middle = points.iter().sum::<DVec3>() / points.len() as f64;
     let mut normal = DVec3::ZERO;
     let mut longest: f64 = 0.0;
-    for (&a, &b) in points.iter().zip(points.iter().cycle().skip(1)) {
+    let mut a = points.last().copied()?;
+    for &b in points {
         normal += (a - middle).cross(b - middle);
         longest = longest.max(a.distance_squared(b));
+        a = b;
     }
     if normal.length() <= NO_AREA * longest {
         return None;
