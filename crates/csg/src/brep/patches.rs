@@ -3,7 +3,6 @@
 use std::mem::replace;
 
 use glam::{DVec2, DVec3};
-use rustc_hash::FxHashSet;
 
 use super::chart::{self, Chart};
 use super::quadrature;
@@ -52,17 +51,7 @@ pub(super) fn regions(
         let chart = Chart::new(surface, frame, &side, about);
         let outlines = contours.into_iter().map(|half_edges| {
             let polygon = polygon(all, curves, &chart, &half_edges);
-            // What is touched along a line goes on on both sides of it.
-            let is_slit = {
-                let halves: FxHashSet<HalfEdgeId> = half_edges.iter().copied().collect();
-                let twin = |half: &HalfEdgeId| all.at(*half).twin;
-                half_edges.iter().all(|half| halves.contains(&twin(half)))
-            };
-            let area = if is_slit {
-                0.0
-            } else {
-                chart.turn() * area(all, curves, &chart, &half_edges)
-            };
+            let area = chart.turn() * area(all, curves, &chart, &half_edges);
             let first = polygon.first().copied().unwrap_or_default();
             let bounds = polygon.iter().fold([first; 2], |[low, high], &point| {
                 [low.min(point), high.max(point)]
@@ -74,8 +63,11 @@ pub(super) fn regions(
                 area,
             }
         });
+        // Where others touch the patch along a line it is slit, and has both sides of that.
+        let is_wider_than_rounding =
+            |outline: &Outline| outline.area > 4.0 * all.rounding * perimeter(&outline.polygon);
         let (outer, holes): (Vec<Outline>, Vec<Outline>) =
-            outlines.partition(|outline| outline.area > 0.0);
+            outlines.partition(is_wider_than_rounding);
         let first = regions.len();
         let mut owners = Vec::with_capacity(holes.len());
         for hole in &holes {
@@ -175,6 +167,11 @@ fn area(all: &Arrangement, curves: &Curves, chart: &Chart<'_>, contour: &[HalfEd
     }
 }
 
+fn perimeter(polygon: &[DVec2]) -> f64 {
+    let next = polygon.iter().cycle().skip(1);
+    polygon.iter().zip(next).map(|(a, b)| a.distance(*b)).sum()
+}
+
 /// The smallest of some outlines around a hole.
 fn owner(outer: &[Outline], hole: &Outline) -> Option<usize> {
     if outer.len() == 1 {
@@ -220,6 +217,38 @@ mod tests {
     use std::f64::consts::PI;
 
     use crate::{BoundaryOptions, Program, Solid};
+
+    /// Rods that just touch both sides of a plate from within slit it: along one line, along two
+    /// that cross, and from where one ends on to another one.
+    #[test]
+    fn slits_are_holes() {
+        let rod = |from: [f64; 2], degrees: f64| {
+            let rod = Solid::cylinder(0.6, 0.0..8.0).rotate_y(0.5 * PI);
+            rod.rotate_z(degrees.to_radians())
+                .translate([from[0], from[1], 0.0])
+        };
+        let plate = Solid::cuboid([30.0, 30.0, 1.2]);
+        let crossing = rod([-4.0, 0.0], -120.0) | rod([-8.0, 0.0], -60.0);
+        let rods = [
+            rod([-4.0, 0.0], 17.0),
+            crossing.clone(),
+            crossing | rod([-4.0, -48f64.sqrt()], 0.0),
+        ];
+        for (k, rods) in rods.into_iter().enumerate() {
+            for turn in [0.0, 0.7] {
+                let solid = (plate.clone() - rods.clone()).rotate_x(turn).rotate_z(turn);
+                let program = Program::lower(&solid).expect("valid");
+                let brep = program.boundary(&BoundaryOptions::new()).expect("told");
+                let genera: Vec<usize> = brep.shells().map(|shell| shell.genus()).collect();
+                assert_eq!(genera, [1], "{k} {turn}");
+                let flat = brep.faces().filter(|face| face.surface().is_plane());
+                let loops: Vec<usize> = flat.map(|face| face.loops().len()).collect();
+                // Both sides of the plate, of all that are cut.
+                let cut: Vec<usize> = loops.into_iter().filter(|&count| count > 1).collect();
+                assert_eq!(cut, [2, 2], "{k} {turn}");
+            }
+        }
+    }
 
     /// A thin shell between a ball and an ellipsoid in any direction, cut into six sectors, no
     /// two of which touch: each plane has four faces between arcs that chords would cross.
