@@ -464,6 +464,7 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
         "rim-on-a-rod-beside-a-block",
         "round-end-in-a-cylinder",
         "shaft-beside-a-collar",
+        "tee-of-equal-pipes",
     ] {
         for pose in [HOME, TURNED] {
             let program = Program::lower(&pose.of(&model(name))).expect("a valid solid");
@@ -482,6 +483,47 @@ fn what_is_placed_on_purpose_is_meshed_as_it_is() {
                 );
             }
         }
+    }
+}
+
+/// Where two pipes of one radius meet their curve has branches: each is cut up for itself, so that
+/// no more triangles are needed than for as many ellipses.
+#[test]
+fn branches_of_curves_are_cut_up_one_by_one() {
+    let solid = model("tee-of-equal-pipes");
+    // Both pipes less half of what they have in common (Archimedes).
+    let radius = 1.1f64;
+    let volume = PI * radius.powi(2) * 12.0 - 8.0 / 3.0 * radius.powi(3);
+    for (tolerance, most) in [(3e-3, 400), (1e-3, 650), (1e-5, 6200)] {
+        for pose in [HOME, TURNED] {
+            let program = Program::lower(&pose.of(&solid)).expect("a valid solid");
+            let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert!(report.is_proven(), "{pose:?} {tolerance}: {report:?}");
+            let count = mesh.triangles.len();
+            assert!(count < most, "{pose:?} {tolerance}: {count} triangles");
+            let off = (mesh.volume() - volume).abs();
+            assert!(off < tolerance * mesh.area(), "{pose:?} {tolerance}: {off}");
+        }
+    }
+}
+
+/// Rods that just touch both sides of a plate from within leave slits, which are holes in these: the
+/// exact boundary has as many handles as the mesh.
+#[test]
+fn slits_have_no_area_and_are_no_faces() {
+    for pose in [HOME, TURNED] {
+        let program = Program::lower(&pose.of(&model("plate-slit-from-within"))).expect("valid");
+        let boundary = program
+            .boundary(&BoundaryOptions::new())
+            .expect("a boundary");
+        let meshed = Mesher::new()
+            .tolerance(1e-2)
+            .mesh(&program)
+            .expect("a mesh");
+        let genera: Vec<usize> = boundary.shells().map(|shell| shell.genus()).collect();
+        assert_eq!(genera, [1], "{pose:?}");
+        assert_eq!(meshed.report.check.genus(), Some(1), "{pose:?}");
     }
 }
 

@@ -33,14 +33,21 @@ pub(super) struct Conic {
     bend: f64,
 }
 
-/// The plane in which two quadrics a and b meet between two points common to
+/// The plane in which two quadrics a and b meet along a row of points common to
 /// them, if they do.
 ///
 /// A combination a - λ b that is a pair of planes vanishes along the line
 /// through two points of one of the planes, which tells λ; its gradient there
-/// is that plane's normal. Where both planes are one, in which the quadrics touch,
-/// there is no gradient, but only one direction in which the combination bends.
-fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
+/// is that plane's normal. There is none where the line is in both planes: they cross in it, or
+/// are one, in which the quadrics touch. Then both are those of the form's axes, and the other
+/// points tell which is meant.
+fn common_plane([a, b]: [&Surface; 2], points: &[DVec3]) -> Option<Surface> {
+    let p = *points.first()?;
+    let off = |q: &DVec3| q.distance_squared(p);
+    let q = points
+        .iter()
+        .copied()
+        .max_by(|q, r| off(q).total_cmp(&off(r)))?;
     let along = q - p;
     let [bend_a, bend_b] = [a, b].map(|s| s.curvature_along(along));
     // A chord of neither, but for rounding.
@@ -59,7 +66,21 @@ fn common_plane([a, b]: [&Surface; 2], p: DVec3, q: DVec3) -> Option<Surface> {
         let (values, axes) = eigen_symmetric(std::array::from_fn(|k| {
             a.quadratic[k] - factor * b.quadratic[k]
         }));
-        axes.col(DVec3::from(values).abs().max_position())
+        let values = DVec3::from(values);
+        let [most, least] = [values.max_position(), values.min_position()];
+        // μ (m·x)² - ν (n·x)² with μ, ν >= 0.
+        let half = |axis: usize| values[axis].abs().sqrt() * axes.col(axis);
+        let normals = [half(most) + half(least), half(most) - half(least)];
+        let farthest = |normal: &DVec3| {
+            let offs = points.iter().map(|point| (*point - p).dot(*normal).abs());
+            offs.fold(0.0, f64::max)
+        };
+        let [one, other] = normals.map(DVec3::normalize_or_zero);
+        if farthest(&one) <= farthest(&other) {
+            one
+        } else {
+            other
+        }
     };
     let (u, v) = normal.any_orthonormal_pair();
     let bends = [u, v, u + v].map(|d| a.curvature_along(d) - factor * b.curvature_along(d));
@@ -81,12 +102,7 @@ impl Conic {
         } else if b.is_plane() {
             (*b, a)
         } else {
-            let off = |p: &DVec3| p.distance_squared(vertices[0]);
-            let far = vertices
-                .iter()
-                .copied()
-                .max_by(|p, q| off(p).total_cmp(&off(q)))?;
-            (common_plane(surfaces, vertices[0], far)?, a)
+            (common_plane(surfaces, vertices)?, a)
         };
         let curves = conics(&plane, quadric, NEAR_OF_REFINED * precision).into_iter();
         let mut conics = curves.filter_map(|curve| Self::new(curve, plane));

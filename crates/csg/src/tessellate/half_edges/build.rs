@@ -5,7 +5,7 @@ use rustc_hash::FxHashSet;
 
 use super::pairing::{NONE, halves_of, pair_up};
 use super::{HalfEdges, Kind};
-use crate::numeric::tolerance::ON_REFINED;
+use crate::numeric::tolerance::{ON_REFINED, TOUCHING};
 use crate::program::Surface;
 use crate::tessellate::contacts::Contacts;
 use crate::tessellate::regions::regions;
@@ -72,7 +72,7 @@ impl<'a> HalfEdges<'a> {
                 let is_apex = sides
                     .iter()
                     .any(|&half| self.has_apex(half, self.at(vertex)));
-                if is_curve && !is_apex {
+                if is_curve && !is_apex && !self.is_node(vertex, features) {
                     Kind::Curve
                 } else {
                     Kind::Corner
@@ -80,6 +80,17 @@ impl<'a> HalfEdges<'a> {
             }
             _ => Kind::Corner,
         }
+    }
+
+    /// Whether two surfaces touch where two edges of theirs meet, and not all along these: their
+    /// curve has branches there, and the edges may be of different ones.
+    fn is_node(&self, vertex: u32, edges: [u32; 2]) -> bool {
+        let surfaces = self.curve_surfaces(edges[0]);
+        let touch = |vertex: u32| {
+            let [u, v] = surfaces.map(|surface| surface.gradient(self.at(vertex)));
+            u.cross(v).length() <= TOUCHING * u.length() * v.length()
+        };
+        touch(vertex) && !edges.iter().all(|&half| touch(self.target(half)))
     }
 
     /// Whether a point is the apex of a half-edge's surface.
