@@ -19,12 +19,16 @@ use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
 
 /// Shapes that Open CASCADE does not call valid, and why. All else holds of them, too.
-const NOT_VALID: [(&str, &str); 3] = [
+const NOT_VALID: [(&str, &str); 4] = [
     (
         "bellows-a-hair-off",
         "its reader mends what is not broken: a face between circles 2e-7 apart, one of them in two \
          edges, is valid as written (made by hand, too), and invalid once ShapeFix_Face's \
          FixOrientation turned its loop round",
+    ),
+    (
+        "plate-slit-from-within",
+        "rods touch both sides of a plate along lines that cross: slits, as in the next two",
     ),
     (
         "prism-out-of-a-cylinder",

@@ -290,3 +290,38 @@ fn stubs_of_rods_need_no_second_try() {
     let count = meshed.mesh.triangles.len();
     assert!(count < 7000, "{count}");
 }
+
+/// A countersink that leaves a lid of 1e-4 over itself at a plate's edge, which takes short chords, and
+/// another one that misses its bore by 1e-10, which is moved until it does not: both at once.
+#[test]
+fn what_is_moved_is_meshed_by_short_chords_as_well() {
+    let plate = Solid::cuboid_between([0.0; 3], [39.6, 9.9, 6.9]);
+    let lidded = Solid::cylinder(2.0, -0.01..6.91) | Solid::frustum(0.0, 4.0, 4.9..6.8999);
+    let missed = Solid::cylinder(0.9999999999, 0.0..6.9) | Solid::frustum(1.0, 1.7, 6.2..6.9);
+    let tools = lidded.translate([14.85, 0.0, 0.0]) | missed.translate([34.65, 4.95, 0.0]);
+    let program = Program::lower(&(plate - tools)).expect("a valid solid");
+    let boundary = program.boundary(&BoundaryOptions::new());
+    let exact = boundary.expect("a boundary").measure().volume;
+    let tolerance = 0.004;
+    let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+    let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+    assert_eq!(report.fallbacks, [], "{:?}", report.undecided);
+    assert!(report.moved.is_some_and(|moved| moved.distance < 1e-9));
+    let off = (mesh.volume() - exact.value).abs();
+    assert!(off < tolerance * mesh.area(), "{off}");
+}
+
+/// A disc less itself tilted is two wedges and a wall between cylinders that nearly agree, all thinner
+/// than surfaces may be moved: if moves lose any of it, or it runs through itself, that is said.
+#[test]
+fn what_moves_would_lose_is_kept_or_said() {
+    let disc = Solid::cylinder(9.0, 0.0..9.0);
+    let solid = disc.rotate_x(1e-5) - disc;
+    let program = Program::lower(&solid).expect("a valid solid");
+    let boundary = program.boundary(&BoundaryOptions::new());
+    let area = boundary.expect("a boundary").measure().area.value;
+    let meshed = Mesher::new().tolerance(0.0186).mesh(&program);
+    let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+    let is_whole = (mesh.area() - area).abs() < 0.1 * area;
+    assert!(is_whole || !report.fallbacks.is_empty(), "{}", mesh.area());
+}

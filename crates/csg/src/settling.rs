@@ -24,10 +24,6 @@ pub(crate) enum Settling {
     Merged,
     /// Those that miss touching, being flush or in line by little are moved until they are.
     Aligned,
-    /// The same as first, with shorter chords.
-    Finer,
-    /// All that are nearer to each other than they may be moved are made one.
-    MergedFarther,
     /// All are rounded to as many decimals as are a small share of the tolerance.
     Rounded,
     /// The same as first, and then each that passes a place that made trouble within such a
@@ -36,11 +32,9 @@ pub(crate) enum Settling {
 }
 
 impl Settling {
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 5] = [
         Self::Merged,
         Self::Aligned,
-        Self::Finer,
-        Self::MergedFarther,
         Self::Rounded,
         Self::Perturbed { within: 0.02 },
         Self::Perturbed {
@@ -48,23 +42,25 @@ impl Settling {
         },
     ];
 
-    /// Those that move surfaces in different ways.
-    pub fn moves() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|way| *way != Self::Finer)
+    /// Those of meshes to a tolerance, each with the series of chords that curves are cut into
+    /// at first. Where that is by shorter ones the boundary is the same as before.
+    pub fn with_chords() -> impl Iterator<Item = (Self, &'static [f64])> {
+        let (nearest, farther) = Self::ALL.split_at(2);
+        let long = |ways: &'static [Self]| {
+            let chords: &[f64] = &arrangement::LONG_CHORDS;
+            ways.iter().map(move |&way| (way, chords))
+        };
+        let shorter: [&[f64]; 2] = [&arrangement::SHORT_CHORDS, &arrangement::SHORTEST_CHORDS];
+        let again = nearest
+            .iter()
+            .flat_map(move |&way| shorter.map(|chords| (way, chords)));
+        long(nearest).chain(again).chain(long(farther))
     }
 
     /// Whether nothing is left of the solid because surfaces were moved: walls thinner
     /// than that are better meshed in another way than lost.
     pub fn has_lost(self, is_empty: bool) -> bool {
-        !matches!(self, Self::Merged | Self::Finer) && is_empty
-    }
-
-    /// The series of chords that are tried.
-    pub fn chords(self) -> &'static [&'static [f64]] {
-        match self {
-            Self::Finer => &[&arrangement::SHORT_CHORDS, &arrangement::SHORTEST_CHORDS],
-            _ => &[&arrangement::LONG_CHORDS],
-        }
+        self != Self::Merged && is_empty
     }
 }
 
@@ -86,7 +82,7 @@ impl Prepared {
         let ball = (bounds.center(), 0.5 * size.length());
         let merged = || program.merged(ball, unresolved.min(unseen), unseen);
         let settled = match settling {
-            Settling::Merged | Settling::Finer => merged()?,
+            Settling::Merged => merged()?,
             Settling::Aligned => {
                 let within = (MISSED * size.max_element()).min(SHARE * unseen);
                 let same = unresolved.min(unseen);
@@ -95,10 +91,6 @@ impl Prepared {
                     aligned => aligned,
                 }
             }
-            Settling::MergedFarther => match program.merged(ball, unseen, unseen)? {
-                None => return Ok(None),
-                farther => farther,
-            },
             Settling::Rounded => match program.rounded(ball, unseen)? {
                 None => return Ok(None),
                 rounded => rounded,

@@ -130,7 +130,13 @@ impl<'a> Picture<'a> {
             }
             let [a, d, b, c] = self.quad(half, twin);
             let [at_a, at_d, at_b, at_c] = [a, d, b, c].map(|v| self.seen(v, positions));
-            if !is_in_circle([at_a, at_b, at_c], at_d) {
+            // Of a face that is folded, being thinner than its edges' chords stray, flips would
+            // make more and more folds.
+            let is_seen = |[p, q, r]: [DVec2; 3]| (q - p).perp_dot(r - p) > 0.0;
+            let is_better = is_in_circle([at_a, at_b, at_c], at_d)
+                && is_seen([at_a, at_d, at_c])
+                && is_seen([at_d, at_b, at_c]);
+            if !is_better {
                 continue;
             }
             left -= 1;

@@ -109,7 +109,7 @@ impl Program {
         let unseen = MOST_MOVED * bounds.size().max_element();
         let most_moved = options.most_moved.unwrap_or(unseen);
         let mut undecided: Vec<Undecided> = Vec::new();
-        for settling in Settling::moves() {
+        for settling in Settling::ALL {
             let places: Vec<DVec3> = undecided.iter().map(|undecided| undecided.place).collect();
             let prepared = Prepared::new(self, &bounds, settling, most_moved, &places)?;
             let Some(prepared) = prepared else {

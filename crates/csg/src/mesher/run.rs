@@ -233,7 +233,7 @@ impl<'a> Run<'a> {
     /// The exact boundary of planes; none where it could not be closed.
     fn polyhedral(&self, loose: Bounds, report: &mut Report) -> Result<Option<Mesh>, Error> {
         let control = self.control.again(Demand::ExactBoundary);
-        for settling in Settling::moves() {
+        for settling in Settling::ALL {
             let mut attempt = report.clone();
             let places: Vec<DVec3> = report.undecided.iter().map(|u| u.place).collect();
             let Some(settled) = self.settle(&loose, settling, &places, &mut attempt)? else {
@@ -421,14 +421,20 @@ impl<'a> Run<'a> {
             ..goal.loosened(factor)
         };
         let mut best: Option<(Mesh, Report)> = None;
-        for settling in Settling::ALL {
-            let mut settled_report = report.clone();
+        // Shorter chords tell no more.
+        let mut untold: Vec<Settling> = Vec::new();
+        for (settling, turns) in Settling::with_chords() {
+            if untold.contains(&settling) {
+                continue;
+            }
+            let mut attempt = report.clone();
             let undecided = report.undecided.iter().map(|undecided| undecided.place);
             let fallbacks = best.iter().flat_map(|(_, report)| &report.fallbacks);
             let complaints = fallbacks.flat_map(|fallback| fallback.places.iter().copied());
             let places: Vec<DVec3> = undecided.chain(complaints).collect();
-            let settled = self.settle(&bounds, settling, &places, &mut settled_report)?;
+            let settled = self.settle(&bounds, settling, &places, &mut attempt)?;
             let Some(settled) = settled else {
+                untold.push(settling);
                 continue;
             };
             let task = match settled.moved() {
@@ -437,43 +443,42 @@ impl<'a> Run<'a> {
             };
             // Together with the moves it is what was asked for.
             let goal = goal.less(settled.distance());
-            for &turns in settling.chords() {
-                let mut attempt = settled_report.clone();
-                attempt.method = "boundary";
-                let made = arrangement::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
-                    let Evaluated { mut mesh, borders } = match evaluated {
-                        Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => {
-                            return Ok(None);
-                        }
-                        Ok(evaluated) => evaluated,
-                        Err(undecided) => {
-                            report.undecided.push(undecided);
-                            return Ok(None);
-                        }
-                    };
-                    self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
-                    settled.add_to(&mut attempt);
-                    Ok(Some(mesh))
-                });
-                let mesh = match made {
-                    Ok(Some(mesh)) => mesh,
-                    // Shorter chords tell no more.
-                    Ok(None) => break,
-                    // Cells may be larger.
-                    Err(error) if is_too_much(&error).is_some() => return Ok(best),
-                    Err(error) => return Err(error),
+            attempt.method = "boundary";
+            let made = arrangement::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
+                let Evaluated { mut mesh, borders } = match evaluated {
+                    Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => {
+                        return Ok(None);
+                    }
+                    Ok(evaluated) => evaluated,
+                    Err(undecided) => {
+                        report.undecided.push(undecided);
+                        return Ok(None);
+                    }
                 };
-                let is_final = is_final(&attempt);
-                let complaints = attempt.complaints();
-                if best
-                    .as_ref()
-                    .is_none_or(|best| complaints < best.1.complaints())
-                {
-                    best = Some((mesh, attempt));
+                self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
+                settled.add_to(&mut attempt);
+                Ok(Some(mesh))
+            });
+            let mesh = match made {
+                Ok(Some(mesh)) => mesh,
+                Ok(None) => {
+                    untold.push(settling);
+                    continue;
                 }
-                if is_final {
-                    return Ok(best);
-                }
+                // Cells may be larger.
+                Err(error) if is_too_much(&error).is_some() => return Ok(best),
+                Err(error) => return Err(error),
+            };
+            let is_final = is_final(&attempt);
+            let complaints = attempt.complaints();
+            if best
+                .as_ref()
+                .is_none_or(|best| complaints < best.1.complaints())
+            {
+                best = Some((mesh, attempt));
+            }
+            if is_final {
+                return Ok(best);
             }
         }
         Ok(best)

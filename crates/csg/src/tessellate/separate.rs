@@ -79,6 +79,10 @@ impl<'a> Separation<'a> {
         pairs.chain(folded).collect()
     }
 
+    pub fn triangle_count(&self) -> usize {
+        self.mesh.triangle_count() as usize
+    }
+
     /// Cuts sides of pairs of triangles; false if there is nothing to be cut.
     pub fn cut(&mut self, pairs: &[[u32; 2]], parting: Parting) -> bool {
         let precision = self.mesh.precision;

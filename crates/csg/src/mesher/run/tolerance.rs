@@ -17,6 +17,9 @@ use crate::report::Report;
 use crate::task::Task;
 use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced, Unkept};
 
+/// So many times as many triangles are not worth it that a mesh does not run through itself.
+const MOST_GROWTH: usize = 20;
+
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
     /// only that fits the limits. On other borders of looks than these, within one
@@ -152,8 +155,6 @@ impl Run<'_> {
         const FINER: f64 = 0.4;
         /// So that it is enough where curvature differs along a surface.
         const SPARE: f64 = 0.98;
-        /// So many times as many triangles are not worth it.
-        const MOST_GROWTH: usize = 20;
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
         let control = self.refining(&goal);
@@ -229,6 +230,7 @@ impl Run<'_> {
         goal: &Goal,
     ) -> Result<(), Error> {
         const MOST_ROUNDS: u32 = 14;
+        let most_triangles = MOST_GROWTH * surfaced.triangles.len();
         let noted = outcome.clone();
         let before = Separation::new(surfaced, &task.surfaces, goal, noted, task.origin);
         // (What is not manifold is reported as such.)
@@ -256,7 +258,8 @@ impl Run<'_> {
                 if wrong.len() < least.0 {
                     least = (wrong.len(), separation.clone());
                 }
-                if wrong.is_empty() || wrong.len() > too_many {
+                let is_too_large = separation.triangle_count() > most_triangles;
+                if wrong.is_empty() || wrong.len() > too_many || is_too_large {
                     break;
                 }
             }
