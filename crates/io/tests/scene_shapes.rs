@@ -148,6 +148,34 @@ fn circles_are_round_or_not() {
     assert!((found - wanted).abs() <= off, "{found}, not {wanted}");
 }
 
+/// What is made of chords or flat faces in place of what was asked for, and nothing else: how near these
+/// are is said.
+#[test]
+fn what_is_only_nearly_so_is_said() {
+    let off = "multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])";
+    let ring = format!("rotate_extrude(angle = 360) {{ {off} {{ circle(r = 1); }} }}");
+    let square = format!("rotate_extrude(angle = 360) {{ {off} {{ square(size = [1, 1]); }} }}");
+    let unequal = format!("hull() {{ sphere(r = 1); {off} {{ sphere(r = 2); }} }}");
+    let equal = format!("hull() {{ sphere(r = 1); {off} {{ sphere(r = 1); }} }}");
+    for (text, faceted, within) in [
+        (&ring, false, Some("within 6e-4")),
+        (&ring, true, None),
+        (&square, false, None),
+        (&unequal, false, Some("within")),
+        (&equal, false, None),
+    ] {
+        let said = scene(text, faceted).warnings;
+        let said: Vec<String> = said.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            said.len(),
+            usize::from(within.is_some()),
+            "{text}: {said:?}"
+        );
+        let is_told = |within| said.iter().all(|warning| warning.contains(within));
+        assert!(within.is_none_or(is_told), "{text}: {said:?}");
+    }
+}
+
 #[test]
 fn warnings_and_errors_say_where() {
     for text in [

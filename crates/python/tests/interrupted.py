@@ -3,6 +3,7 @@ variants (one of which does not stop by itself, if it is called so) as named sec
 is named third. It says "begun" once some of the work
 is done or under way, and how it ended."""
 
+import contextlib
 import os
 import pathlib
 import signal
@@ -25,13 +26,16 @@ def minutes_of_work(begun: str) -> st.Solid:
 def stubborn(begun: str) -> st.Solid:
     """Does not stop, in the middle of a file."""
     path = pathlib.Path(begun)
-    with path.with_name(f".unfinished-{path.name}").open("w"):
-        path.touch()
-        while True:
-            try:
-                time.sleep(60)
-            except BaseException:
-                pass
+    while True:
+        # (Stopped just while it opens the file it opens it again, and so has it to be put away.)
+        with (
+            contextlib.suppress(BaseException),
+            path.with_name(f".unfinished-{path.name}").open("w"),
+        ):
+            path.touch()
+            while True:
+                with contextlib.suppress(BaseException):
+                    time.sleep(60)
 
 
 def do(work: str, cluster: Cluster, folder: pathlib.Path) -> None:

@@ -5,6 +5,7 @@
 //! spheroid: again one surface each, in the profile's own formula.
 
 use crate::elementary;
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine2, DVec2, DVec3};
@@ -48,6 +49,24 @@ impl Solid {
     pub fn revolve_in_steps(profile: &Profile, radians: f64, steps: usize) -> Self {
         let solid = stepped(profile, radians, steps);
         Self::made("revolve_in_steps", solid)
+    }
+}
+
+impl Profile {
+    /// How far [`Solid::revolve`] strays at most from the tori that the profile's circles and arcs
+    /// would become: so near are the chords that it takes in their place. None if all of them are
+    /// centred on the axis, as the solid is what was asked for then; nor of what cannot be revolved.
+    #[must_use]
+    pub fn revolved_within(&self) -> Option<f64> {
+        let tolerance = self.tolerance_of(PROFILE_CHORD).ok()?;
+        let has_chords = Cell::new(false);
+        let keeps = |map: &DAffine2| {
+            let keeps = is_on_axis(map);
+            has_chords.set(has_chords.get() || !keeps);
+            keeps
+        };
+        half_plane_set(self, tolerance, &keeps).ok()?;
+        has_chords.get().then_some(tolerance)
     }
 }
 

@@ -178,13 +178,11 @@ impl Builder<'_> {
                 Ok(self.nothing(node, "it takes flat children, not solids"))
             }
             (Operation::Projection, Piece::Solid(solid)) => {
-                let shadow = corners::shadow(&solid, &mut self.allowance)
-                    .map_err(|e| self.fault(node, &e))?;
+                let shadow = self.of_corners(node, |a| corners::shadow(&solid, a))?;
                 Ok(Piece::Flat(shadow))
             }
             (Operation::Section, Piece::Solid(solid)) => {
-                let section = corners::section(&solid, &mut self.allowance)
-                    .map_err(|e| self.fault(node, &e))?;
+                let section = self.of_corners(node, |a| corners::section(&solid, a))?;
                 self.flat(node, section)
             }
             (Operation::Projection | Operation::Section, _) => {
@@ -193,6 +191,22 @@ impl Builder<'_> {
             (Operation::Resize(size, auto), piece) => self.resized(node, piece, size, auto),
             (_, piece) => Ok(piece),
         }
+    }
+
+    /// What comes of the corners of solids; with a warning if any were of curved surfaces.
+    pub(super) fn of_corners<T>(
+        &mut self,
+        node: &NodeText<'_>,
+        of: impl FnOnce(&mut Allowance) -> Result<T, String>,
+    ) -> Result<T, SceneError> {
+        let made = of(&mut self.allowance).map_err(|e| self.fault(node, &e))?;
+        if let Some(within) = self.allowance.strayed.take() {
+            let problem = format!(
+                "what is curved in it is taken for faces and edges within {within:.0e} of it"
+            );
+            self.warn(node, problem);
+        }
+        Ok(made)
     }
 
     /// What a function of this node made, or what it says is wrong.

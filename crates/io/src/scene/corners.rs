@@ -24,6 +24,9 @@ const MOST_CELLS: u64 = 200_000;
 pub(super) struct Allowance {
     cells: u64,
     sums: usize,
+    /// How far meshes of curved solids stray at most, since it was asked last; none if there was
+    /// none.
+    pub strayed: Option<f64>,
 }
 
 impl Default for Allowance {
@@ -31,6 +34,7 @@ impl Default for Allowance {
         Self {
             cells: MOST_CELLS,
             sums: MOST_SUMS,
+            strayed: None,
         }
     }
 }
@@ -45,7 +49,13 @@ fn mesh(solid: &Solid, allowance: &mut Allowance) -> Result<Mesh, String> {
         let Some(bounds) = bounds else {
             return Ok(Mesh::default());
         };
-        mesher = mesher.tolerance(SHARE * bounds.size().max_element());
+        let within = SHARE * bounds.size().max_element();
+        mesher = mesher.tolerance(within);
+        allowance.strayed = Some(
+            allowance
+                .strayed
+                .map_or(within, |before| before.max(within)),
+        );
     }
     let meshed = mesher.mesh(&program).map_err(|error| match error {
         csg::Error::LimitReached(_) => format!(

@@ -406,6 +406,13 @@ impl Builder<'_> {
             let steps = self.facets(node, steps, steps * corners)?;
             Solid::revolve_in_steps(&profile, radians, steps)
         } else {
+            if let Some(within) = profile.revolved_within() {
+                let problem = format!(
+                    "there are no tori: of circles and arcs off the axis chords are turned, \
+                     within {within:.0e} of them"
+                );
+                self.warn(node, problem);
+            }
             Solid::revolve_by(&profile, radians)
         };
         // Whole turns begin on the far side.

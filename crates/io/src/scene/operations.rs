@@ -192,12 +192,13 @@ impl Builder<'_> {
                 Err(self.fault(node, "Minkowski sums of flat shapes cannot be read"))
             }
             Pieces::Solids(solids) => {
-                let solid = if is_hull {
-                    corners::hull(&solids, &mut self.allowance)
-                } else {
-                    corners::minkowski(solids, &mut self.allowance)
-                };
-                let solid = solid.map_err(|e| self.fault(node, &e))?;
+                let solid = self.of_corners(node, |allowance| {
+                    if is_hull {
+                        corners::hull(&solids, allowance)
+                    } else {
+                        corners::minkowski(solids, allowance)
+                    }
+                })?;
                 self.made(node, solid)
             }
         }
@@ -212,9 +213,7 @@ impl Builder<'_> {
     ) -> Result<Piece, SceneError> {
         let bounds = match &piece {
             Piece::Nothing => return Ok(piece),
-            Piece::Solid(solid) => {
-                corners::bounds(solid, &mut self.allowance).map_err(|e| self.fault(node, &e))?
-            }
+            Piece::Solid(solid) => self.of_corners(node, |a| corners::bounds(solid, a))?,
             Piece::Flat(flat) => flat
                 .bounds(1e-6)
                 .map_err(|e| self.fault(node, &e.to_string()))?
