@@ -22,9 +22,9 @@ use crate::error::Error;
 /// After so many vertices it is asked whether to go on.
 const VERTICES_PER_CHECK: usize = 1 << 14;
 
-/// Sides are shorter than so many n-ths of the arc of an edge: 1.468 for an octahedron, whose
-/// faces are the larger.
-const SHORTEST_ENOUGH: f64 = 1.47;
+/// Sides are shorter than so many n-ths of the arc of an edge: less than 1.468 of an octahedron, whose
+/// faces are larger than those of an icosahedron.
+const LONGEST_SIDE: f64 = 1.47;
 
 /// A regular polyhedron of triangles.
 struct Regular {
@@ -154,7 +154,7 @@ impl<'a> Geodesic<'a> {
     /// are all alike.
     fn is_enough(&self, tolerance: f64, angle: Option<f64>) -> bool {
         let is_short = |angle: f64| {
-            SHORTEST_ENOUGH * self.regular.arc <= angle * self.n as f64
+            LONGEST_SIDE * self.regular.arc <= angle * self.n as f64
                 || self.triangles().all(|places| self.longest(places) <= angle)
         };
         let mut in_middle = self.triangles_within(self.middle());
@@ -313,7 +313,7 @@ mod tests {
                 let middle = most(&mut middle.map(strays));
                 assert!(all <= middle + 1e-15, "{n}: {all:e} {middle:e}");
                 let longest = most(&mut geodesic.triangles().map(|p| geodesic.longest(p)));
-                let bound = SHORTEST_ENOUGH * regular.arc / n as f64;
+                let bound = LONGEST_SIDE * regular.arc / n as f64;
                 assert!(longest < bound, "{n}: {longest} {bound}");
             }
         }
