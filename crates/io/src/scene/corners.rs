@@ -393,7 +393,11 @@ mod tests {
             polyhedron.clone(),
             Solid::hull(points).translate([1.0, 0.0, 0.0]),
         ] {
-            let nothing = &mut Allowance { cells: 0, sums: 0 };
+            let nothing = &mut Allowance {
+                cells: 0,
+                sums: 0,
+                strayed: None,
+            };
             let found = corners(&solid, nothing).expect("nothing is meshed");
             assert_eq!(found, points.map(|p| p + DVec3::X));
         }
