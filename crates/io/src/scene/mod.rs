@@ -31,14 +31,16 @@
 //!   so in [`Scene::warnings`].
 //! - Profiles stay as they are drawn: what is extruded or turned has planes,
 //!   cylinders and cones. A circle turned about an axis beside it is cut into 32
-//!   chords or more first, with a warning that says how near they are, a twist into flat steps of at most 1.4 degrees, and circles that are
+//!   chords or more first, with a warning that says how near they are, a twist into
+//!   flat steps of at most 1.4 degrees, and circles that are
 //!   scaled unevenly into flat steps within 1e-4 of the size.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
 //!   of the size (faceted: as many as OpenSCAD takes).
 //! - Hulls, Minkowski sums, projections, sections and `resize` need corners: what is in
 //!   them is meshed while reading, circles there as polygons of at least 30
-//!   corners; a warning says so of what is curved. A hull of nothing but equal spheres is exact, and so is one of circles, or of
+//!   corners; a warning says so of what is curved. A hull of nothing but equal
+//!   spheres is exact, and so is one of circles, or of
 //!   cylinders with their ends in two planes. How many cells and
 //!   corners all of them together may cost is bounded; more is an error.
 //! - Of profiles and solids in one list those unlike the first are left out,
