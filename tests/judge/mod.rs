@@ -6,6 +6,8 @@
 mod mesh_spans;
 mod spans;
 
+use std::f64::consts::PI;
+
 use csg::{Mesh, Solid};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use stereotomy::csg;
@@ -53,6 +55,8 @@ const SAMPLES: usize = 1500;
 const DIRECTIONS: usize = 48;
 /// The same where nothing may be there.
 const THOROUGH: usize = 4000;
+/// Directions in the plane of a layer.
+const ALONG_LAYER: u32 = 64;
 /// Proofs that a mesh is wrong.
 const ENOUGH: usize = 40;
 
@@ -233,10 +237,21 @@ impl<'a> Judge<'a> {
             directions.any(|d| self.along(place, d, reach).is_some())
         };
         let (from_mesh, normal) = mesh_spans::nearest(self.case.mesh, place);
+        // The rim of a layer, which is seen from within it alone.
+        let is_near_rim = || {
+            let x = normal.any_orthonormal_vector();
+            let y = normal.cross(x);
+            let mut angles = (0..ALONG_LAYER).map(|k| PI * f64::from(k) / f64::from(ALONG_LAYER));
+            angles.any(|a| {
+                let along = a.cos() * x + a.sin() * y;
+                self.along(place, along, allowed).is_some()
+            })
+        };
         // A wall or gap of the mesh, or one of the solid.
         let unseen = self.case.unseen.max(self.rounding);
         let is_thin = || from_mesh <= unseen || beside(unseen);
-        let is_near = || self.along(place, normal, allowed).is_some() || beside(allowed);
+        let is_near =
+            || self.along(place, normal, allowed).is_some() || is_near_rim() || beside(allowed);
         (from_mesh > allowed || !is_near()) && !is_thin()
     }
 

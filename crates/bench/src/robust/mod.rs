@@ -19,6 +19,9 @@ use crate::random_tree::{Position, random_tree};
 use crate::scenes;
 use crate::tally::{Case, Judge, Promise, Tally};
 
+/// To which solids are meshed that are judged one by one.
+const TOLERANCE: f64 = 0.01;
+
 #[derive(clap::Args)]
 pub struct Options {
     /// Scenes to mesh
@@ -69,6 +72,9 @@ pub struct Options {
     /// With classes: a folder for the trees that fail or whose surfaces are moved, as scene files
     #[arg(long)]
     write: Option<PathBuf>,
+    /// Judge these scene files alone, each meshed to the tolerance (0.01 unless given)
+    #[arg(long, num_args = 1.., conflicts_with_all = ["class", "general", "aligned", "python"])]
+    judge: Vec<PathBuf>,
     /// Be the process that meshes and judges one tree
     #[arg(long, hide = true, requires = "class")]
     alone: bool,
@@ -80,6 +86,10 @@ pub fn run(options: &Options) {
     const SEGMENTS: u32 = 32;
     if !options.class.is_empty() {
         return by_classes(options);
+    }
+    if !options.judge.is_empty() {
+        let tolerance = options.tolerance.unwrap_or(TOLERANCE);
+        return trial::files(&options.judge, options.seed, tolerance);
     }
     let tally = Tally::new(options.python.as_deref().map(Judge::start));
     if !options.trees_only {
@@ -128,7 +138,7 @@ pub fn run(options: &Options) {
 
 /// Judges trees of classes.
 fn by_classes(options: &Options) {
-    let tolerance = options.tolerance.unwrap_or(0.01);
+    let tolerance = options.tolerance.unwrap_or(TOLERANCE);
     if options.alone {
         return trial::alone(options.class[0], options.seed, tolerance);
     }

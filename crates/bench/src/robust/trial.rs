@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use csg::{BoundaryOptions, Mesh, Meshed, Mesher, Program, Report, Solid};
 use serde_json::{Value, json};
-use stereotomy::io::scene;
+use stereotomy::io::scene::{self, ReadOptions};
 
 use super::classes::Class;
 use crate::judge::{self, Case, Tree, is_seen};
@@ -46,6 +46,21 @@ pub fn alone(class: Class, seed: u64, tolerance: f64) {
     let outcome = pool
         .expect("a thread")
         .install(|| outcome(&solid, seed, tolerance));
+    print(outcome);
+}
+
+/// The same for scene files, one after another.
+pub fn files(files: &[PathBuf], seed: u64, tolerance: f64) {
+    for file in files {
+        println!("{}", file.display());
+        match scene::read_file(file, &ReadOptions::default()) {
+            Ok(scene) => print(outcome(&scene.solid, seed, tolerance)),
+            Err(error) => println!("{error}"),
+        }
+    }
+}
+
+fn print(outcome: Outcome) {
     let Outcome {
         seconds,
         reported,
