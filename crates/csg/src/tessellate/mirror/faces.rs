@@ -41,7 +41,8 @@ pub(crate) fn mirrored(
         .collect();
     pairs.sort_unstable();
     pairs.dedup();
-    let mut mirror = Mirror::new(&mesh);
+    // Farther apart than both sides stray no wall runs through itself.
+    let mut mirror = Mirror::new(&mesh, 2.0 * goal.tolerance);
     for pair in pairs {
         mirror.match_from(pair);
     }
@@ -81,6 +82,8 @@ struct Chain {
 /// Faces, each with what of it corresponds to what of its image.
 struct Mirror<'m, 's> {
     mesh: &'m HalfEdges<'s>,
+    /// How thick walls are at most.
+    reach: f64,
     chains: Vec<Chain>,
     /// For each half-edge its chain, or [`NONE`].
     chain_of: Vec<u32>,
@@ -110,10 +113,11 @@ struct Pair {
 }
 
 impl<'m, 's> Mirror<'m, 's> {
-    fn new(mesh: &'m HalfEdges<'s>) -> Self {
+    fn new(mesh: &'m HalfEdges<'s>, reach: f64) -> Self {
         let count = mesh.regions.len();
         let mut mirror = Self {
             mesh,
+            reach,
             chains: Vec::new(),
             chain_of: vec![NONE; mesh.end_of_halves() as usize],
             places: mesh.places(),
@@ -311,10 +315,12 @@ impl<'m, 's> Mirror<'m, 's> {
         both.collect()
     }
 
-    /// Whether chains run between the same corners, against each other, along faces of which
-    /// either is the other's counterpart.
+    /// Whether chains run beside each other between the same corners, against each other.
     fn corresponds(&self, chain: u32, other: u32, image: &FxHashMap<u32, u32>) -> bool {
         let [chain, other] = [chain, other].map(|chain| &self.chains[chain as usize]);
+        if !self.is_beside(chain, other) || !self.is_beside(other, chain) {
+            return false;
+        }
         if chain.is_closed || other.is_closed {
             return chain.is_closed == other.is_closed;
         }
@@ -343,19 +349,31 @@ impl<'m, 's> Mirror<'m, 's> {
         }
         let [chain, other] = [chain, other].map(|chain| &self.chains[chain as usize]);
         let middle = chain.halves[chain.halves.len() / 2];
-        let at = self.mesh.at(self.mesh.origin(middle));
-        let far = other.halves.iter().map(|&half| {
-            let ends = [self.mesh.origin(half), self.mesh.target(half)];
-            let [p, q] = ends.map(|v| self.mesh.at(v));
-            let along = ((at - p).dot(q - p) / p.distance_squared(q)).clamp(0.0, 1.0);
-            p.lerp(q, along).distance(at)
-        });
-        let far = far.fold(f64::INFINITY, f64::min);
+        let far = self.off(self.mesh.at(self.mesh.origin(middle)), other);
         if self.is_rim([chain.other, other.other]) {
             far
         } else {
             2.0 * far
         }
+    }
+
+    /// How far a place is from a chain.
+    fn off(&self, at: DVec3, chain: &Chain) -> f64 {
+        let far = chain.halves.iter().map(|&half| {
+            let ends = [self.mesh.origin(half), self.mesh.target(half)];
+            let [p, q] = ends.map(|v| self.mesh.at(v));
+            let along = ((at - p).dot(q - p) / p.distance_squared(q)).clamp(0.0, 1.0);
+            p.lerp(q, along).distance(at)
+        });
+        far.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the whole of a chain is no farther from another one than a wall is thick.
+    fn is_beside(&self, chain: &Chain, other: &Chain) -> bool {
+        let starts = chain.halves.iter().map(|&half| self.mesh.origin(half));
+        starts
+            .chain(self.ends(chain))
+            .all(|vertex| self.off(self.mesh.at(vertex), other) <= self.reach)
     }
 
     /// Finds the images of all vertices.
