@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::DVec2;
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use stereotomy::csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 
 use super::hard_models::model;
@@ -324,4 +324,30 @@ fn what_moves_would_lose_is_kept_or_said() {
     let Meshed { mesh, report, .. } = meshed.expect("a mesh");
     let is_whole = (mesh.area() - area).abs() < 0.1 * area;
     assert!(is_whole || !report.fallbacks.is_empty(), "{}", mesh.area());
+}
+
+/// Two crossing pipes within a cone, seen askew: a wall of a few thousandths, beside which a lobe
+/// as long as a third of the solid has the same two corners as the wall's rim.
+#[test]
+fn what_is_beside_a_wall_is_its_rim_only_if_it_is_near() {
+    let pipe = Solid::cylinder(0.5, -1.0..1.0);
+    let askew = DAffine3 {
+        matrix3: DMat3::from_cols_array_2d(&[[0.7, 0.0, -0.71], [0.0, 1.0, 0.0], [0.7, 0.0, 0.71]]),
+        translation: DVec3::new(0.5, 0.25, -1.0),
+    };
+    let cone = Solid::frustum(0.0, 0.75, 0.0..0.5).rotate_x(FRAC_PI_2);
+    let solid =
+        (pipe.clone() | pipe.rotate_x(FRAC_PI_2)).affine(askew) & cone.translate([0.25, 0.25, 0.0]);
+    let program = Program::lower(&solid).expect("a valid solid");
+    let exact = program
+        .boundary(&BoundaryOptions::new())
+        .expect("a boundary");
+    let exact = exact.measure();
+    for tolerance in [0.02, 0.01, 0.005] {
+        let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+        let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+        assert!(report.is_proven(), "{tolerance}: {:?}", report.fallbacks);
+        let missing = exact.area.value - mesh.area();
+        assert!(missing < 0.07 * exact.area.value, "{tolerance}: {missing}");
+    }
 }
