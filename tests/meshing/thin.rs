@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use stereotomy::csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
 
 use super::hard_models::model;
@@ -349,5 +349,59 @@ fn what_is_beside_a_wall_is_its_rim_only_if_it_is_near() {
         assert!(report.is_proven(), "{tolerance}: {:?}", report.fallbacks);
         let missing = exact.area.value - mesh.area();
         assert!(missing < 0.07 * exact.area.value, "{tolerance}: {missing}");
+    }
+}
+
+/// A number as OpenSCAD writes it.
+fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().expect("a number")
+}
+
+/// A run of pipe along a helix, a ball in each bend, placed by matrices of six digits: no ball
+/// fits its pipes, and no pipe is round. It takes about the triangles of one that does.
+#[test]
+fn runs_of_pipe_of_six_digits_are_meshed_like_exact_ones() {
+    let bends: Vec<DVec3> = (0..5)
+        .map(|k| {
+            let (sin, cos) = (0.7 * f64::from(k)).sin_cos();
+            DVec3::new(8.0 * cos, 8.0 * sin, 1.3 * f64::from(k))
+        })
+        .collect();
+    let run = |round: fn(f64) -> f64| {
+        let at = |p: DVec3| DVec3::from(p.to_array().map(round));
+        let balls = bends.iter().map(|&p| Solid::sphere(0.6).translate(at(p)));
+        let pipes = bends.windows(2).map(|ends| {
+            let along = ends[1] - ends[0];
+            let turned = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, along.normalize()));
+            let columns = turned.to_cols_array_2d().map(|c| c.map(round));
+            Solid::cylinder(0.6, 0.0..round(along.length())).affine(DAffine3 {
+                matrix3: DMat3::from_cols_array_2d(&columns),
+                translation: at(ends[0]),
+            })
+        });
+        let all = balls.chain(pipes).reduce(|a, b| a | b).expect("some");
+        Program::lower(&all).expect("a valid solid")
+    };
+    let [exact, rounded] = [run(|x| x), run(six_digits)];
+    for tolerance in [0.1, 0.01, 1e-3] {
+        let meshed = [&exact, &rounded].map(|program| {
+            let meshed = Mesher::new().tolerance(tolerance).mesh(program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{tolerance}");
+            let kept = report.deviation.is_some_and(|d| d <= tolerance);
+            assert!(kept, "{tolerance}: {:?}", report.deviation);
+            let moved = report.moved.map_or(0.0, |moved| moved.distance);
+            assert!(moved <= 2e-5, "{tolerance}: {moved}");
+            mesh
+        });
+        let [exact, rounded] =
+            meshed.map(|mesh| (mesh.volume(), mesh.area(), mesh.triangles.len()));
+        let off = (exact.0 - rounded.0).abs();
+        assert!(off <= tolerance * exact.1, "{tolerance}: {off}");
+        let counts = [exact.2, rounded.2];
+        assert!(
+            counts[1] as f64 <= 1.2 * counts[0] as f64,
+            "{tolerance}: {counts:?}"
+        );
     }
 }

@@ -11,19 +11,25 @@ use crate::report::{Moved, Report};
 /// takes half a percent more triangles.
 pub(crate) const UNSEEN: f64 = 0.01;
 
-/// What is missed by less, of the scene, may have been meant.
-const MISSED: f64 = 1e-6;
+/// So many times as far surfaces may be moved where there is no other way: a tenth of the
+/// tolerance, for which what is left of it takes five percent more triangles.
+const SEEN: f64 = 10.0;
+
+/// What is missed by less, of the scene, may have been meant: numbers of six digits are off by up
+/// to five millionths of themselves.
+const MISSED: f64 = 5e-6;
 
 /// Of what surfaces may move, by how much they may miss: some are moved for several reasons.
-const SHARE: f64 = 0.1;
+const SHARE: f64 = 0.5;
 
 /// What is done to surfaces, in the order in which it is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Settling {
     /// Those that cannot be told apart where boundaries are evaluated are made one.
     Merged,
-    /// Those that miss touching, being flush or in line by little are moved until they are.
-    Aligned,
+    /// Those that miss touching, being round, flush or in line by little are moved until they
+    /// are, by up to so many times what others are moved.
+    Aligned { times: f64 },
     /// All are rounded to as many decimals as are a small share of the tolerance.
     Rounded,
     /// The same as first, and then each that passes a place that made trouble within such a
@@ -34,7 +40,7 @@ pub(crate) enum Settling {
 impl Settling {
     pub const ALL: [Self; 5] = [
         Self::Merged,
-        Self::Aligned,
+        Self::Aligned { times: 1.0 },
         Self::Rounded,
         Self::Perturbed { within: 0.02 },
         Self::Perturbed {
@@ -43,18 +49,21 @@ impl Settling {
     ];
 
     /// Those of meshes to a tolerance, each with the series of chords that curves are cut into
-    /// at first. Where that is by shorter ones the boundary is the same as before.
+    /// at first. Where that is by shorter ones the boundary is the same as before. What an author
+    /// rounded coarser than the tolerance allows for is moved by more of it then.
     pub fn with_chords() -> impl Iterator<Item = (Self, &'static [f64])> {
         let (nearest, farther) = Self::ALL.split_at(2);
-        let long = |ways: &'static [Self]| {
-            let chords: &[f64] = &arrangement::LONG_CHORDS;
-            ways.iter().map(move |&way| (way, chords))
-        };
+        let long = |&way: &Self| -> (Self, &'static [f64]) { (way, &arrangement::LONG_CHORDS) };
         let shorter: [&[f64]; 2] = [&arrangement::SHORT_CHORDS, &arrangement::SHORTEST_CHORDS];
         let again = nearest
             .iter()
             .flat_map(move |&way| shorter.map(|chords| (way, chords)));
-        long(nearest).chain(again).chain(long(farther))
+        let seen = [Self::Aligned { times: SEEN }];
+        let farther = seen.into_iter().chain(farther.iter().copied());
+        let nearest = nearest.iter().map(long);
+        nearest
+            .chain(again)
+            .chain(farther.map(move |way| long(&way)))
     }
 
     /// Whether nothing is left of the solid because surfaces were moved: walls thinner
@@ -83,10 +92,11 @@ impl Prepared {
         let merged = || program.merged(ball, unresolved.min(unseen), unseen);
         let settled = match settling {
             Settling::Merged => merged()?,
-            Settling::Aligned => {
-                let within = (MISSED * size.max_element()).min(SHARE * unseen);
-                let same = unresolved.min(unseen);
-                match program.aligned(ball, (within, same), unseen)? {
+            Settling::Aligned { times } => {
+                let most = times * unseen;
+                let within = (MISSED * size.max_element()).min(SHARE * most);
+                let same = unresolved.min(most);
+                match program.aligned(ball, (within, same), most)? {
                     None => return Ok(None),
                     aligned => aligned,
                 }

@@ -1,45 +1,22 @@
 //! Surfaces that nearly touch, meet in a point or a circle, or are in line, moved until they do.
 //!
 //! What an author meant to be tangent, concentric or flush, and missed by less than can be seen,
-//! is found by what the numbers of planes, balls, round cylinders and cones nearly satisfy: each
-//! such relation is an equation, linear but for second order, and all of them together are
-//! satisfied by the least moves there are (Newton's method, each step by conjugate gradients
-//! on the normal equations, which from nothing end at the shortest solution).
+//! is found by what the numbers of planes, balls, cylinders and cones nearly satisfy, those that
+//! are nearly round made round before: each such relation is an equation, linear but for second
+//! order, and all of them together are satisfied by the least moves there are (Newton's method,
+//! each step by conjugate gradients on the normal equations, which from nothing end at the
+//! shortest solution). Directions are turned only where no moves alone do.
 
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
+use super::element::{Element, Form};
 use crate::numeric::tolerance::VALUE;
-use crate::program::{Kind, Surface};
-use crate::surface::SurfaceShape;
+use crate::program::Surface;
 
 /// More surfaces are left as they are: their relations are looked for pair by pair, and along
 /// each axis for each plane across.
-const MOST: usize = 150;
-
-/// A surface by its numbers, about the middle of the scene.
-#[derive(Clone, Copy, Debug)]
-struct Element {
-    form: Form,
-    /// A point of the plane, the centre, a point of the axis, or the apex.
-    at: DVec3,
-    /// The normal or the axis.
-    axis: DVec3,
-    /// The radius, or for cones the slope times the scene's reach.
-    size: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
-    Plane,
-    Ball,
-    Rod,
-    Cone,
-    /// Something else about a centre.
-    Centered,
-    /// Nothing to be moved.
-    Fixed,
-}
+const MOST: usize = 1000;
 
 /// What is nearly so: a value that ought to be 0.
 #[derive(Clone, Copy, Debug)]
@@ -56,130 +33,43 @@ enum Relation {
     SameSize([usize; 2]),
     /// Two surfaces about one axis meet in a circle in a plane across it.
     Circle(usize, [usize; 2]),
+    /// Directions at right angles.
+    Square([usize; 2]),
 }
 
-/// By how much a value changes with the place and the size of an element.
-type Slopes = SmallVec<[(usize, DVec3, f64); 3]>;
+/// What a value changes with.
+#[derive(Clone, Copy, Debug)]
+enum Slope {
+    /// With the place and the size of an element.
+    Move(usize, DVec3, f64),
+    /// With how an element's axis is turned, of the scene's reach.
+    Turn(usize, DVec3),
+}
 
-impl Element {
-    fn of(surface: &Surface, reach: f64) -> Self {
-        let element = |form, at, axis, size| Self {
-            form,
-            at,
-            axis,
-            size,
-        };
-        match surface.shape() {
-            SurfaceShape::Plane { point, normal } => {
-                element(Form::Plane, point.dot(normal) * normal, normal, 0.0)
-            }
-            SurfaceShape::Sphere { center, radius } => {
-                element(Form::Ball, center, DVec3::ZERO, radius)
-            }
-            SurfaceShape::Cylinder {
-                point,
-                axis,
-                radius,
-            } => element(Form::Rod, point.reject_from(axis), axis, radius),
-            SurfaceShape::Cone {
-                point,
-                axis,
-                slope,
-                radius: 0.0,
-            } => element(Form::Cone, point, axis, slope * reach),
-            SurfaceShape::Ellipsoid { placement, .. }
-            | SurfaceShape::HyperboloidOneSheet { placement, .. }
-            | SurfaceShape::HyperboloidTwoSheets { placement, .. }
-            | SurfaceShape::EllipticCone { placement, .. } => {
-                element(Form::Centered, placement.origin, DVec3::ZERO, 0.0)
-            }
-            _ => element(Form::Fixed, DVec3::ZERO, DVec3::ZERO, 0.0),
-        }
-    }
+type Slopes = SmallVec<[Slope; 6]>;
 
-    fn has_axis(&self) -> bool {
-        matches!(self.form, Form::Plane | Form::Rod | Form::Cone)
-    }
-
-    fn has_place(&self) -> bool {
-        !matches!(self.form, Form::Plane | Form::Fixed)
-    }
-
-    fn radius(&self) -> f64 {
-        match self.form {
-            Form::Ball | Form::Rod => self.size,
-            _ => 0.0,
-        }
-    }
-
-    /// The surface with these numbers in place of its own.
-    fn applied_to(&self, surface: &Surface, reach: f64) -> Surface {
-        let sign = surface.quadratic[..3].iter().sum::<f64>().signum();
-        // Of the unit matrix less the square of the axis, and of that square.
-        let about_axis = |across: f64, along: f64, constant: f64, kind| {
-            let [x, y, z] = self.axis.to_array();
-            let less = along - across;
-            let form = [
-                across + less * x * x,
-                across + less * y * y,
-                across + less * z * z,
-                2.0 * less * x * y,
-                2.0 * less * y * z,
-                2.0 * less * z * x,
-            ];
-            let size = form.iter().fold(0.0f64, |m, c| m.max(c.abs()));
-            Surface {
-                anchor: self.at,
-                quadratic: form.map(|c| sign * c / size),
-                linear: DVec3::ZERO,
-                constant: sign * constant / size,
-                kind,
-            }
-        };
-        match self.form {
-            Form::Plane => Surface {
-                anchor: self.at,
-                linear: self.axis,
-                ..*surface
-            },
-            Form::Ball => about_axis(1.0, 1.0, -self.size * self.size, surface.kind),
-            Form::Rod => about_axis(1.0, 0.0, -self.size * self.size, surface.kind),
-            Form::Cone => {
-                let slope = self.size / reach;
-                let cone = about_axis(1.0, -slope * slope, 0.0, Kind::Cone);
-                // Inside and outside are those of before.
-                let far = self.at + self.axis;
-                match cone.value(far) * surface.value(far) < 0.0 {
-                    true => cone.negated(),
-                    false => cone,
-                }
-            }
-            Form::Centered => {
-                let center = Self::of(surface, reach).at;
-                Surface {
-                    anchor: surface.anchor + (self.at - center),
-                    ..*surface
-                }
-            }
-            Form::Fixed => *surface,
-        }
-    }
+/// All that is moved at once.
+#[derive(Clone, Debug)]
+struct Assembly {
+    elements: Vec<Element>,
+    directions: Vec<DVec3>,
+    reach: f64,
 }
 
 /// Surfaces about the middle of the scene with the places, directions and sizes that their
-/// relations ask for; those that are fixed stay. None if there is nothing to be moved.
+/// relations ask for that are missed by no more than `within`; those that are fixed stay. None if
+/// there is nothing to be moved, or one would be farther than `most`.
 pub(super) fn aligned(
     surfaces: &[Surface],
     is_fixed: impl Fn(usize) -> bool,
     reach: f64,
-    within: f64,
+    (within, most): (f64, f64),
 ) -> Option<Vec<Surface>> {
-    const STEPS: usize = 5;
     if surfaces.len() > MOST {
         return None;
     }
     let of = |(index, surface): (usize, &Surface)| {
-        let element = Element::of(surface, reach);
+        let element = Element::of(surface, reach, within);
         match is_fixed(index) {
             true => Element {
                 form: Form::Fixed,
@@ -189,68 +79,195 @@ pub(super) fn aligned(
         }
     };
     let before: Vec<Element> = surfaces.iter().enumerate().map(of).collect();
-    let mut elements = before.clone();
-    straighten(&mut elements, within / reach);
-    let relations = relations(&elements, reach, within);
-    let rounding = VALUE * reach;
-    for _ in 0..STEPS {
-        let rows: Vec<(f64, Slopes)> = relations
-            .iter()
-            .map(|relation| relation.value(&elements, reach))
-            .collect();
-        if rows.iter().all(|(value, _)| value.abs() <= rounding) {
-            break;
+    let straight = Assembly::straightened(before.clone(), reach, within);
+    let mut relations = relations(&straight.elements, reach, within);
+    let mut unsatisfied = None;
+    for turns in [Turns::No, Turns::Yes] {
+        let mut moved = straight.clone();
+        let is_satisfied = moved.satisfy(&relations, turns);
+        let after = surfaces.iter().zip(&before).zip(&moved.elements);
+        let after = after.map(|((surface, before), after)| {
+            let by = before.at.distance(after.at) + (before.size - after.size).abs();
+            let turned = before.axis.distance(after.axis) * reach;
+            let is_same = by + turned <= VALUE * reach && after.spread == 0.0;
+            (!is_same).then(|| after.applied_to(surface, reach))
+        });
+        let after: Vec<Option<Surface>> = after.collect();
+        // (Nothing but a point in place of all satisfies most relations, too.)
+        let is_near = surfaces.iter().zip(&after).all(|(before, after)| {
+            let off = after.map_or(0.0, |after| before.distance_bound(&after, reach));
+            off <= most
+        });
+        if is_near && is_satisfied {
+            return applied(surfaces, &after);
         }
-        let moves = least_moves(&rows, elements.len());
-        for (element, (by, size)) in elements.iter_mut().zip(moves) {
-            element.at += by;
-            element.size += size;
+        if is_near && turns == Turns::No {
+            unsatisfied = Some(after);
         }
+        relations.extend(straight.squares(within));
     }
-    let mut is_moved = false;
-    let after = surfaces.iter().zip(&before).zip(&elements);
-    let after = after.map(|((surface, before), after)| {
-        let by = before.at.distance(after.at) + (before.size - after.size).abs();
-        let turned = before.axis.distance(after.axis) * reach;
-        if by + turned <= rounding {
-            return *surface;
-        }
-        is_moved = true;
-        after.applied_to(surface, reach)
-    });
-    let after: Vec<Surface> = after.collect();
-    is_moved.then_some(after)
+    applied(surfaces, &unsatisfied?)
 }
 
-/// Makes directions that are nearly the same, or nearly at right angles, so.
-fn straighten(elements: &mut [Element], within: f64) {
-    let mut known: Vec<DVec3> = Vec::new();
-    for element in elements.iter_mut().filter(|element| element.has_axis()) {
-        let axis = element.axis;
-        let same = known.iter().find(|k| k.cross(axis).length() <= within);
-        if let Some(same) = same {
-            element.axis = same.dot(axis).signum() * *same;
-        } else {
-            let mut across = known.iter().filter(|k| k.dot(axis).abs() <= within);
-            element.axis = match (across.next(), across.next()) {
-                (None, _) => axis,
-                (Some(one), other) => {
-                    let normal = other.map(|other| one.cross(*other));
-                    let normal = normal.filter(|normal| normal.length() > 0.1);
-                    let straight = match normal {
-                        Some(normal) => normal.dot(axis).signum() * normal,
-                        None => axis.reject_from_normalized(*one),
-                    };
-                    straight.normalize()
+/// The surfaces with others in place of some; none if all stay.
+fn applied(surfaces: &[Surface], after: &[Option<Surface>]) -> Option<Vec<Surface>> {
+    let is_moved = after.iter().any(Option::is_some);
+    let all = surfaces.iter().zip(after);
+    is_moved.then(|| {
+        all.map(|(before, after)| after.unwrap_or(*before))
+            .collect()
+    })
+}
+
+/// Whether directions may be turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turns {
+    No,
+    Yes,
+}
+
+impl Assembly {
+    /// Makes directions that are nearly the same, or nearly at right angles, so.
+    fn straightened(mut elements: Vec<Element>, reach: f64, within: f64) -> Self {
+        let within = within / reach;
+        let mut known: Vec<DVec3> = Vec::new();
+        for element in elements.iter_mut().filter(|element| element.has_axis()) {
+            let axis = element.axis;
+            let same = known.iter().position(|k| k.cross(axis).length() <= within);
+            if let Some(same) = same {
+                element.direction = same;
+                element.axis = known[same].dot(axis).signum() * known[same];
+            } else {
+                let mut across = known.iter().filter(|k| k.dot(axis).abs() <= within);
+                element.axis = match (across.next(), across.next()) {
+                    (None, _) => axis,
+                    (Some(one), other) => {
+                        let normal = other.map(|other| one.cross(*other));
+                        let normal = normal.filter(|normal| normal.length() > 0.1);
+                        let straight = match normal {
+                            Some(normal) => normal.dot(axis).signum() * normal,
+                            None => axis.reject_from_normalized(*one),
+                        };
+                        straight.normalize()
+                    }
+                };
+                element.direction = known.len();
+                known.push(element.axis);
+            }
+            element.at = match element.form {
+                Form::Plane => {
+                    element.at.dot(axis) * axis.dot(element.axis).signum() * element.axis
                 }
+                Form::Rod => element.at.reject_from_normalized(element.axis),
+                _ => element.at,
             };
-            known.push(element.axis);
         }
-        element.at = match element.form {
-            Form::Plane => element.at.dot(axis) * axis.dot(element.axis).signum() * element.axis,
-            Form::Rod => element.at.reject_from_normalized(element.axis),
-            _ => element.at,
-        };
+        Self {
+            elements,
+            directions: known,
+            reach,
+        }
+    }
+
+    /// The directions that are nearly at right angles.
+    fn squares(&self, within: f64) -> Vec<Relation> {
+        let mut found = Vec::new();
+        for (i, a) in self.directions.iter().enumerate() {
+            for (k, b) in self.directions.iter().enumerate().skip(i + 1) {
+                if (a.dot(*b) * self.reach).abs() <= within {
+                    found.push(Relation::Square([i, k]));
+                }
+            }
+        }
+        found
+    }
+
+    /// Moves all by the least that satisfies relations; false if that is not to be done.
+    fn satisfy(&mut self, relations: &[Relation], turns: Turns) -> bool {
+        const STEPS: usize = 5;
+        let rounding = VALUE * self.reach;
+        for step in 0..=STEPS {
+            let values = relations.iter().map(|relation| relation.value(self));
+            let values: Vec<(f64, Slopes)> = values.collect();
+            if values.iter().all(|(value, _)| value.abs() <= rounding) {
+                return true;
+            }
+            if step < STEPS {
+                let rows: Vec<(f64, Row)> = values
+                    .into_iter()
+                    .map(|(value, slopes)| (value, self.row(&slopes, turns)))
+                    .collect();
+                let count = 4 * self.elements.len() + 3 * self.directions.len();
+                self.move_by(&least_moves(&rows, count));
+            }
+        }
+        false
+    }
+
+    /// What a value changes with, by number: place and size of each element, then each direction.
+    fn row(&self, slopes: &Slopes, turns: Turns) -> Row {
+        let mut row = Row::new();
+        for slope in slopes {
+            match *slope {
+                Slope::Move(element, place, size) => {
+                    let each = place.to_array().into_iter().chain([size]);
+                    row.extend((4 * element..).zip(each));
+                }
+                Slope::Turn(direction, by) if turns == Turns::Yes => {
+                    let first = 4 * self.elements.len() + 3 * direction;
+                    row.extend((first..).zip((by / self.reach).to_array()));
+                }
+                Slope::Turn(..) => {}
+            }
+        }
+        row
+    }
+
+    fn move_by(&mut self, moves: &[f64]) {
+        let (places, turns) = moves.split_at(4 * self.elements.len());
+        let turned = self.directions.iter().zip(turns.chunks_exact(3));
+        let turned = turned.map(|(d, by)| (d + DVec3::from_slice(by) / self.reach).normalize());
+        let turned: Vec<DVec3> = turned.collect();
+        for (element, by) in self.elements.iter_mut().zip(places.chunks_exact(4)) {
+            element.at += DVec3::from_slice(by);
+            element.size += by[3];
+            if element.has_axis() {
+                let before = self.directions[element.direction];
+                element.axis = element.axis.dot(before).signum() * turned[element.direction];
+            }
+        }
+        self.directions = turned;
+    }
+
+    /// How a value changes with an element's axis, by what it changes with that.
+    fn turn(&self, element: usize, by: DVec3) -> Slope {
+        let Element {
+            axis, direction, ..
+        } = self.elements[element];
+        Slope::Turn(
+            direction,
+            axis.dot(self.directions[direction]).signum() * by,
+        )
+    }
+
+    /// How the distance between two elements, as seen along a direction in which they are free,
+    /// changes with their axes.
+    fn turns_between(&self, [i, k]: [usize; 2], along: DVec3) -> Slopes {
+        let [a, b] = [i, k].map(|index| &self.elements[index]);
+        let off = b.at - a.at;
+        match [a, b].map(|element| element.form == Form::Rod) {
+            [false, false] => Slopes::new(),
+            [true, true] if !is_parallel(a.axis, b.axis) => {
+                let normal = a.axis.cross(b.axis);
+                let share = normal.dot(along).signum() / normal.length();
+                smallvec![
+                    self.turn(i, share * b.axis.cross(off)),
+                    self.turn(k, share * off.cross(a.axis))
+                ]
+            }
+            [true, _] => smallvec![self.turn(i, -off.dot(a.axis) * along)],
+            [false, true] => smallvec![self.turn(k, -off.dot(b.axis) * along)],
+        }
     }
 }
 
@@ -301,10 +318,16 @@ fn relations(elements: &[Element], reach: f64, within: f64) -> Vec<Relation> {
                 (_, Form::Plane) => found.extend(on_plane(elements, [k, i], within)),
                 _ => found.extend(between(elements, pair, within)),
             }
-            if a.form == b.form && matches!(a.form, Form::Ball | Form::Rod | Form::Cone) {
-                let is_same = is_near(a.size - b.size);
-                found.extend(is_same.then_some(Relation::SameSize(pair)));
-            }
+            let are_sized = match (a.form, b.form) {
+                // A ball fits a rod about it.
+                (Form::Ball, Form::Rod) | (Form::Rod, Form::Ball) => {
+                    separation(a, b).length() <= within
+                }
+                (Form::Ball | Form::Rod | Form::Cone, form) => form == a.form,
+                _ => false,
+            };
+            let is_same = are_sized && is_near(a.size - b.size);
+            found.extend(is_same.then_some(Relation::SameSize(pair)));
         }
     }
     let planes = (0..elements.len()).filter(|&p| elements[p].form == Form::Plane);
@@ -391,23 +414,37 @@ fn round_at(round: &Element, plane: &Element, reach: f64) -> Option<(f64, f64, f
 }
 
 impl Relation {
-    fn value(&self, elements: &[Element], reach: f64) -> (f64, Slopes) {
+    fn value(&self, all: &Assembly) -> (f64, Slopes) {
+        let elements = &all.elements;
         match *self {
             Self::Flush([i, k]) => {
                 let normal = elements[i].axis;
-                let value = (elements[i].at - elements[k].at).dot(normal);
-                (value, smallvec![(i, normal, 0.0), (k, -normal, 0.0)])
+                let off = elements[i].at - elements[k].at;
+                let slopes = smallvec![
+                    Slope::Move(i, normal, 0.0),
+                    Slope::Move(k, -normal, 0.0),
+                    all.turn(i, off)
+                ];
+                (off.dot(normal), slopes)
             }
             Self::OnPlane([plane, other], radii) => {
                 let normal = elements[plane].axis;
-                let off = (elements[other].at - elements[plane].at).dot(normal);
-                let value = off - radii * elements[other].radius();
-                let slopes = smallvec![(plane, -normal, 0.0), (other, normal, -radii)];
+                let off = elements[other].at - elements[plane].at;
+                let value = off.dot(normal) - radii * elements[other].radius();
+                let slopes = smallvec![
+                    Slope::Move(plane, -normal, 0.0),
+                    Slope::Move(other, normal, -radii),
+                    all.turn(plane, off)
+                ];
                 (value, slopes)
             }
             Self::InLine([i, k], along) => {
-                let value = (elements[k].at - elements[i].at).dot(along);
-                (value, smallvec![(i, -along, 0.0), (k, along, 0.0)])
+                let [a, b] = [&elements[i], &elements[k]];
+                let value = separation(a, b).dot(along);
+                let mut slopes = all.turns_between([i, k], along);
+                slopes.push(Slope::Move(i, -along, 0.0));
+                slopes.push(Slope::Move(k, along, 0.0));
+                (value, slopes)
             }
             Self::Apart([i, k], [p, q]) => {
                 let [a, b] = [&elements[i], &elements[k]];
@@ -418,84 +455,82 @@ impl Relation {
                     0.0 => 0.0,
                     _ => -sign,
                 };
-                let slopes = smallvec![(i, -along, has_size(a, p)), (k, along, has_size(b, q))];
+                let mut slopes = all.turns_between([i, k], along);
+                slopes.push(Slope::Move(i, -along, has_size(a, p)));
+                slopes.push(Slope::Move(k, along, has_size(b, q)));
                 (value, slopes)
             }
             Self::SameSize([i, k]) => {
                 let value = elements[i].size - elements[k].size;
-                (
-                    value,
-                    smallvec![(i, DVec3::ZERO, 1.0), (k, DVec3::ZERO, -1.0)],
-                )
+                let slope = |element, sign| Slope::Move(element, DVec3::ZERO, sign);
+                (value, smallvec![slope(i, 1.0), slope(k, -1.0)])
             }
             Self::Circle(plane, [i, k]) => {
-                let normal = elements[plane].axis;
-                let radii = [i, k].map(|round| round_at(&elements[round], &elements[plane], reach));
+                let across = &elements[plane];
+                let radii = [i, k].map(|round| round_at(&elements[round], across, all.reach));
                 let [Some(one), Some(other)] = radii else {
                     return (0.0, Slopes::new());
                 };
+                let normal = across.axis;
+                let [to_one, to_other] = [i, k].map(|round| across.at - elements[round].at);
                 let slopes = smallvec![
-                    (plane, (one.1 - other.1) * normal, 0.0),
-                    (i, one.2 * normal, one.3),
-                    (k, -other.2 * normal, -other.3)
+                    Slope::Move(plane, (one.1 - other.1) * normal, 0.0),
+                    Slope::Move(i, one.2 * normal, one.3),
+                    Slope::Move(k, -other.2 * normal, -other.3),
+                    all.turn(plane, one.1 * to_one - other.1 * to_other)
                 ];
                 (one.0 - other.0, slopes)
+            }
+            Self::Square([i, k]) => {
+                let [a, b] = [i, k].map(|index| all.directions[index]);
+                let slopes = [(i, b), (k, a)].map(|(d, by)| Slope::Turn(d, all.reach * by));
+                (all.reach * a.dot(b), Slopes::from_iter(slopes))
             }
         }
     }
 }
 
-/// The least moves of places and sizes by which all values become 0 to first order: by
-/// conjugate gradients on the normal equations (Hestenes and Stiefel, *Methods of Conjugate
-/// Gradients for Solving Linear Systems*, 1952).
-fn least_moves(rows: &[(f64, Slopes)], count: usize) -> Vec<(DVec3, f64)> {
+/// Numbers to be moved, with how fast a value changes with each.
+type Row = SmallVec<[(usize, f64); 16]>;
+
+/// The least moves by which all values become 0 to first order: by conjugate gradients on the
+/// normal equations (Hestenes and Stiefel, *Methods of Conjugate Gradients for Solving Linear
+/// Systems*, 1952).
+fn least_moves(rows: &[(f64, Row)], count: usize) -> Vec<f64> {
     /// Of the square at first.
     const SMALL: f64 = 1e-30;
-    let along = |moves: &[(DVec3, f64)]| -> Vec<f64> {
-        let change = |(_, slopes): &(f64, Slopes)| {
-            let each = slopes.iter().map(|&(element, place, size)| {
-                let (by, grown) = moves[element];
-                place.dot(by) + size * grown
-            });
-            each.sum()
-        };
+    let along = |moves: &[f64]| -> Vec<f64> {
+        let change = |(_, row): &(f64, Row)| row.iter().map(|&(k, slope)| slope * moves[k]).sum();
         rows.iter().map(change).collect()
     };
     let back = |values: &[f64]| {
-        let mut sums = vec![(DVec3::ZERO, 0.0); count];
-        for ((_, slopes), &value) in rows.iter().zip(values) {
-            for &(element, place, size) in slopes {
-                sums[element].0 += value * place;
-                sums[element].1 += value * size;
+        let mut sums = vec![0.0; count];
+        for ((_, row), &value) in rows.iter().zip(values) {
+            for &(k, slope) in row {
+                sums[k] += value * slope;
             }
         }
         sums
     };
-    let square = |moves: &[(DVec3, f64)]| -> f64 {
-        let squares = moves
-            .iter()
-            .map(|(by, size)| by.length_squared() + size * size);
-        squares.sum()
-    };
-    let mut moves = vec![(DVec3::ZERO, 0.0); count];
+    let square = |moves: &[f64]| -> f64 { moves.iter().map(|by| by * by).sum() };
+    let mut moves = vec![0.0; count];
     let mut left: Vec<f64> = rows.iter().map(|(value, _)| -value).collect();
     let mut slope = back(&left);
     let mut direction = slope.clone();
     let first = square(&slope);
     let mut steepness = first;
-    for _ in 0..8 * count {
+    for _ in 0..2 * count {
         if steepness <= SMALL * first || steepness == 0.0 {
             break;
         }
         let change = along(&direction);
-        let length: f64 = change.iter().map(|c| c * c).sum();
+        let length = square(&change);
         if length == 0.0 {
             break;
         }
         let step = steepness / length;
         for (all, one) in moves.iter_mut().zip(&direction) {
-            all.0 += step * one.0;
-            all.1 += step * one.1;
+            *all += step * one;
         }
         for (left, change) in left.iter_mut().zip(&change) {
             *left -= step * change;
@@ -504,7 +539,7 @@ fn least_moves(rows: &[(f64, Slopes)], count: usize) -> Vec<(DVec3, f64)> {
         let next = square(&slope);
         let share = next / steepness;
         for (all, one) in direction.iter_mut().zip(&slope) {
-            *all = (one.0 + share * all.0, one.1 + share * all.1);
+            *all = one + share * *all;
         }
         steepness = next;
     }

@@ -1,5 +1,6 @@
 //! How far two surfaces of one kind are apart.
 
+use super::element::Element;
 use crate::numeric::eigen_symmetric;
 use crate::numeric::tolerance::SAME_VALUE;
 use crate::program::Surface;
@@ -20,9 +21,6 @@ impl Surface {
 
     /// Bound, to first order, on the distance between this surface and another one of
     /// its kind, within a ball about the origin; infinite if they are not alike.
-    ///
-    /// If f is this one's function and D its difference to a multiple of the other
-    /// one's, points of the other one are off this one by |D| / |∇f|.
     pub(super) fn distance_bound(&self, other: &Self, reach: f64) -> f64 {
         if self.is_plane() != other.is_plane() {
             return f64::INFINITY;
@@ -33,6 +31,17 @@ impl Surface {
             let turn = (self.linear - sign * other.linear).length();
             return offset + turn * (reach + other.anchor.length());
         }
+        let general = self.bound_by_functions(other, reach);
+        let [one, other] = [self, other].map(|s| Element::of(s, reach, f64::INFINITY));
+        let by_numbers = one.distance_bound(&other, reach);
+        by_numbers.map_or(general, |bound| bound.min(general))
+    }
+
+    /// The same of two quadrics.
+    ///
+    /// If f is this one's function and D its difference to a multiple of the other
+    /// one's, points of the other one are off this one by |D| / |∇f|.
+    fn bound_by_functions(&self, other: &Self, reach: f64) -> f64 {
         let dot = |p: &[f64; 6], q: &[f64; 6]| -> f64 { p.iter().zip(q).map(|(p, q)| p * q).sum() };
         let factor =
             dot(&self.quadratic, &other.quadratic) / dot(&other.quadratic, &other.quadratic);
