@@ -72,7 +72,7 @@ impl From<Bounded> for Figure {
     }
 }
 
-/// With as many decimals as the bound lets be known, and the bound; all there are, if none is
+/// With as many digits as the bound lets be known, and the bound; all there are, if none is
 /// known.
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -100,6 +100,7 @@ mod tests {
     #[test]
     fn figures_without_bounds_have_all_digits() {
         assert_eq!(Figure::within(2.5, None).to_string(), "2.5");
+        assert_eq!(Figure::within(2.5e-12, None).to_string(), "2.5e-12");
         assert_eq!(Figure::within(2.5, Some(f64::INFINITY)).to_string(), "2.5");
         assert_eq!(
             Figure::within(4.56789, Some(0.0123)).to_string(),
