@@ -8,7 +8,7 @@ use csg::{Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
-use super::figure::{Figure, at_most, short};
+use super::figure::{Figure, at_most, place, short};
 use crate::mesher::Product;
 
 /// Measures, checks and times of a mesh. In the model's unit and its powers.
@@ -51,12 +51,11 @@ impl Bounds {
 }
 
 impl Bounds {
-    /// A point as it is told: what is less than rounding is nothing.
+    /// A point within it, or a corner, as it is told.
     fn told(&self, point: [f64; 3]) -> String {
         let size = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
         let size = size.into_iter().fold(0.0, f64::max);
-        let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
-        point.map(|x| short(clean(x), 10)).join(" ")
+        place(point, size, 10)
     }
 }
 

@@ -52,6 +52,12 @@ pub(crate) fn short(number: f64, digits: usize) -> String {
     }
 }
 
+/// A place of something of a size, as it is told: a coordinate that is less than rounding is nothing.
+pub(crate) fn place(at: [f64; 3], size: f64, digits: usize) -> String {
+    let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
+    at.map(|x| short(clean(x), digits)).join(" ")
+}
+
 /// A bound from above: no digit less than it is.
 pub(crate) fn at_most(number: f64, digits: usize) -> String {
     let unit = 10f64.powf(number.abs().log10().floor() - (digits - 1) as f64);
@@ -95,6 +101,15 @@ mod tests {
         assert_eq!(at_most(0.001_234_1, 3), "0.00124");
         assert_eq!(at_most(0.5, 3), "0.5");
         assert_eq!(at_most(0.0, 3), "0");
+    }
+
+    #[test]
+    fn coordinates_that_are_rounding_are_told_as_nothing() {
+        assert_eq!(place([-8.88e-16, 1.0, 0.25], 1.0, 6), "0 1 0.25");
+        assert_eq!(
+            place([-8.88e-16, 1e-15, 0.0], 1e-15, 3),
+            "-8.88e-16 1e-15 0"
+        );
     }
 
     #[test]
