@@ -3,6 +3,7 @@
 
 mod script;
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -76,26 +77,31 @@ fn is_whole() -> bool {
     std::env::var_os("STEREOTOMY_STEP").is_some_and(|text| text == "whole")
 }
 
-/// How many faces are written: those of a whole ellipsoid of revolution are one.
-fn faces_in_file(brep: &Brep) -> usize {
+/// How many faces may be written: those of a whole ellipsoid of revolution are one, and those around
+/// the pole of a paraboloid or a hyperboloid of two sheets, of revolution, may be.
+fn faces_in_file(brep: &Brep) -> RangeInclusive<usize> {
+    let is_one = |a: f64, b: f64| (a - b).abs() < 1e-14 * a.max(b);
     let count = |shell: Shell<'_>| {
         let surfaces = || shell.faces().map(|face| face.surface_index());
-        let is_one = surfaces().all(|surface| Some(surface) == surfaces().next());
+        let is_alone = surfaces().all(|surface| Some(surface) == surfaces().next());
         let shape = shell.faces().next().map(|face| face.surface().shape());
         match shape {
             Some(SurfaceShape::Ellipsoid {
                 radii: [a, b, c], ..
-            }) if is_one
-                && [a - b, b - c, c - a]
-                    .iter()
-                    .any(|off| off.abs() < 1e-14 * a.max(b).max(c)) =>
-            {
-                1
-            }
+            }) if is_alone && (is_one(a, b) || is_one(b, c) || is_one(c, a)) => 1,
             _ => shell.faces().len(),
         }
     };
-    brep.shells().map(count).sum()
+    let may_be_one = |face: &Face<'_>| match face.surface().shape() {
+        SurfaceShape::EllipticParaboloid { bends: [a, b], .. }
+        | SurfaceShape::HyperboloidTwoSheets {
+            radii: [a, b, _], ..
+        } => is_one(a, b),
+        _ => false,
+    };
+    let most: usize = brep.shells().map(count).sum();
+    let capped = brep.faces().filter(may_be_one).count();
+    most - capped + capped.min(1)..=most
 }
 
 /// What was tried, and what was found.
@@ -139,8 +145,8 @@ impl Tally {
             found_shells == shells,
             format!("shells {shells:?}, read back {found_shells:?}"),
         );
-        let faces = [found.faces.len(), faces_in_file(brep)];
-        hold(faces[0] == faces[1], format!("faces: {faces:?}"));
+        let faces = (found.faces.len(), faces_in_file(brep));
+        hold(faces.1.contains(&faces.0), format!("faces: {faces:?}"));
         hold(
             found.products == [name],
             format!("products: {:?}", found.products),
@@ -166,7 +172,7 @@ impl Tally {
         println!(
             "{name:40} faces {:5} valid {:5} quartics {has_quartics:5} volume off by {:.1e} of \
              it, {:.1} s",
-            faces[0],
+            faces.0,
             found.is_valid,
             off / volume,
             start.elapsed().as_secs_f64()
@@ -393,10 +399,124 @@ fn spheroids_are_read_back() {
     let count = solids.len();
     for (name, solid, faces) in solids {
         let brep = boundary(&solid);
-        assert_eq!(faces_in_file(&brep), faces, "{name}");
+        assert_eq!(faces_in_file(&brep), faces..=faces, "{name}");
         tally.check_boundary(&mut script, name, &brep);
     }
     assert_eq!(tally.finish(), count);
+}
+
+/// Faces of paraboloids and hyperboloids of two sheets, of revolution, are one where they have a pole
+/// inside, whatever cuts them elsewhere, and quarters where they have none, or are so small that Open
+/// CASCADE would take their rims for points.
+#[test]
+fn caps_are_read_back() {
+    let below = |height| Solid::half_space([0.0, 0.0, 1.0], height);
+    let paraboloid = || Solid::paraboloid([9.0, 9.0]).scale_xyz([1.0, 1.0, 10.0]);
+    let sheets = || Solid::hyperboloid_two_sheets([5.0, 5.0, 6.0]);
+    let dish = || paraboloid() & below(8.0);
+    let cap = || sheets() & Solid::cuboid_between([-50.0, -50.0, 0.0], [50.0, 50.0, 12.0]);
+    let bore = |x: f64| Solid::infinite_cylinder(2.0).translate([x, 0.5, 0.0]);
+    let tilted = || Solid::half_space([0.1, 0.2, 1.0], 9.0);
+    let turned = |solid: Solid| solid.rotate_xyz(0.4, 0.5, 0.6).translate([1.0, 200.0, 3.0]);
+    let scaled = |solid: Solid, across, along| solid.scale_xyz([across, across, along]);
+    // How many faces there are of other surfaces, and how many of these.
+    let solids = [
+        ("dish", dish(), 1, 1),
+        ("turned dish", turned(dish()), 1, 1),
+        ("flat dish", scaled(dish(), 1.0, 0.01), 1, 1),
+        ("long dish", scaled(dish(), 0.2, 30.0), 1, 1),
+        ("small dish", scaled(dish(), 0.05, 0.05), 1, 4),
+        ("needle", scaled(dish(), 0.01, 1.0), 1, 4),
+        (
+            "mould",
+            Solid::cuboid([30.0, 30.0, 16.0]) - paraboloid(),
+            6,
+            1,
+        ),
+        ("tilted dish", paraboloid() & tilted(), 1, 1),
+        ("dish with a hole", dish() - bore(4.0), 2, 1),
+        ("bored dish", dish() - bore(0.0), 2, 4),
+        (
+            "dish in a block",
+            paraboloid() & Solid::cuboid([19.0, 21.0, 30.0]),
+            5,
+            1,
+        ),
+        ("cap", cap(), 1, 1),
+        (
+            "two caps",
+            sheets() & Solid::cuboid([90.0, 90.0, 24.0]),
+            2,
+            2,
+        ),
+        ("turned cap", turned(cap()), 1, 1),
+        ("long cap", scaled(cap(), 0.2, 30.0), 1, 1),
+        ("small cap", scaled(cap(), 0.05, 0.05), 1, 4),
+        ("tilted cap", cap() & tilted(), 1, 1),
+        (
+            "two moulds",
+            Solid::cuboid([50.0, 50.0, 24.0]) - sheets(),
+            6,
+            2,
+        ),
+    ];
+    let mut script = start();
+    let mut tally = Tally::default();
+    let count = solids.len();
+    for (name, solid, others, caps) in solids {
+        let brep = boundary(&solid);
+        let found = read_back(&mut script, &brep, &StepOptions::default());
+        assert_eq!(found.faces.len(), others + caps, "{name}");
+        tally.check_boundary(&mut script, name, &brep);
+    }
+    assert_eq!(tally.finish(), count);
+    // What is small in millimetres is not in metres.
+    let options = StepOptions::default().unit(LengthUnit::Metre);
+    let found = read_back(&mut script, &boundary(&scaled(dish(), 0.01, 1.0)), &options);
+    assert!(found.is_valid);
+    assert_eq!(found.faces.len(), 2);
+}
+
+/// The same of some that are cut askew, drilled and turned at random. (Of 1200 such, tried once, all were
+/// valid, and those in one face had volumes within 1e-8.)
+#[test]
+fn random_caps_are_read_back() {
+    let mut script = start();
+    let mut tally = Tally::default();
+    let mut random = Random::new(5);
+    let mut tried = 0;
+    let mut whole = 0;
+    for k in 0..16 {
+        let mut between = |low, high| random.between(low, high);
+        let mut cut = |height| {
+            let normal = [between(-0.4, 0.4), between(-0.4, 0.4), 1.0];
+            Solid::half_space(normal, between(height, 2.0 * height))
+        };
+        let body = if k % 2 == 0 {
+            Solid::paraboloid([1.0, 1.0]) & cut(0.8)
+        } else {
+            let upper = Solid::half_space([0.0, 0.0, -1.0], 0.0);
+            Solid::hyperboloid_two_sheets([1.0, 1.0, 1.0]) & upper & cut(1.5)
+        };
+        let drill = Solid::infinite_cylinder(between(0.05, 0.4))
+            .rotate_x(between(-0.7, 0.7))
+            .translate([between(-0.8, 0.8), between(-0.8, 0.8), 0.0]);
+        let body = if k % 4 < 2 { body } else { body - drill };
+        let across = between(2.0, 20.0);
+        let along = across * between(0.1, 4.0);
+        let turns = [between(0.0, 6.0), between(0.0, 6.0)];
+        let body = body.scale_xyz([across, across, along]);
+        let brep = boundary(&body.rotate_xyz(turns[0], turns[1], 0.3));
+        if brep.is_empty() {
+            continue;
+        }
+        let found = read_back(&mut script, &brep, &StepOptions::default());
+        whole += usize::from(found.faces.len() + 3 <= brep.faces().len());
+        tally.check_boundary(&mut script, &format!("cap {k}"), &brep);
+        tried += 1;
+    }
+    assert_eq!(tally.finish(), tried);
+    assert!(2 * whole > tried, "{whole} of {tried}");
 }
 
 /// Names and colours of a whole spheroid are its face's and its body's.

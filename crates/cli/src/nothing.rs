@@ -4,7 +4,7 @@ use std::fmt;
 
 use csg::{Bounds, Node, Program, Solid};
 
-use crate::commands::figure::short;
+use crate::commands::figure::{place, short};
 
 /// A warning of an empty solid.
 pub(crate) struct Nothing {
@@ -108,9 +108,10 @@ fn told(operands: &[Solid], boxes: &[Where]) -> Vec<String> {
             match lies {
                 Where::Nowhere => format!("operand {name} is empty"),
                 Where::Endless => format!("operand {name} has no end"),
-                Where::Within(Bounds { min, max }) => {
+                Where::Within(bounds) => {
+                    let size = bounds.size().max_element();
                     let [low, high] =
-                        [min, max].map(|corner| corner.to_array().map(|x| short(x, 6)).join(" "));
+                        [bounds.min, bounds.max].map(|corner| place(corner.to_array(), size, 6));
                     format!("operand {name} lies between {low} and {high}")
                 }
             }

@@ -129,7 +129,8 @@ pub struct WriteOptions {
     /// written as they are, as are those that would save next to nothing. Their order is not kept.
     ///
     /// The mesher mostly gives bodies that were only moved the same triangles, and those that were
-    /// turned too only where they have no curved faces, or are whole balls.
+    /// turned too only where they have no curved faces, or are whole balls:
+    /// [`crate::share_triangles`] gives them to all that are the same in the solid.
     pub instances: bool,
 }
 

@@ -9,10 +9,10 @@ use crate::parts::unit_normals;
 /// Places that are the same differ by no more than this share of the coordinate that is farthest
 /// from 0: they are computed to rounding, which is a 2^-53th of it, and some digits are lost where
 /// surfaces meet at small angles.
-const OF_COORDINATES: f64 = 1.0 / (1_u64 << 36) as f64;
+pub(crate) const OF_COORDINATES: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// Nor by more than this share of the body's own size.
-const OF_SIZE: f64 = 1.0 / (1_u64 << 22) as f64;
+pub(crate) const OF_SIZE: f64 = 1.0 / (1_u64 << 22) as f64;
 
 /// Normals that are the same differ by no more than this: they are of single precision.
 const OF_NORMALS: f64 = 1.0 / (1_u64 << 20) as f64;
@@ -48,7 +48,7 @@ pub(crate) struct Repeat {
 /// Which vertex becomes which follows from a single pair of half-edges, as a connected surface
 /// is walked through from there; pairs are tried by the lengths of their triangles' sides.
 pub(crate) fn repeats(mesh: &Mesh, labels: &[u32]) -> Vec<Repeat> {
-    let bodies = bodies(mesh);
+    let bodies = connected(mesh);
     let mut kinds: FxHashMap<(usize, Option<u32>), Vec<usize>> = FxHashMap::default();
     for (index, body) in bodies.iter().enumerate() {
         let label = body.iter().map(|&triangle| labels[triangle as usize]).min();
@@ -94,7 +94,7 @@ pub(crate) fn repeats(mesh: &Mesh, labels: &[u32]) -> Vec<Repeat> {
 }
 
 /// The triangles of each connected part.
-fn bodies(mesh: &Mesh) -> Vec<Vec<u32>> {
+pub(crate) fn connected(mesh: &Mesh) -> Vec<Vec<u32>> {
     let components = mesh.components();
     let mut bodies = vec![Vec::new(); components.count];
     for (triangle, component) in components.of_triangles.iter().enumerate() {

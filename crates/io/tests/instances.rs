@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::{small_box, sphere};
-use csg::{Mesh, Mesher, Program, Solid};
+use csg::{BoundaryOptions, Mesh, Mesher, Program, Solid};
 use glam::{DMat3, DVec3, dvec3};
 use io::WriteOptions;
 use io::gltf::{read_glb, write_glb, write_glb_with};
@@ -259,6 +259,168 @@ fn patterns_of_solids_are_written_once() {
     assert_eq!(inner("balls"), 1);
     assert_eq!(inner("ring"), rings.len());
     assert!(named("balls")["mesh"].is_u64());
+}
+
+/// What bodies in rows, around an axis and turned about any axis have in common: none of these are of
+/// planes alone, so that the mesher makes other triangles of each.
+fn patterns() -> [(&'static str, Solid); 6] {
+    let bolt = Solid::extrude(&csg::Profile::regular_polygon(6, 5.0), 0.0..4.0)
+        | Solid::cylinder(2.5, -20.0..1.0).named("shank");
+    let plate = Solid::cuboid([8.0, 6.0, 2.0]) - Solid::cylinder(1.5, -2.0..2.0);
+    let bore = Solid::cylinder(1.0, -9.0..9.0).rotate_x(1.1);
+    let shaft = Solid::cylinder(2.0, -6.0..6.0) - bore;
+    let pin = Solid::cone(2.0, -6.0..6.0) | Solid::sphere(1.0).translate([0.0, 0.0, 6.0]);
+    let hollow = Solid::cuboid([6.0, 6.0, 16.0]) - &pin;
+    let tee = Solid::cylinder(1.5, -5.0..5.0) | Solid::cylinder(1.0, 0.0..6.0).rotate_y(1.3);
+    [
+        ("bolts", bolt),
+        ("plates", plate),
+        ("shafts", shaft),
+        ("pins", pin),
+        ("hollow blocks", hollow),
+        ("tees", tee),
+    ]
+}
+
+fn at(k: usize) -> DVec3 {
+    dvec3(40.0 * k as f64, 7.0 * (k % 3) as f64, 0.3 * k as f64)
+}
+
+fn placed(body: &Solid, k: usize, linear: DMat3) -> Solid {
+    body.affine(glam::DAffine3::from_mat3_translation(linear, at(k)))
+}
+
+/// A mesh to a tolerance, and its boundary.
+fn meshed(solid: &Solid, tolerance: f64) -> (Program, Mesh, csg::Brep) {
+    let program = Program::lower(solid).expect("valid");
+    let brep = program.boundary(&BoundaryOptions::new()).expect("bounded");
+    let mesher = Mesher::new().tolerance(tolerance).normals();
+    let mesh = mesher.mesh(&program).expect("meshed").mesh;
+    (program, mesh, brep)
+}
+
+/// How far corners of triangles are at most from the surface whose number they have, how far their
+/// normals are from its gradient, and how far feature edges are from two of the surfaces.
+fn off_surfaces(program: &Program, mesh: &Mesh) -> [f64; 3] {
+    let surfaces = program.surfaces();
+    let mut worst = [0.0_f64; 3];
+    let distance =
+        |surface: &csg::Surface, p| surface.value(p).abs() / surface.gradient(p).length().max(1e-3);
+    for index in 0..mesh.triangles.len() {
+        let surface = &surfaces[mesh.surface_of(index).expect("a surface").surface as usize];
+        let corners = mesh.corners(index);
+        for (p, normal) in corners.into_iter().zip(mesh.corner_normals[index]) {
+            worst[0] = worst[0].max(distance(surface, p));
+            let gradient = surface.gradient(p).normalize();
+            let sine = normal.as_dvec3().cross(gradient).length();
+            worst[1] = worst[1].max(sine);
+        }
+    }
+    for &vertex in mesh.feature_edges.iter().flatten() {
+        let p = mesh.positions[vertex as usize];
+        let mut all: Vec<f64> = surfaces
+            .iter()
+            .map(|surface| distance(surface, p))
+            .collect();
+        all.sort_by(f64::total_cmp);
+        worst[2] = worst[2].max(all[1]);
+    }
+    worst
+}
+
+#[test]
+fn bodies_that_are_the_same_in_the_solid_get_the_same_triangles() {
+    for (name, body) in patterns() {
+        for is_turned in [false, true] {
+            let linear = |k| if is_turned { turn(k) } else { DMat3::IDENTITY };
+            let solid = Solid::union((0..8).map(|k| placed(&body, k, linear(k))));
+            let (program, plain, brep) = meshed(&solid, 0.01);
+            let mut mesh = plain.clone();
+            let count = io::share_triangles(&mut mesh, &brep);
+            let shells = brep.shells().len();
+            assert_eq!(count, shells - shells / 8, "{name}");
+            let instances = counts(&instanced(&mesh).1);
+            let expected = vec![(8, is_turned); shells / 8];
+            assert_eq!(instances, expected, "{name}");
+            assert!(mesh.check().is_manifold() && mesh.self_intersections().is_empty());
+            assert_eq!(mesh.components().count, shells);
+            let [place, normal, edge] = off_surfaces(&program, &mesh);
+            assert!(
+                place < 1e-9 && normal < 1e-6 && edge < 1e-9,
+                "{name}: {place} {normal} {edge}"
+            );
+            // The measure itself finds what is elsewhere.
+            let mut moved = mesh.clone();
+            moved.positions[0] += DVec3::splat(1e-6);
+            assert!(off_surfaces(&program, &moved)[0] > 1e-8);
+            // No more than a layer as thick as the tolerance is missing.
+            let exact = brep.measure();
+            let missing = (mesh.volume() - exact.volume.value).abs();
+            assert!(missing < 0.01 * exact.area.value, "{name}: {missing}");
+        }
+    }
+}
+
+#[test]
+fn bodies_that_are_not_the_same_keep_their_triangles() {
+    let bored = |at: f64, radius: f64| {
+        Solid::cuboid([8.0, 6.0, 2.0])
+            - Solid::cylinder(radius, -2.0..2.0).translate([at, 1.0, 0.0])
+    };
+    let first = bored(1.0, 1.5);
+    let mirrored = DMat3::from_diagonal(dvec3(-1.0, 1.0, 1.0));
+    let slanted = Solid::cylinder(0.5, -9.0..9.0).rotate_x(0.5);
+    // (Slanted so that it has no half turn.)
+    let chiral = |body: &Solid| body - &slanted.translate([-2.0, 0.0, 0.0]);
+    let others = [
+        (
+            "mirrored",
+            chiral(&first),
+            chiral(&first).affine(glam::DAffine3::from_mat3(mirrored)),
+        ),
+        ("larger bore", first.clone(), bored(1.0, 1.500_001)),
+        ("bore elsewhere", first.clone(), bored(1.000_001, 1.5)),
+        (
+            "other colour",
+            first.clone(),
+            first.colored(csg::Color::from_linear([1.0, 0.0, 0.0])),
+        ),
+        (
+            "inside out",
+            Solid::sphere(1.0),
+            Solid::cube(4.0) - Solid::sphere(1.0),
+        ),
+        // One arc of a circle, and the other one.
+        (
+            "rest of the ball",
+            Solid::sphere(2.0) & Solid::half_space(DVec3::Z, 1.0),
+            Solid::sphere(2.0) & Solid::half_space(DVec3::NEG_Z, -1.0),
+        ),
+    ];
+    for (name, first, other) in others {
+        let solid = placed(&first, 0, DMat3::IDENTITY) | placed(&other, 1, turn(1));
+        let (_, plain, brep) = meshed(&solid, 0.01);
+        let mut mesh = plain.clone();
+        assert_eq!(io::share_triangles(&mut mesh, &brep), 0, "{name}");
+        assert_eq!(mesh, plain, "{name}");
+    }
+}
+
+/// Rods that are nearer to each other than their meshes are to them, turned so that one's corners would
+/// be in the other's sides.
+#[test]
+fn bodies_keep_their_triangles_if_those_of_others_would_run_through_each_other() {
+    let rod = Solid::cylinder(1.0, -3.0..3.0);
+    let hole = Solid::cylinder(1.000_1, -3.0..3.0);
+    let sleeve = Solid::cuboid([4.0, 4.0, 5.0]) - hole;
+    let loose = rod.translate([9.0, 0.0, 0.0]).rotate_z(0.05);
+    let solid = loose | rod | sleeve;
+    let (_, plain, brep) = meshed(&solid, 0.05);
+    assert!(plain.self_intersections().is_empty());
+    let mut mesh = plain.clone();
+    let count = io::share_triangles(&mut mesh, &brep);
+    assert!(mesh.self_intersections().is_empty());
+    assert!(count == 1 || mesh == plain);
 }
 
 /// A document of one triangle with instances as told.

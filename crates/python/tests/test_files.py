@@ -1,5 +1,6 @@
 """Files in every format, in and out."""
 
+import math
 import pathlib
 
 import pytest
@@ -57,6 +58,32 @@ def test_a_mesh_file_is_a_solid(tmp_path: pathlib.Path) -> None:
     st.cube(2).mesh().save(path, text=True)
     assert path.read_bytes().startswith(b"solid")
     assert st.load(path).mesh().volume == pytest.approx(8)
+
+
+def test_bodies_that_are_the_same_are_written_once(tmp_path: pathlib.Path) -> None:
+    plate = st.cuboid([8, 6, 2]) - st.cylinder(1.5, z=(-2, 2))
+    plates = plate.translate([40, 0, 0]).polar_pattern(12)
+    plain, once = tmp_path / "plain.glb", tmp_path / "once.glb"
+    plates.save(plain, tolerance=0.01)
+    plates.save(once, tolerance=0.01, instances=True)
+    assert 4 * once.stat().st_size < plain.stat().st_size
+    again = st.load_mesh(once)
+    assert again.check().is_manifold and again.check().components == 12
+    exact = 12 * (8 * 6 - math.pi * 1.5**2) * 2
+    assert again.volume == pytest.approx(exact, rel=0.005)
+    with pytest.raises(st.FileError, match="instances are of meshes"):
+        plates.save(tmp_path / "plates.step", instances=True)
+
+
+def test_ply_has_colours_of_vertices_if_asked(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "cube.ply"
+    cube = st.cube(2).colored("#c8482c")
+    for save in (cube.save, cube.mesh().save):
+        save(path)
+        plain = path.stat().st_size
+        save(path, vertex_colors=True)
+        assert path.stat().st_size > plain
+        assert st.load_mesh(path).volume == pytest.approx(8)
 
 
 def test_broken_meshes_are_mended_if_asked(tmp_path: pathlib.Path) -> None:

@@ -8,7 +8,7 @@ use csg::{Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
-use super::figure::{Figure, at_most, short};
+use super::figure::{Figure, at_most, place, short};
 use crate::mesher::Product;
 
 /// Measures, checks and times of a mesh. In the model's unit and its powers.
@@ -50,15 +50,19 @@ impl Bounds {
     }
 }
 
-impl fmt::Display for Bounds {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Bounds {
+    /// A point within it, or a corner, as it is told.
+    fn told(&self, point: [f64; 3]) -> String {
         let size = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
         let size = size.into_iter().fold(0.0, f64::max);
-        // What is less than rounding is nothing.
-        let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
-        let point = |point: [f64; 3]| point.map(|x| short(clean(x), 10)).join(" ");
-        writeln!(f, "from        {}", point(self.min))?;
-        write!(f, "to          {}", point(self.max))
+        place(point, size, 10)
+    }
+}
+
+impl fmt::Display for Bounds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "from        {}", self.told(self.min))?;
+        write!(f, "to          {}", self.told(self.max))
     }
 }
 
@@ -237,9 +241,8 @@ impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "volume      {}", self.volume)?;
         writeln!(f, "area        {}", short(self.area, 10))?;
-        if let Some(centroid) = self.centroid {
-            let [x, y, z] = centroid.map(|x| short(x, 10));
-            writeln!(f, "centroid    {x} {y} {z}")?;
+        if let (Some(centroid), Some(bounds)) = (self.centroid, &self.bounds) {
+            writeln!(f, "centroid    {}", bounds.told(centroid))?;
         }
         if let Some(bounds) = &self.bounds {
             writeln!(f, "{bounds}")?;

@@ -52,6 +52,12 @@ pub(crate) fn short(number: f64, digits: usize) -> String {
     }
 }
 
+/// A place of something of a size, as it is told: a coordinate that is less than rounding is nothing.
+pub(crate) fn place(at: [f64; 3], size: f64, digits: usize) -> String {
+    let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
+    at.map(|x| short(clean(x), digits)).join(" ")
+}
+
 /// A bound from above: no digit less than it is.
 pub(crate) fn at_most(number: f64, digits: usize) -> String {
     let unit = 10f64.powf(number.abs().log10().floor() - (digits - 1) as f64);
@@ -72,7 +78,7 @@ impl From<Bounded> for Figure {
     }
 }
 
-/// With as many decimals as the bound lets be known, and the bound; all there are, if none is
+/// With as many digits as the bound lets be known, and the bound; all there are, if none is
 /// known.
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -98,8 +104,18 @@ mod tests {
     }
 
     #[test]
+    fn coordinates_that_are_rounding_are_told_as_nothing() {
+        assert_eq!(place([-8.88e-16, 1.0, 0.25], 1.0, 6), "0 1 0.25");
+        assert_eq!(
+            place([-8.88e-16, 1e-15, 0.0], 1e-15, 3),
+            "-8.88e-16 1e-15 0"
+        );
+    }
+
+    #[test]
     fn figures_without_bounds_have_all_digits() {
         assert_eq!(Figure::within(2.5, None).to_string(), "2.5");
+        assert_eq!(Figure::within(2.5e-12, None).to_string(), "2.5e-12");
         assert_eq!(Figure::within(2.5, Some(f64::INFINITY)).to_string(), "2.5");
         assert_eq!(
             Figure::within(4.56789, Some(0.0123)).to_string(),

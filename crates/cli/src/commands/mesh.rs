@@ -11,7 +11,7 @@ use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::{Failure, exit_codes};
 use crate::input::{Reader, Subject};
-use crate::mesher::{MesherOptions, no_needs, produce};
+use crate::mesher::{MesherOptions, Product, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, StepArguments, StreamFormat, is_stream};
 use crate::progress::Progress;
@@ -93,6 +93,12 @@ pub(crate) fn run(
         &no_needs,
         progress,
     )?;
+    if options.instances {
+        progress.stage("bodies");
+        product.stage("bodies", |product| {
+            share_triangles(product, options, progress)
+        })?;
+    }
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();
@@ -112,6 +118,25 @@ pub(crate) fn run(
     })?;
     progress.end();
     tell(&Account::of(&mut product), options, progress)
+}
+
+/// Gives bodies that are the same in the solid the same triangles, if these are those of its boundary.
+fn share_triangles(
+    product: &mut Product,
+    options: &Options,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let (Some(program), Some(report)) = (&product.program, &mut product.report) else {
+        return Ok(());
+    };
+    if report.deviation.is_none() || report.moved.is_some() {
+        return Ok(());
+    }
+    let brep = program.boundary(&options.mesher.boundary(progress))?;
+    if io::share_triangles(&mut product.mesh, &brep) > 0 {
+        report.check = product.mesh.check();
+    }
+    Ok(())
 }
 
 /// One slab of the mesh.

@@ -140,6 +140,39 @@ fn bodies_that_are_the_same_are_written_once() {
     }
 }
 
+/// Twelve bored plates around an axis, of which the mesher makes different triangles.
+#[test]
+fn bodies_that_are_the_same_and_turned_are_written_once() {
+    let folder = Folder::new();
+    let plate = |k: u32| {
+        let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
+        let (x, y) = (40.0 * cos, 40.0 * sin);
+        format!(
+            "multmatrix([[{cos},{},0,{x}],[{sin},{cos},0,{y}],[0,0,1,0],[0,0,0,1]]) {{ difference() {{ \
+             cube(size = [8, 6, 2], center = true); \
+             cylinder($fn = 0, $fa = 12, $fs = 2, h = 9, r1 = 1.5, r2 = 1.5, center = true); }} }}\n",
+            -sin
+        )
+    };
+    let plates: String = (0..12).map(plate).collect();
+    fs::write(folder.file("plates.csg"), plates).expect("a file");
+    succeeded(&folder.run("mesh plates.csg -o plain.glb"));
+    succeeded(&folder.run("mesh plates.csg -o once.glb --instances --json told.json"));
+    let size = |name: &str| fs::metadata(folder.file(name)).expect("a file").len();
+    assert!(4 * size("once.glb") < size("plain.glb"));
+    succeeded(&folder.run("compare once.glb plain.glb --within 0.1"));
+    let told = fs::read_to_string(folder.file("told.json")).expect("a file");
+    let told: Value = serde_json::from_str(&told).expect("JSON");
+    // What is told is told of what was written.
+    let output = folder.run("info once.glb");
+    let said = String::from_utf8_lossy(&succeeded(&output).stdout).into_owned();
+    assert!(said.contains(&told["triangles"].to_string()), "{said}");
+    assert_eq!(
+        (&told["components"], &told["closed"]),
+        (&12.into(), &true.into())
+    );
+}
+
 #[test]
 fn vertices_of_ply_have_colours_on_request() {
     let folder = Folder::new();

@@ -93,6 +93,14 @@ fn a_model_of_which_nothing_is_left_is_warned_about() {
         said.contains("operand 2 lies between -1.5 -1.5 -1.5 and 1.5 1.5 1.5"),
         "{said}"
     );
+    // A corner in the origin is told as that, and not as what rounding makes of it.
+    let scene = "difference() { cube(size = [1, 1, 1]); cube(size = [3, 3, 3], center = true); }";
+    let output = folder.run_with_input("measure -", scene);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        said.contains("operand 1 lies between 0 0 0 and 1 1 1"),
+        "{said}"
+    );
     let scene = "intersection() { sphere(r = 1); multmatrix([[1, 0, 0, 3], [0, 1, 0, 0], \
                  [0, 0, 1, 0], [0, 0, 0, 1]]) { sphere(r = 1); } }";
     let output = folder.run_with_input("mesh - -o empty.step", scene);

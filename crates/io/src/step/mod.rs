@@ -8,9 +8,12 @@
 //!
 //! Faces are those of a boundary that was cut at seams
 //! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, whole
-//! spheres at one meridian, others so that none closes on itself, and none has a pole inside. (A
-//! whole ellipsoid of revolution is put together again here, and cut at one meridian.)
+//! spheres at one meridian, others so that none closes on itself, and none has a pole inside. A
+//! whole ellipsoid of revolution is put together again here, and cut at one meridian; so are
+//! paraboloids and hyperboloids of two sheets, of revolution, around a pole, if no edge is nearer to
+//! their axis than 1 mm.
 
+mod cap;
 mod curves;
 mod product;
 mod spheroid;
@@ -149,7 +152,7 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
     let mut entities = Entities::default();
     let to = &mut entities;
     let context = product::context(to, options.unit, tolerance.max(1e-7 * size));
-    let (mut topology, mut styles) = (Topology::default(), Styles::new());
+    let (mut topology, mut styles) = (Topology::new(options.unit), Styles::new());
     let mut parts: Vec<(Names<'_>, Vec<Id>)> = Vec::new();
     let mut numbers: FxHashMap<Names<'_>, usize> = FxHashMap::default();
     for shells in brep.bodies() {

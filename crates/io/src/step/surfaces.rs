@@ -90,22 +90,15 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 scales: radii,
             },
         ),
+        SurfaceShape::EllipticParaboloid { placement, bends } if is_round(bends) => {
+            paraboloid_of_revolution(to, &[*face], (&placement, bends), None)
+        }
         SurfaceShape::EllipticParaboloid { placement, bends } => {
             let scaled = Scaled {
                 placement,
                 scales: [1.0; 3],
             };
-            if is_round(bends) {
-                let turned = Turned::new(face, &placement, 1.0);
-                let focus = Real(0.25 / bends[0]);
-                let placement = to.placement(placement.origin, turned.across_and(turned.axis));
-                let parabola = to.add(format_args!("PARABOLA('',{placement},{focus})"));
-                let [_, farthest] = scaled.range(face, |p| elementary::hypot(p.x, p.y));
-                let ends = [0.0, bends[0] * farthest * farthest];
-                turned.half(to, face, parabola, (farthest, ends))
-            } else {
-                paraboloid(to, face, &scaled, bends)
-            }
+            paraboloid(to, face, &scaled, bends)
         }
         SurfaceShape::EllipticCylinder { placement, radii } => {
             extruded(to, face, &placement, radii)
@@ -156,6 +149,11 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             ];
             revolved(to, face, &scaled, &profile)
         }
+        SurfaceShape::HyperboloidTwoSheets { placement, radii }
+            if is_round([radii[0], radii[1]]) =>
+        {
+            hyperboloid_of_revolution(to, &[*face], (&placement, radii), None)
+        }
         SurfaceShape::HyperboloidTwoSheets { placement, radii } => {
             let scaled = Scaled {
                 placement,
@@ -163,19 +161,6 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
             let [_, high] = scaled.range(face, |p| elementary::acosh(p.z.abs().max(1.0)));
-            let [a, b, c] = radii;
-            if is_round([a, b]) {
-                let turned = Turned::new(face, &placement, sign);
-                let placement = to.placement(placement.origin, turned.across_and(turned.axis));
-                let [c, a] = [c, 0.5 * (a + b)].map(Real);
-                let branch = to.add(format_args!("HYPERBOLA('',{placement},{c},{a})"));
-                let (far, ends) = (
-                    radii[0] * elementary::sinh(high),
-                    [1.0, elementary::cosh(high)],
-                );
-                let ends = ends.map(|height| radii[2] * height);
-                return Some(turned.half(to, face, branch, (far, ends)));
-            }
             let profile = [
                 [0.0, sign, 1.0],
                 [
@@ -189,6 +174,71 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
         }
         _ => return None,
     })
+}
+
+/// Writes the surface of faces that have the pole of a paraboloid or a hyperboloid of two sheets, of
+/// revolution, between them: cut at the meridian in a direction across the axis.
+pub(super) fn write_cap(to: &mut Entities, faces: &[Face<'_>], meridian: DVec3) -> Option<Written> {
+    match faces.first()?.surface().shape() {
+        SurfaceShape::EllipticParaboloid { placement, bends } => Some(paraboloid_of_revolution(
+            to,
+            faces,
+            (&placement, bends),
+            Some(meridian),
+        )),
+        SurfaceShape::HyperboloidTwoSheets { placement, radii } => Some(hyperboloid_of_revolution(
+            to,
+            faces,
+            (&placement, radii),
+            Some(meridian),
+        )),
+        _ => None,
+    }
+}
+
+/// A parabola turned around its axis, beginning in a direction across it or else opposite of the face.
+fn paraboloid_of_revolution(
+    to: &mut Entities,
+    faces: &[Face<'_>],
+    (placement, bends): (&Placement, [f64; 2]),
+    meridian: Option<DVec3>,
+) -> Written {
+    let scaled = Scaled {
+        placement: *placement,
+        scales: [1.0; 3],
+    };
+    let turned = Turned::new(&faces[0], placement, 1.0).begun(meridian);
+    let focus = Real(0.25 / bends[0]);
+    let placement = to.placement(placement.origin, turned.across_and(turned.axis));
+    let parabola = to.add(format_args!("PARABOLA('',{placement},{focus})"));
+    let farthest = scaled.farthest(faces, |p| elementary::hypot(p.x, p.y));
+    let ends = [0.0, bends[0] * farthest * farthest];
+    turned.half(to, &faces[0], parabola, (farthest, ends))
+}
+
+/// The same of one branch of a hyperbola.
+fn hyperboloid_of_revolution(
+    to: &mut Entities,
+    faces: &[Face<'_>],
+    (placement, [a, b, c]): (&Placement, [f64; 3]),
+    meridian: Option<DVec3>,
+) -> Written {
+    let scaled = Scaled {
+        placement: *placement,
+        scales: [a, b, c],
+    };
+    let sign = scaled
+        .range(&faces[0], |p| p.z)
+        .iter()
+        .sum::<f64>()
+        .signum();
+    let high = scaled.farthest(faces, |p| elementary::acosh(p.z.abs().max(1.0)));
+    let turned = Turned::new(&faces[0], placement, sign).begun(meridian);
+    let placement = to.placement(placement.origin, turned.across_and(turned.axis));
+    let (long, across) = (Real(c), Real(0.5 * (a + b)));
+    let branch = to.add(format_args!("HYPERBOLA('',{placement},{long},{across})"));
+    let ends = [1.0, elementary::cosh(high)].map(|height| c * height);
+    turned.half(to, &faces[0], branch, (a * elementary::sinh(high), ends))
 }
 
 /// Whether both scales of a section across an axis are one, to rounding.
@@ -216,6 +266,14 @@ impl Turned {
             origin: placement.origin,
             axis,
             x: -across(ahead.sum(), axis),
+        }
+    }
+
+    /// The same, with the meridian in another direction, if there is one.
+    fn begun(self, x: Option<DVec3>) -> Self {
+        Self {
+            x: x.unwrap_or(self.x),
+            ..self
         }
     }
 
@@ -376,6 +434,12 @@ impl Scaled {
     /// What a function of coordinates takes for values on a face, and somewhat more.
     fn range(&self, face: &Face<'_>, value: impl Fn(DVec3) -> f64) -> [f64; 2] {
         wider(self.samples(face).into_iter().map(value))
+    }
+
+    /// The most that a function takes on any of some faces, and somewhat more.
+    fn farthest(&self, faces: &[Face<'_>], value: impl Fn(DVec3) -> f64) -> f64 {
+        let most = faces.iter().map(|face| self.range(face, &value)[1]);
+        most.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// From which angle around z to which a face goes, and somewhat more: less than a half

@@ -1,10 +1,12 @@
 //! Shells, faces, loops, edges and vertices.
 
+use csg::LengthUnit;
 use csg::brep::{Coedge, Edge, Face, Shell, Vertex};
 use rustc_hash::FxHashMap;
 
+use super::surfaces::Written;
 use super::text::{Entities, Flag, Id, List, Quoted};
-use super::{curves, spheroid, surfaces};
+use super::{cap, curves, spheroid, surfaces};
 use crate::Error;
 
 /// What was written of a boundary so far.
@@ -14,9 +16,18 @@ pub(super) struct Topology {
     vertices: FxHashMap<usize, Id>,
     edges: FxHashMap<usize, Id>,
     pub faces: FxHashMap<usize, Id>,
+    /// A millimetre in the model's unit.
+    millimetre: f64,
 }
 
 impl Topology {
+    pub fn new(unit: LengthUnit) -> Self {
+        Self {
+            millimetre: LengthUnit::Millimetre.in_metres() / unit.in_metres(),
+            ..Self::default()
+        }
+    }
+
     /// The body within an outer shell and those of its voids.
     pub fn body(
         &mut self,
@@ -34,8 +45,21 @@ impl Topology {
                 written.push(id);
                 continue;
             }
+            for cap in cap::caps(shell, self.millimetre) {
+                let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
+                let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
+                let all = cap.faces.iter().map(|face| (face.id().index(), id));
+                self.faces.extend(all);
+                faces.push(id);
+            }
             for face in shell.faces() {
-                let id = self.face(to, &face, tolerance)?;
+                if self.faces.contains_key(&face.id().index()) {
+                    continue;
+                }
+                let surface = surfaces::write(to, &face);
+                let loops = face.loops().map(|around| around.coedges().collect());
+                let loops: Vec<Vec<Coedge<'_>>> = loops.collect();
+                let id = self.face(to, &face, surface, &loops, tolerance)?;
                 self.faces.insert(face.id().index(), id);
                 faces.push(id);
             }
@@ -53,8 +77,16 @@ impl Topology {
         Ok(to.add(format_args!("BREP_WITH_VOIDS({name},{outer},{voids})")))
     }
 
-    fn face(&mut self, to: &mut Entities, face: &Face<'_>, tolerance: f64) -> Result<Id, Error> {
-        let surface = surfaces::write(to, face).ok_or_else(|| Error::NotInStep {
+    /// A face on a surface, within loops.
+    fn face(
+        &mut self,
+        to: &mut Entities,
+        face: &Face<'_>,
+        surface: Option<Written>,
+        loops: &[Vec<Coedge<'_>>],
+        tolerance: f64,
+    ) -> Result<Id, Error> {
+        let surface = surface.ok_or_else(|| Error::NotInStep {
             problem: format!(
                 "no way to write the surface {} is known; it comes from {}",
                 face.surface(),
@@ -62,10 +94,10 @@ impl Topology {
             ),
         })?;
         let mut bounds = Vec::new();
-        for (index, around) in face.loops().enumerate() {
+        for (index, around) in loops.iter().enumerate() {
             let mut sides = Vec::new();
-            for coedge in around.coedges() {
-                let edge = self.edge(to, &coedge, tolerance)?;
+            for coedge in around {
+                let edge = self.edge(to, coedge, tolerance)?;
                 let along = Flag(coedge.is_forward());
                 sides.push(to.add(format_args!("ORIENTED_EDGE('',*,*,{edge},{along})")));
             }
