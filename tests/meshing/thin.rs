@@ -405,3 +405,49 @@ fn runs_of_pipe_of_six_digits_are_meshed_like_exact_ones() {
         );
     }
 }
+
+/// A channel as high as the slab in which it is, around and closed, with a core in it: what is
+/// within it and what is without have nothing but lines in common.
+#[test]
+fn channels_as_high_as_their_slab_part_it() {
+    let ring = |radius: f64| {
+        let corners = [[-8.0, -8.0], [8.0, -8.0], [8.0, 8.0], [-8.0, 8.0]];
+        let tube = Solid::cylinder(radius, -8.0..8.0);
+        let sides = [
+            tube.rotate_y(FRAC_PI_2).translate([0.0, -8.0, 0.0]),
+            tube.rotate_y(FRAC_PI_2).translate([0.0, 8.0, 0.0]),
+            tube.rotate_x(FRAC_PI_2).translate([-8.0, 0.0, 0.0]),
+            tube.rotate_x(FRAC_PI_2).translate([8.0, 0.0, 0.0]),
+        ];
+        let balls = corners.map(|[x, y]| Solid::sphere(radius).translate([x, y, 0.0]));
+        sides
+            .into_iter()
+            .chain(balls)
+            .reduce(|a, b| a | b)
+            .expect("some")
+    };
+    let slab = Solid::cuboid([30.0, 30.0, 1.2]);
+    let cases = [
+        (slab.clone() - ring(0.6), 2),
+        (slab - (ring(0.6) - ring(0.5)), 3),
+    ];
+    for (solid, parts) in cases {
+        for (solid, is_home) in [(solid.clone(), true), (turned(&solid), false)] {
+            let program = Program::lower(&solid).expect("a valid solid");
+            let exact = program
+                .boundary(&BoundaryOptions::new())
+                .expect("a boundary");
+            // (Turned, rounding may join what has a line in common.)
+            assert!(!is_home || exact.shells().count() == parts);
+            let exact = exact.measure();
+            for tolerance in [0.1, 0.01] {
+                let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+                let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+                assert!(report.is_proven(), "{tolerance}: {:?}", report.undecided);
+                assert!(!is_home || report.check.components == parts);
+                let off = (mesh.volume() - exact.volume.value).abs();
+                assert!(off <= tolerance * mesh.area(), "{tolerance}: {off}");
+            }
+        }
+    }
+}

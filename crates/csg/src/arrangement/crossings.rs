@@ -94,13 +94,10 @@ impl Boundary {
     /// The point of an edge's curve next to another point; none if that is not
     /// between the edge's ends, or these are one but for rounding.
     fn next_to(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> Option<DVec3> {
-        /// Of half a chord, how far from its middle: nearer to an end another curve may end beside it,
-        /// and is parted from it at once there.
-        const BETWEEN: f64 = 0.999;
         let [a, b] = self.chord(half_edge);
         let half = 0.5 * a.distance(b);
         let found = self.on_curve(scene, half_edge, point)?;
-        let is_between = found.distance(0.5 * (a + b)) <= BETWEEN * half;
+        let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
         is_between.then_some(found)
     }
 

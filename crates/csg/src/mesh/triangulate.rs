@@ -75,7 +75,7 @@ pub(crate) fn triangulate(
             [only] => only,
             many => many
                 .iter_mut()
-                .filter(|region| region.may_hold(hole) && is_within(hole, region.outer))
+                .filter(|region| region.holds(hole))
                 .min_by(|a, b| a.area.total_cmp(&b.area))?,
         };
         around.holes.push(hole);
@@ -116,11 +116,14 @@ pub(crate) fn triangulate(
 }
 
 impl Region<'_> {
-    /// Whether a hole may lie within the outer contour.
-    fn may_hold(&self, hole: &[Named]) -> bool {
+    /// Whether a hole lies within the outer contour, and does not fill it: then it is one around
+    /// that.
+    fn holds(&self, hole: &[Named]) -> bool {
         let [low, high] = self.bounds;
         let point = hole[0].0;
-        point.cmpge(low).all() && point.cmple(high).all()
+        let is_near = point.cmpge(low).all() && point.cmple(high).all();
+        let leaves_some = || self.area + signed_area(hole) > rounding_of_area(self.outer);
+        is_near && leaves_some() && is_within(hole, self.outer)
     }
 }
 
@@ -705,6 +708,32 @@ mod tests {
             count += triangles.len();
         }
         assert_eq!(count, 200 * (74 * 4 - 2 + 2 * 73));
+    }
+
+    #[test]
+    fn islands_may_fill_the_hole_around_them() {
+        // The hole with a corner more, which the island has not.
+        let island = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let hole = [
+            [-1.0, -1.0],
+            [-1.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 0.25],
+            [1.0, -1.0],
+        ];
+        for turns in 0..4 {
+            let [mut island, mut hole] = [island.to_vec(), hole.to_vec()];
+            island.rotate_left(turns);
+            hole.rotate_left(turns);
+            let corners = |first, corners: &[[f64; 2]]| -> Vec<Named> {
+                (first..)
+                    .zip(corners)
+                    .map(|(name, &p)| (p.into(), name))
+                    .collect()
+            };
+            let found = area(&[square(2.0), corners(4, &hole), corners(9, &island)]);
+            assert!((found - 16.0).abs() < 1e-12, "{turns}: {found}");
+        }
     }
 
     #[test]
