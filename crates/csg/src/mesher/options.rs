@@ -271,6 +271,7 @@ impl Mesher {
             tolerance,
             promised: tolerance,
             even_curves: false,
+            keeps_vertices: false,
             angle: self.angle,
         }))
     }

@@ -400,6 +400,7 @@ mod tests {
             tolerance: 1e-4,
             promised: 1e-4,
             even_curves: false,
+            keeps_vertices: false,
             angle: None,
         };
         for (case, (solids, near)) in cases.into_iter().enumerate() {

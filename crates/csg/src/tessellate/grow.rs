@@ -152,6 +152,9 @@ impl<'m, 's> Grower<'m, 's> {
     /// Finds the points that every edge along a curve needs.
     pub(super) fn measure_curves(&mut self) {
         let mut left = chains(self.mesh);
+        if self.goal.keeps_vertices {
+            left = left.concat().into_iter().map(|half| vec![half]).collect();
+        }
         let divided = left
             .iter()
             .map(|chain| divide(self.mesh, chain, self.goal, self.precision));

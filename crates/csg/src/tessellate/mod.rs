@@ -160,7 +160,9 @@ fn refine(
     };
     control.check_memory(BYTES_PER_TRIANGLE * surfaced.triangles.len())?;
     mesh.fix_contacts();
-    coarsen::coarsen(&mut mesh, goal);
+    if !goal.keeps_vertices {
+        coarsen::coarsen(&mut mesh, goal);
+    }
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, surfaced.precision);
     grower.cut_contacts();

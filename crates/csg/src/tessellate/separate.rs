@@ -273,6 +273,7 @@ pub(super) mod tests {
             tolerance,
             promised: tolerance,
             even_curves: false,
+            keeps_vertices: false,
             angle: None,
             tight: rustc_hash::FxHashMap::default(),
         }

@@ -182,6 +182,10 @@ impl Run<'_> {
             let refined: Vec<&Refined> = refined.iter().collect();
             finish(tessellate::join_refined(&refined), goal)
         };
+        let is_wrong = self.mesher.check && !wrong_triangles(&first.surfaced, task).is_empty();
+        if is_wrong && let Some(kept) = self.keeping_vertices(coarse, task, &goal)? {
+            return Ok(kept);
+        }
         let (mut best, mut narrow, mut share) = finish(first, &goal)?;
         let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
@@ -218,6 +222,35 @@ impl Run<'_> {
             }
         }
         Ok(best)
+    }
+
+    /// A mesh brought to a tolerance with all vertices where they are given, and cut up where it
+    /// runs through itself then. None if that is not enough, or not to be expected: the mesh as
+    /// it is given must not run through itself.
+    fn keeping_vertices(
+        &self,
+        coarse: &Surfaced,
+        task: &Task<'_>,
+        goal: &Goal,
+    ) -> Result<Option<Refined>, Error> {
+        if !wrong_triangles(coarse, task).is_empty() {
+            return Ok(None);
+        }
+        let goal = Goal {
+            keeps_vertices: true,
+            ..goal.clone()
+        };
+        let parts = tessellate::parts(coarse);
+        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
+        let control = self.refining(&goal);
+        let kept = match tessellate::to_tolerance(parts, &task.surfaces, &goal, &control) {
+            Err(error) if is_too_much(&error).is_some() => return Ok(None),
+            kept => kept?,
+        };
+        let kept: Vec<&Refined> = kept.iter().collect();
+        let mut kept = tessellate::join_refined(&kept);
+        self.separate(&mut kept.surfaced, &mut kept.outcome, task, &goal)?;
+        Ok(kept.outcome.unkept.is_empty().then_some(kept))
     }
 
     /// Cuts up the triangles of a mesh that run through each other, or face into the
