@@ -58,6 +58,11 @@ impl Outcome {
         }
     }
 
+    /// Whether a smaller tolerance is all that it may take.
+    pub fn is_only_far(&self) -> bool {
+        self.unkept.iter().all(|(reason, _)| *reason == Unkept::Far)
+    }
+
     /// Adds what came of another part.
     pub fn add(&mut self, other: &Self) {
         if other.deviation > self.deviation {

@@ -122,7 +122,9 @@ impl Run<'_> {
         self.control.again(demand).part(SHAPED, REFINED)
     }
 
-    /// Brings the parts that are wrong to the tolerance together.
+    /// Brings the parts that are wrong to the tolerance together: where they run through
+    /// themselves or each other with all vertices where they were before, first, as they hardly
+    /// ever did so then.
     fn refine_wrong(
         &self,
         parts: &[Surfaced],
@@ -135,11 +137,41 @@ impl Run<'_> {
         let coarse = tessellate::join(wrong.clone().map(|part| &parts[part]));
         let first: Vec<&Refined> = wrong.map(|part| &alone[part]).collect();
         let first = tessellate::join_refined(&first);
+        if self.mesher.check && !wrong_triangles(&first.surfaced, task).is_empty() {
+            let goal = Goal {
+                keeps_vertices: true,
+                ..goal.clone()
+            };
+            let kept = match self.refine_all(&coarse, task, &goal) {
+                Err(error) if is_too_much(&error).is_some() => None,
+                kept => Some(self.refine_together(&coarse, kept?, task, goal)?),
+            };
+            if let Some(kept) = kept.filter(|kept| kept.outcome.unkept.is_empty()) {
+                return Ok(kept);
+            }
+        }
         self.refine_together(&coarse, first, task, goal.clone())
     }
 
-    /// A mesh brought to a tolerance, at first as it is given. Where it breaks that or, if
-    /// the mesh is to be checked, runs through itself or is folded, it is brought to less.
+    /// Brings a mesh to the tolerance, part by part.
+    fn refine_all(
+        &self,
+        coarse: &Surfaced,
+        task: &Task<'_>,
+        goal: &Goal,
+    ) -> Result<Refined, Error> {
+        let parts = tessellate::parts(coarse);
+        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
+        let control = self.refining(goal);
+        let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
+        Ok(tessellate::join_refined(
+            &refined.iter().collect::<Vec<_>>(),
+        ))
+    }
+
+    /// A mesh brought to a tolerance, at first as it is given. Where it breaks that it is brought
+    /// to less; where, if the mesh is to be checked, it runs through itself or is folded, its
+    /// triangles are cut up.
     fn refine_together(
         &self,
         coarse: &Surfaced,
@@ -155,18 +187,16 @@ impl Run<'_> {
         const FINER: f64 = 0.4;
         /// So that it is enough where curvature differs along a surface.
         const SPARE: f64 = 0.98;
-        let parts = tessellate::parts(coarse);
-        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
-        let control = self.refining(&goal);
         let finish = |mut refined: Refined, goal: &Goal| {
             let mut share = None;
             if self.mesher.check {
                 if let Some(mirrored) = mirrored(&refined, task, goal) {
                     // What is only too far off need be no finer than that says.
-                    let mut reasons = mirrored.outcome.unkept.iter();
-                    let are_far = reasons.all(|(reason, _)| *reason == Unkept::Far);
                     let finer = SPARE * goal.promised / mirrored.outcome.deviation;
-                    share = are_far.then_some(finer.clamp(FINER, 1.0));
+                    share = mirrored
+                        .outcome
+                        .is_only_far()
+                        .then_some(finer.clamp(FINER, 1.0));
                     refined = mirrored;
                 }
                 let Refined { surfaced, outcome } = &mut refined;
@@ -177,15 +207,6 @@ impl Run<'_> {
             narrow.dedup();
             Ok::<_, Error>((refined, narrow, share))
         };
-        let attempt = |goal: &Goal| {
-            let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
-            let refined: Vec<&Refined> = refined.iter().collect();
-            finish(tessellate::join_refined(&refined), goal)
-        };
-        let is_wrong = self.mesher.check && !wrong_triangles(&first.surfaced, task).is_empty();
-        if is_wrong && let Some(kept) = self.keeping_vertices(coarse, task, &goal)? {
-            return Ok(kept);
-        }
         let (mut best, mut narrow, mut share) = finish(first, &goal)?;
         let most_triangles = MOST_GROWTH * best.surfaced.triangles.len();
         let mut in_vain = 0;
@@ -196,7 +217,8 @@ impl Run<'_> {
             (FEW_TRIES, 1, FINER)
         };
         for _ in 1..tries {
-            if narrow.is_empty() || in_vain == most_in_vain {
+            // What runs through itself still is better cut up in another way.
+            if narrow.is_empty() || in_vain == most_in_vain || !best.outcome.is_only_far() {
                 break;
             }
             for &surface in &narrow {
@@ -205,10 +227,10 @@ impl Run<'_> {
                     .and_modify(|known| *known *= share.unwrap_or(FINER))
                     .or_insert(share.unwrap_or(at_first));
             }
-            let refined = match attempt(&goal) {
+            let refined = match self.refine_all(coarse, task, &goal) {
                 // Better one that runs through itself than none.
                 Err(error) if is_too_much(&error).is_some() => break,
-                result => result?,
+                refined => finish(refined?, &goal)?,
             };
             (narrow, share) = (refined.1, refined.2);
             in_vain += 1;
@@ -222,35 +244,6 @@ impl Run<'_> {
             }
         }
         Ok(best)
-    }
-
-    /// A mesh brought to a tolerance with all vertices where they are given, and cut up where it
-    /// runs through itself then. None if that is not enough, or not to be expected: the mesh as
-    /// it is given must not run through itself.
-    fn keeping_vertices(
-        &self,
-        coarse: &Surfaced,
-        task: &Task<'_>,
-        goal: &Goal,
-    ) -> Result<Option<Refined>, Error> {
-        if !wrong_triangles(coarse, task).is_empty() {
-            return Ok(None);
-        }
-        let goal = Goal {
-            keeps_vertices: true,
-            ..goal.clone()
-        };
-        let parts = tessellate::parts(coarse);
-        let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
-        let control = self.refining(&goal);
-        let kept = match tessellate::to_tolerance(parts, &task.surfaces, &goal, &control) {
-            Err(error) if is_too_much(&error).is_some() => return Ok(None),
-            kept => kept?,
-        };
-        let kept: Vec<&Refined> = kept.iter().collect();
-        let mut kept = tessellate::join_refined(&kept);
-        self.separate(&mut kept.surfaced, &mut kept.outcome, task, &goal)?;
-        Ok(kept.outcome.unkept.is_empty().then_some(kept))
     }
 
     /// Cuts up the triangles of a mesh that run through each other, or face into the
