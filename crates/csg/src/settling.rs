@@ -60,10 +60,15 @@ impl Settling {
             .flat_map(move |&way| shorter.map(|chords| (way, chords)));
         let seen = [Self::Aligned { times: SEEN }];
         let farther = seen.into_iter().chain(farther.iter().copied());
+        let last = farther.clone().last();
+        let last = last
+            .into_iter()
+            .flat_map(move |way| shorter.map(|chords| (way, chords)));
         let nearest = nearest.iter().map(long);
         nearest
             .chain(again)
             .chain(farther.map(move |way| long(&way)))
+            .chain(last)
     }
 
     /// Whether nothing is left of the solid because surfaces were moved: walls thinner

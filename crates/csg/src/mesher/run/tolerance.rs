@@ -15,7 +15,7 @@ use crate::mesher::fit::{HALVINGS, fit, is_too_much};
 use crate::program::{Program, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
-use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced, Unkept};
+use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfaced};
 
 /// So many times as many triangles are not worth it that a mesh does not run through itself.
 const MOST_GROWTH: usize = 20;
