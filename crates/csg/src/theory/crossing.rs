@@ -80,7 +80,7 @@
 //! as their surface does, in the middle within a cosine of 0.2 and elsewhere at all
 //! ([`faces_out`][tessellate/shape.rs]); sharp edges at which this is not enough are found by the
 //! check and cut until it is, which ends as α does not depend on h. Where α falls to 0 along an
-//! edge, at a contact, it is the case of the next paragraph.
+//! edge, at a contact, only the second rule helps.
 //!
 //! # The check, and what follows it
 //! [`Mesh::self_intersections`](crate::Mesh::self_intersections) finds all pairs of triangles that
