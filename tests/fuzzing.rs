@@ -14,7 +14,7 @@ use stereotomy::io;
 mod targets;
 
 /// How long each target runs, unless STEREOTOMY_FUZZ_SECONDS says another time.
-const SECONDS: f64 = 2.0;
+const SECONDS: f64 = 1.0;
 
 /// Seeds that once found a fault: tried first.
 const FOUND: [(&str, u64); 1] = [("raster", 15_269)];

@@ -2,9 +2,6 @@
 //! heavy ones that wait for other programs run beside each other.
 #![allow(missing_docs, reason = "a test")]
 
-// Begun first, as it is the first by name: it takes longest, and mostly waits.
-#[path = "python.rs"]
-mod a_python_package;
 #[path = "brep/main.rs"]
 mod brep;
 #[path = "contacts/main.rs"]
@@ -20,12 +17,29 @@ mod manifold3d;
 #[path = "meshing/main.rs"]
 mod meshing;
 mod models;
+mod python;
 #[path = "meshing/random.rs"]
 mod random;
 mod step;
 
 // Where the fuzz targets look for them.
 use stereotomy::{csg, io, raster};
+
+/// The first of all tests by name, which is the order in which they run.
+mod a_python_package {
+    #[test]
+    fn tests_begin() {
+        crate::python::begin();
+    }
+}
+
+/// The last.
+mod z_python_package {
+    #[test]
+    fn passes_its_tests() {
+        crate::python::end();
+    }
+}
 
 /// The folder of the workspace.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");

@@ -1,12 +1,34 @@
 //! The Python package as its users have it: built by maturin, installed by pip, tested by
 //! pytest. What maturin packs is what these tests were compiled with; with STEREOTOMY_WHEEL=alone
 //! it compiles the package by itself.
+//!
+//! They take longest and mostly wait: so the first test of all only begins them, on a thread of
+//! their own beside the other tests, and the last one waits for them.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Mutex;
+use std::thread::{JoinHandle, spawn};
 
 use crate::{ROOT, environment};
+
+/// What [`begin`] began.
+static BEGUN: Mutex<Option<JoinHandle<()>>> = Mutex::new(None);
+
+/// Begins the package's tests, unless they were begun.
+pub fn begin() {
+    let mut begun = BEGUN.lock().expect("no other test fails at it");
+    begun.get_or_insert_with(|| spawn(the_package_passes_its_tests));
+}
+
+/// Waits for them, whichever test was called first.
+pub fn end() {
+    begin();
+    let begun = BEGUN.lock().expect("no other test fails at it").take();
+    let passed = begun.expect("they were begun").join();
+    passed.expect("the package passes its tests: see the words above");
+}
 
 fn run(command: &mut Command) {
     let status = command
@@ -18,7 +40,6 @@ fn run(command: &mut Command) {
     );
 }
 
-#[test]
 fn the_package_passes_its_tests() {
     let requirements = include_str!("../crates/python/tests/requirements.txt");
     let python = environment::python("python", requirements);

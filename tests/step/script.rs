@@ -1,8 +1,10 @@
 //! Questions to Open CASCADE.
 
 use std::io::{BufRead, BufReader, Write};
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 
 use serde_json::{Value, json};
 
@@ -35,6 +37,44 @@ pub struct Script {
     child: Child,
     questions: ChildStdin,
     answers: BufReader<ChildStdout>,
+}
+
+/// Those that no test asks at the moment: to load Open CASCADE takes two seconds.
+static IDLE: Mutex<Vec<Script>> = Mutex::new(Vec::new());
+
+/// One that is asked by one test alone, and left to others where that passes.
+pub struct Lent(Option<Script>);
+
+impl Lent {
+    /// One that is idle, or else another one, which a function starts.
+    pub fn or_start(start: impl FnOnce() -> Script) -> Self {
+        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Self(Some(idle.unwrap_or_else(start)))
+    }
+}
+
+impl Deref for Lent {
+    type Target = Script;
+
+    fn deref(&self) -> &Script {
+        self.0.as_ref().expect("lent until it is dropped")
+    }
+}
+
+impl DerefMut for Lent {
+    fn deref_mut(&mut self) -> &mut Script {
+        self.0.as_mut().expect("lent until it is dropped")
+    }
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        // Amid a question its answers would be another test's.
+        if !std::thread::panicking() {
+            let mut idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+            idle.extend(self.0.take());
+        }
+    }
 }
 
 impl Script {
@@ -100,7 +140,8 @@ fn color(value: &Value) -> Option<[f64; 3]> {
 
 impl Drop for Script {
     fn drop(&mut self) {
-        // It only waits for more questions.
+        // It only waits for more questions. (Those that are idle at the end are not dropped, but
+        // read that there will be none.)
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -38,7 +38,8 @@
 //! ```
 //!
 //! What could not be done is in the report ([`Report`]) or an [`Error`] that says where and how to
-//! mend it; nothing is silently wrong. `ARCHITECTURE.md` in the repository tells how it works.
+//! mend it; nothing is silently wrong. `ARCHITECTURE.md` in the repository tells how it works, [`theory`] why it is
+//! right.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod adapt;
@@ -70,6 +71,7 @@ mod surface;
 mod surface_nets;
 mod task;
 mod tessellate;
+pub mod theory;
 mod undecided;
 mod verify;
 

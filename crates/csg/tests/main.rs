@@ -21,6 +21,7 @@ mod ready_made;
 mod regions;
 mod shapes;
 mod slabs;
+mod theory;
 
 #[test]
 fn every_file_is_a_module() {

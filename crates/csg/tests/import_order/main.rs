@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 29] = [
+const ROOMS: [(&str, &str); 30] = [
     (
         "elementary",
         "sines and powers that are the same everywhere",
@@ -56,6 +56,7 @@ const ROOMS: [(&str, &str); 29] = [
     ("verify", "a mesh held against its program"),
     ("mesher", "the entry: options in, mesh and report out"),
     ("section", "what a plane meets of a solid"),
+    ("theory", "pages on the mathematics, without code"),
 ];
 
 /// The face of the crate, which hands on names of all rooms.
