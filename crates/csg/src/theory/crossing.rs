@@ -90,20 +90,21 @@
 //! *Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates*, Journal of
 //! Graphics Tools 8, 2003). Sharing a vertex, or lying edge on edge, is contact and no crossing.
 //! Triangles that face into the solid count as well. What is found is treated in this order
-//! ([`refine_together`][mesher/run/tolerance.rs]):
+//! ([`refine_wrong`][mesher/run/tolerance.rs]):
 //!
-//! 1. Faces become images of each other, as above.
-//! 2. [`Parting::Farthest`][tessellate/separate.rs]: sides of the two triangles that stray farthest
+//! 1. The mesh as it came from the contours hardly ever runs through itself, be its faces as near
+//!    to each other as they may: it is refined once more with every vertex where it is there, so
+//!    that nothing is made coarser ([`Goal`][tessellate/goal.rs]).
+//! 2. Faces become images of each other, as above.
+//! 3. [`Parting::Farthest`][tessellate/separate.rs]: sides of the two triangles that stray farthest
 //!    are cut at points of their surfaces, up to 14 rounds. By the first rule that ends it where
 //!    surfaces do not touch.
-//! 3. [`Parting::Beside`][tessellate/separate.rs]: where they do, triangles are cut beside corners
+//! 4. [`Parting::Beside`][tessellate/separate.rs]: where they do, triangles are cut beside corners
 //!    of the other one that are between a triangle and its surface, and else beside the points
 //!    where sides run through triangles ([`sides_beside`][tessellate/beside.rs]): that is the
 //!    second rule.
-//! 4. The surfaces in question are refined anew to 0.4 of their tolerance each time, in all up to
-//!    eight times, unless three in a row were no better or the mesh has twenty times as many
-//!    triangles.
-//! 5. What is left makes the mesher [settle](super::relations) surfaces and evaluate with shorter
+//! 5. If the mesh still runs through itself, 2 to 4 are done to the mesh that was refined freely.
+//! 6. What is left makes the mesher [settle](super::relations) surfaces and evaluate with shorter
 //!    chords, and at last is told.
 //!
 //! # What holds
@@ -117,6 +118,7 @@
 //! [mesher/run/tolerance.rs]: ../../../src/csg/mesher/run/tolerance.rs.html
 //! [tessellate/alongside.rs]: ../../../src/csg/tessellate/alongside.rs.html
 //! [tessellate/beside.rs]: ../../../src/csg/tessellate/beside.rs.html
+//! [tessellate/goal.rs]: ../../../src/csg/tessellate/goal.rs.html
 //! [tessellate/mirror.rs]: ../../../src/csg/tessellate/mirror.rs.html
 //! [tessellate/mirror/faces.rs]: ../../../src/csg/tessellate/mirror/faces.rs.html
 //! [tessellate/separate.rs]: ../../../src/csg/tessellate/separate.rs.html
