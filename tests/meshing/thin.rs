@@ -110,12 +110,12 @@ fn flat_ellipsoids_may_be_drilled() {
 /// Turned flat in a file, as others write it: its hole is not along its thin axis.
 #[test]
 fn so_may_those_of_files() {
-    for name in [
-        "flat-ellipsoid",
-        "flat-ellipsoid-drilled",
-        "slit-by-a-flat-ellipsoid",
-        "sheet-slit-by-a-flat-ellipsoid",
-        "sheets-slit-by-a-flat-ellipsoid",
+    for (name, most) in [
+        ("flat-ellipsoid", 2000),
+        ("flat-ellipsoid-drilled", 2000),
+        ("slit-by-a-flat-ellipsoid", 2000),
+        ("sheet-slit-by-a-flat-ellipsoid", 3000),
+        ("sheets-slit-by-a-flat-ellipsoid", 2000),
     ] {
         let program = Program::lower(&model(name)).expect("a valid solid");
         let meshed = Mesher::new().tolerance(TOLERANCE).mesh(&program);
@@ -123,7 +123,7 @@ fn so_may_those_of_files() {
         assert_eq!(meshed.report.fallbacks, [], "{name}");
         assert!(meshed.report.is_proven(), "{name}");
         assert!(meshed.mesh.self_intersections().is_empty(), "{name}");
-        assert!(meshed.mesh.triangles.len() < 3000, "{name}");
+        assert!(meshed.mesh.triangles.len() < most, "{name}");
     }
 }
 
