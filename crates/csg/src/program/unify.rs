@@ -138,7 +138,7 @@ struct Errors {
 impl Placed {
     /// A number that is the same but for its sign, up to the tolerance given with it, for all
     /// descriptions of one surface, and most likely different for different surfaces.
-    fn key(&self) -> (f64, f64) {
+    pub fn key(&self) -> (f64, f64) {
         // Irrational weights: distinct coefficients rarely collide.
         const QUADRATIC: [f64; 6] = [
             0.618_033_988_749_894_9,
@@ -240,8 +240,11 @@ impl NearNumbers {
 
     /// Readies it for being asked at a distance.
     fn widen(&mut self, reach: f64) {
+        /// In distances: one that is asked for is hardly ever in two cells then, and different
+        /// surfaces are hardly ever in one. Tunes speed only.
+        const WIDTH: f64 = 64.0;
         if reach > 0.5 * self.width {
-            self.spread(4.0 * reach, self.all.len());
+            self.spread(WIDTH * reach, self.all.len());
         }
     }
 
@@ -303,7 +306,11 @@ impl SurfaceTable {
     /// The index of the surface, and whether the table holds it the other way
     /// round (so that f <= 0 of the caller is the outside of the table's).
     pub fn insert(&mut self, placed: Placed) -> (u32, bool) {
-        let (key, tolerance) = placed.key();
+        self.insert_with_key(placed, placed.key())
+    }
+
+    /// The same of one whose key is known.
+    pub fn insert_with_key(&mut self, placed: Placed, (key, tolerance): (f64, f64)) -> (u32, bool) {
         self.widest_tolerance = self.widest_tolerance.max(tolerance);
         let reach = tolerance + self.widest_tolerance;
         self.by_key.widen(reach);

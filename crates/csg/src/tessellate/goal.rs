@@ -14,8 +14,8 @@ pub(crate) struct Goal {
     /// Whether vertices lie evenly along curves, and not as chance would have it:
     /// those that the tolerance needs are kept.
     pub even_curves: bool,
-    /// Whether all vertices that are given stay, and where they are: a mesh that does not run
-    /// through itself then hardly ever comes to do so.
+    /// Whether all vertices that are given stay, and where they are, but on whole ellipsoids,
+    /// which are made anew: a mesh that does not run through itself then hardly ever comes to.
     pub keeps_vertices: bool,
     /// The largest angle that a surface may turn along an edge, in radians.
     pub angle: Option<f64>,

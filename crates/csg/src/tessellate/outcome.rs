@@ -63,6 +63,12 @@ impl Outcome {
         self.unkept.iter().all(|(reason, _)| *reason == Unkept::Far)
     }
 
+    /// Whether the mesh runs through itself or faces into the solid.
+    pub fn is_crossed(&self) -> bool {
+        let is_crossing = |reason| matches!(reason, Unkept::Crossing | Unkept::TurnedOver);
+        self.unkept.iter().any(|(reason, _)| is_crossing(*reason))
+    }
+
     /// Adds what came of another part.
     pub fn add(&mut self, other: &Self) {
         if other.deviation > self.deviation {

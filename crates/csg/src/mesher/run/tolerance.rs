@@ -7,7 +7,6 @@ use rustc_hash::FxHashMap;
 
 use super::{PARTED, REFINED, Run, SHAPED};
 use crate::arrangement::Borders;
-use crate::control::Control;
 use crate::error::Error;
 use crate::limits::Demand;
 use crate::mesh::{Mesh, MeshSurface};
@@ -77,9 +76,7 @@ impl Run<'_> {
     fn refine_to(&self, coarse: &Surfaced, task: &Task<'_>, goal: &Goal) -> Result<Refined, Error> {
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
-        let control = self.refining(goal);
-        let alone = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
-        control.tell(1.0);
+        let alone = self.refine_each(parts, task, goal)?;
         let is_narrow = |part: &Refined| !part.outcome.tighter.is_empty();
         let mut is_wrong: Vec<bool> = alone.iter().map(is_narrow).collect();
         let mut together: Option<Refined> = None;
@@ -117,9 +114,18 @@ impl Run<'_> {
         }
     }
 
-    fn refining(&self, goal: &Goal) -> Control {
+    /// Brings parts to the tolerance, each for itself.
+    fn refine_each(
+        &self,
+        parts: &[Surfaced],
+        task: &Task<'_>,
+        goal: &Goal,
+    ) -> Result<Vec<Refined>, Error> {
         let demand = Demand::Tolerance(goal.tolerance);
-        self.control.again(demand).part(SHAPED, REFINED)
+        let control = self.control.again(demand).part(SHAPED, REFINED);
+        let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
+        control.tell(1.0);
+        Ok(refined)
     }
 
     /// Brings the parts that are wrong to the tolerance together: where they run through
@@ -162,8 +168,7 @@ impl Run<'_> {
     ) -> Result<Refined, Error> {
         let parts = tessellate::parts(coarse);
         let parts = parts.as_deref().unwrap_or(std::slice::from_ref(coarse));
-        let control = self.refining(goal);
-        let refined = tessellate::to_tolerance(parts, &task.surfaces, goal, &control)?;
+        let refined = self.refine_each(parts, task, goal)?;
         Ok(tessellate::join_refined(
             &refined.iter().collect::<Vec<_>>(),
         ))
@@ -218,7 +223,7 @@ impl Run<'_> {
         };
         for _ in 1..tries {
             // What runs through itself still is better cut up in another way.
-            if narrow.is_empty() || in_vain == most_in_vain || !best.outcome.is_only_far() {
+            if narrow.is_empty() || in_vain == most_in_vain || best.outcome.is_crossed() {
                 break;
             }
             for &surface in &narrow {

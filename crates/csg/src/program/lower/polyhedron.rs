@@ -1,6 +1,7 @@
 //! Polyhedra of many faces: their formula, and what is known of their edges.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::builder::Builder;
 use super::{Context, Lowering, Value};
@@ -14,6 +15,9 @@ use crate::program::unify::WorldMap;
 use crate::solid::partition::{Child, Tree};
 use crate::solid::{Plane, Polyhedron, Primitive};
 use crate::surface::{Surface, SurfaceId};
+
+/// Faces whose planes are put in place together. Tunes speed only.
+const AT_ONCE: usize = 1 << 14;
 
 impl Lowering<'_> {
     /// Leaves the value of a polyhedron on the stack.
@@ -96,20 +100,28 @@ impl Lowering<'_> {
         let out_of_range = NodeFault::OutOfRange {
             what: "the polyhedron under the maps above it",
         };
+        let mut is_met = vec![false; planes.len()];
+        let is_first = |&&face: &&u32| !std::mem::replace(&mut is_met[face as usize], true);
+        let met: Vec<u32> = faces.iter().filter(is_first).copied().collect();
         // Of each face the surface, and whether that looks the other way.
-        let mut placed: Vec<Option<(u32, bool)>> = vec![None; planes.len()];
+        let mut placed = vec![(0, false); planes.len()];
         let placing = map.placing();
-        self.builder.table.reserve(planes.len());
-        for &face in faces {
-            if placed[face as usize].is_some() {
-                continue;
-            }
+        let place = |&face: &u32| {
             let Plane { normal, offset } = planes[face as usize];
-            let plane = Surface::plane(offset * normal, normal);
-            let Some(surface) = placing(&plane) else {
-                return Err(self.error(out_of_range));
-            };
-            placed[face as usize] = Some(self.builder.table.insert(surface));
+            let surface = placing(&Surface::plane(offset * normal, normal))?;
+            Some((surface, surface.key()))
+        };
+        let mut surfaces = Vec::new();
+        self.builder.table.reserve(planes.len());
+        for some in met.chunks(AT_ONCE) {
+            let all = some.par_iter().with_min_len(AT_ONCE / 16).map(place);
+            all.collect_into_vec(&mut surfaces);
+            for (&face, surface) in some.iter().zip(&surfaces) {
+                let Some((surface, key)) = *surface else {
+                    return Err(self.error(out_of_range));
+                };
+                placed[face as usize] = self.builder.table.insert_with_key(surface, key);
+            }
         }
         let in_place: Vec<DVec3> = vertices
             .iter()
@@ -124,10 +136,7 @@ impl Lowering<'_> {
         Ok(Region {
             vertices: in_place,
             triangles: triangles.iter().map(outward).collect(),
-            surfaces: faces
-                .iter()
-                .map(|&face| placed[face as usize].unwrap_or_default())
-                .collect(),
+            surfaces: faces.iter().map(|&face| placed[face as usize]).collect(),
             origin,
         })
     }
