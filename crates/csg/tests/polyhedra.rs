@@ -54,6 +54,39 @@ fn hulls_hold_their_points_and_touch_them() {
     }
 }
 
+/// Sums of a box's corners and a faceted ball's, thousands of which are on flat sides but for
+/// rounding: a polynomial in the box's sides (Steiner; Minkowski, *Volumen und Oberfläche*, 1903).
+#[test]
+fn hulls_of_sums_have_the_mixed_volumes() {
+    for (count, sides) in [
+        (14, dvec3(3.0, 1.0, 2.0)),
+        (72, DVec3::splat(10.0)),
+        (100, dvec3(10.0, 8.0, 6.0)),
+        (128, DVec3::splat(10.0)),
+    ] {
+        let rings = count / 2;
+        let ring = |ring: usize| {
+            let polar = turn(2 * ring + 1, 4 * rings);
+            (0..count).map(move |k| (polar.y * turn(k, count)).extend(polar.x))
+        };
+        let ball: Vec<DVec3> = (0..rings).flat_map(ring).collect();
+        let corner =
+            |k: usize| DVec3::select([1, 2, 4].map(|bit| k & bit != 0).into(), sides, DVec3::ZERO);
+        let sums = (0..8).flat_map(|k| ball.iter().map(move |&p| p + corner(k)));
+        let alone = meshed("a ball", &Solid::hull(ball.clone()));
+        let doubled = (0..alone.triangles.len()).map(|index| {
+            let [a, b, c] = alone.corners(index);
+            (b - a).cross(c - a).max(DVec3::ZERO)
+        });
+        let shadows = 0.5 * doubled.sum::<DVec3>();
+        let (low, high) = alone.bounds().expect("a ball");
+        let across = dvec3(sides.y * sides.z, sides.z * sides.x, sides.x * sides.y);
+        let volume =
+            alone.volume() + sides.dot(shadows) + across.dot(high - low) + sides.element_product();
+        assert_volume(&format!("{count}"), &Solid::hull(sums), volume);
+    }
+}
+
 /// Flat sides with many points on them, some inside, all moved and rounded.
 #[test]
 fn hulls_of_regular_points_have_few_faces() {

@@ -79,6 +79,53 @@ fn polygons_are_the_same_in_both_readings() {
     }
 }
 
+/// Rounded by balls what has flat faces is as Steiner says; circles that became polygons are told.
+#[test]
+fn minkowski_sums_with_balls_are_round() {
+    let ball = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
+    let sphere = "sphere($fn = 0, $fa = 12, $fs = 2, r = 2);";
+    let rounded = 480.0 + 2.0 * 376.0 + PI * 24.0 * 4.0 + ball(2.0);
+    for (text, wanted) in [
+        (
+            format!("minkowski() {{ cube(size = [10, 8, 6]); {sphere} }}"),
+            rounded,
+        ),
+        (
+            format!("minkowski() {{ {sphere} group() {{ cube(size = [10, 8, 6]); }} }}"),
+            rounded,
+        ),
+        (
+            format!("minkowski() {{ {sphere} sphere($fn = 100, r = 3); }}"),
+            ball(5.0),
+        ),
+        (
+            format!(
+                "minkowski() {{ cube(size = [10, 8, 6]); {sphere} sphere(r = 1, $fa = 12, $fs = 2); }}"
+            ),
+            480.0 + 3.0 * 376.0 + PI * 24.0 * 9.0 + ball(3.0),
+        ),
+    ] {
+        let (found, off) = smooth_volume(&text, 1e-3);
+        assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
+        assert!(scene(&text, false).warnings.is_empty(), "{text}");
+    }
+    for text in [
+        "minkowski() { cube(size = [1, 1, 1]); cylinder(r1 = 2, r2 = 2, h = 1); }",
+        "hull() { cube(size = [9, 9, 1]); sphere(r = 5); }",
+        "linear_extrude(height = 1) { projection(cut = true) { cylinder(r1 = 5, r2 = 5, h = 2, center = true); } }",
+    ] {
+        let warnings: Vec<String> = scene(text, false)
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        let is_told = |warning: &String| warning.contains("polygons of 30 corners");
+        assert!(warnings.iter().any(is_told), "{text}: {warnings:?}");
+        let warnings = scene(text, true).warnings;
+        assert!(warnings.is_empty(), "{text}: {warnings:?}");
+    }
+}
+
 #[test]
 fn circles_are_round_or_not() {
     let facets = |n: f64| 0.5 * n * (2.0 * PI / n).sin();

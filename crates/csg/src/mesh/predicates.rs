@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D};
 
 /// The corners of a triangle.
-pub(super) type Triangle = [DVec3; 3];
+pub(crate) type Triangle = [DVec3; 3];
 
 /// Which side of the plane through a, b and c the point d is on: 1 for the
 /// side from which they are counter-clockwise, 0 for the plane itself.
-pub(super) fn side([a, b, c]: Triangle, d: DVec3) -> i8 {
+pub(crate) fn side([a, b, c]: Triangle, d: DVec3) -> i8 {
     let [a, b, c, d] = [a, b, c, d].map(|p| Coord3D {
         x: p.x,
         y: p.y,

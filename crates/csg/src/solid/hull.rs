@@ -2,9 +2,8 @@
 //!
 //! Quickhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm
 //! for convex hulls", 1996): the furthest point outside a face replaces all
-//! faces it sees by a fan. Faces that contain the point within rounding count
-//! as seen, so that flat sides are fanned anew and no face degenerates; each point is
-//! taken once at most, so that rounding cannot go round in circles. The
+//! faces it sees by a fan. Whether it sees one is decided exactly, so that the faces that it sees
+//! are one piece and no new one degenerates, however nearly flat a side is. The
 //! triangles of a flat side then become one plane.
 
 use glam::DVec3;
@@ -13,6 +12,7 @@ use rustc_hash::FxHashMap;
 use super::primitive::{Plane, Polyhedron};
 use super::tree::Solid;
 use crate::error::{NodeFault, ProfileFault};
+use crate::mesh::predicates::side;
 use crate::numeric::tolerance::{OFF_HULL, ON_FACE, SAME_FACE};
 
 impl Solid {
@@ -47,10 +47,13 @@ pub(super) fn hull_planes(points: &[DVec3]) -> Result<Vec<Plane>, NodeFault> {
     let mut hull = Hull::start(points, ON_FACE * size).ok_or(NodeFault::Flat)?;
     hull.grow();
     let planes = hull.planes(SAME_FACE * size);
-    let worst = planes
-        .iter()
-        .flat_map(|plane| points.iter().map(|&p| plane.normal.dot(p) - plane.offset))
-        .fold(0.0, f64::max);
+    // All other points are behind its faces.
+    let corners = hull.corners();
+    let off = |plane: &Plane| {
+        let beyond = corners.iter().map(|&p| plane.normal.dot(p) - plane.offset);
+        beyond.fold(0.0, f64::max)
+    };
+    let worst = planes.iter().map(off).fold(0.0, f64::max);
     if worst > OFF_HULL * size || planes.len() < 4 {
         return Err(NodeFault::Flat);
     }
@@ -68,13 +71,9 @@ struct Face {
 
 struct Hull<'a> {
     points: &'a [DVec3],
-    /// Which of them have been a corner: each becomes one once at most, even if rounding
-    /// takes it out again, so that the hull ends.
-    taken: Vec<bool>,
     faces: Vec<Face>,
     /// The face to the left of each directed edge.
     edges: FxHashMap<(usize, usize), usize>,
-    slack: f64,
 }
 
 impl<'a> Hull<'a> {
@@ -105,15 +104,10 @@ impl<'a> Hull<'a> {
         };
         let mut hull = Self {
             points,
-            taken: vec![false; points.len()],
             faces: Vec::new(),
             edges: FxHashMap::default(),
-            slack,
         };
         let [a, b, c, d] = corners;
-        for corner in corners {
-            hull.taken[corner] = true;
-        }
         let mut faces = Vec::new();
         for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
             faces.push(hull.add(corners));
@@ -147,16 +141,16 @@ impl<'a> Hull<'a> {
             .dot(self.points[point] - self.points[face.corners[0]])
     }
 
+    /// Whether a point is outside a face.
+    fn sees(&self, point: usize, face: usize) -> bool {
+        let corners = self.faces[face].corners.map(|i| self.points[i]);
+        side(corners, self.points[point]) > 0
+    }
+
     /// Gives each point to a face that it is outside of.
     fn share(&mut self, points: impl IntoIterator<Item = usize>, faces: &[usize]) {
         for point in points {
-            if self.taken[point] {
-                continue;
-            }
-            let seen = faces
-                .iter()
-                .find(|&&face| self.distance(face, point) > self.slack);
-            if let Some(&face) = seen {
+            if let Some(&face) = faces.iter().find(|&&face| self.sees(point, face)) {
                 self.faces[face].outside.push(point);
             }
         }
@@ -186,7 +180,6 @@ impl<'a> Hull<'a> {
         let mut horizon = Vec::new();
         let mut orphans = Vec::new();
         self.faces[start].alive = false;
-        self.taken[point] = true;
         let mut next = 0;
         while let Some(&face) = seen.get(next) {
             next += 1;
@@ -199,22 +192,16 @@ impl<'a> Hull<'a> {
                 if !self.faces[other].alive {
                     continue;
                 }
-                let holds = self.faces[other].corners.contains(&point);
-                if !holds && self.distance(other, point) > -self.slack {
+                if self.sees(point, other) {
                     self.faces[other].alive = false;
                     seen.push(other);
                 } else {
-                    horizon.push((from, to, other));
+                    horizon.push((from, to));
                 }
             }
         }
+        let horizon = horizon.into_iter();
         let faces: Vec<usize> = horizon
-            .into_iter()
-            // Neighbours that were seen later leave no edge.
-            .filter(|&(.., other)| self.faces[other].alive)
-            .map(|(from, to, _)| (from, to))
-            .collect::<Vec<_>>()
-            .into_iter()
             .map(|(from, to)| self.add([from, to, point]))
             .collect();
         self.share(orphans, &faces);
@@ -224,6 +211,17 @@ impl<'a> Hull<'a> {
     fn planes(&self, flat: f64) -> Vec<Plane> {
         let (largest, _) = self.sides(flat);
         largest.into_iter().map(|face| self.plane(face)).collect()
+    }
+
+    fn corners(&self) -> Vec<DVec3> {
+        let alive = self.faces.iter().filter(|face| face.alive);
+        let mut corners: Vec<usize> = alive.flat_map(|face| face.corners).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        corners
+            .into_iter()
+            .map(|corner| self.points[corner])
+            .collect()
     }
 
     fn plane(&self, face: usize) -> Plane {

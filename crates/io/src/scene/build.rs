@@ -28,6 +28,7 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
         options,
         faceted_until: 0,
         index: 0,
+        has_chords: false,
         facets: 0.0,
         allowance: Allowance::default(),
         fonts: None,
@@ -111,6 +112,8 @@ pub(super) struct Builder<'a> {
     pub(super) faceted_until: usize,
     /// The next node.
     pub(super) index: usize,
+    /// Whether polygons were put in place of circles since it was last told.
+    has_chords: bool,
     /// Facets made so far.
     facets: f64,
     /// What may still be meshed.
@@ -128,11 +131,12 @@ impl Builder<'_> {
     }
 
     /// The fragments of a circle that is read as a polygon.
-    pub(super) fn fragments(&self, fineness: &Fineness, radius: f64) -> f64 {
+    pub(super) fn fragments(&mut self, fineness: &Fineness, radius: f64) -> f64 {
         let fragments = fineness.fragments(radius);
         if self.options.faceted || fineness.is_polygon() {
             fragments
         } else {
+            self.has_chords = true;
             fragments.max(FRAGMENTS)
         }
     }
@@ -148,6 +152,15 @@ impl Builder<'_> {
         let Some(node) = open.node else {
             return Ok(operation(open.operands).0);
         };
+        if !of_union || matches!(open.operation, Operation::Section) {
+            let chords = std::mem::take(&mut self.has_chords);
+            if chords && !self.options.faceted {
+                let problem = format!(
+                    "circles in it are taken for polygons of {FRAGMENTS} corners, or $fn if that is more"
+                );
+                self.warn(node, problem);
+            }
+        }
         if !of_union {
             return self.convex(node, open);
         }

@@ -231,36 +231,85 @@ pub(super) fn hull(solids: &[Solid], allowance: &mut Allowance) -> Result<Solid,
 }
 
 /// The Minkowski sum: all sums of a point of each. Parts that are not convex
-/// are cut into convex parts first.
+/// are cut into convex parts first. Rounded by balls of one size it is exact, if there are
+/// few corners.
 pub(super) fn minkowski(solids: Vec<Solid>, allowance: &mut Allowance) -> Result<Solid, String> {
-    let mut solids = solids.into_iter();
-    let Some(first) = solids.next() else {
-        return Ok(Solid::empty());
-    };
-    let mut sum = first;
-    for solid in solids {
-        let (first, second) = (parts(&sum, allowance)?, parts(&solid, allowance)?);
-        let pairs = first.len() * second.len();
-        if pairs > MOST_PAIRS {
-            return Err(format!(
-                "{} by {} convex parts are more than {MOST_PAIRS} pairs: give simpler operands",
-                first.len(),
-                second.len()
-            ));
-        }
-        let mut hulls = Vec::with_capacity(pairs);
-        for a in &first {
-            for b in &second {
-                allowance.sums = allowance.sums.checked_sub(a.len() * b.len()).ok_or_else(|| {
-                    format!("its operands have too many corners (more than {MOST_SUMS} pairs in all such nodes of the scene): give simpler ones")
-                })?;
-                let sums = a.iter().flat_map(|&p| b.iter().map(move |&q| p + q));
-                hulls.push(Solid::hull(sums));
-            }
-        }
-        sum = Solid::union(hulls);
+    // In another order it is the same.
+    let is_round = |solid: &Solid| balls(std::slice::from_ref(solid)).is_some();
+    let (round, flat): (Vec<Solid>, Vec<Solid>) = solids.into_iter().partition(is_round);
+    let mut kinds = Vec::with_capacity(2);
+    for kind in [flat, round] {
+        kinds.extend(sum_in_order(kind, allowance)?);
     }
-    Ok(sum)
+    Ok(sum_in_order(kinds, allowance)?.unwrap_or_else(Solid::empty))
+}
+
+/// None of no solids.
+fn sum_in_order(solids: Vec<Solid>, allowance: &mut Allowance) -> Result<Option<Solid>, String> {
+    let mut solids = solids.into_iter();
+    let Some(mut sum) = solids.next() else {
+        return Ok(None);
+    };
+    for solid in solids {
+        sum = match rounded(&sum, &solid, allowance)? {
+            Some(rounded) => rounded,
+            None => sum_of_parts(&sum, &solid, allowance)?,
+        };
+    }
+    Ok(Some(sum))
+}
+
+/// The hulls of all sums of corners.
+fn sum_of_parts(one: &Solid, other: &Solid, allowance: &mut Allowance) -> Result<Solid, String> {
+    let (first, second) = (parts(one, allowance)?, parts(other, allowance)?);
+    let pairs = first.len() * second.len();
+    if pairs > MOST_PAIRS {
+        return Err(format!(
+            "{} by {} convex parts are more than {MOST_PAIRS} pairs: give simpler operands",
+            first.len(),
+            second.len()
+        ));
+    }
+    let mut hulls = Vec::with_capacity(pairs);
+    for a in &first {
+        for b in &second {
+            allowance.sums = allowance.sums.checked_sub(a.len() * b.len()).ok_or_else(|| {
+                format!("its operands have too many corners (more than {MOST_SUMS} pairs in all such nodes of the scene): give simpler ones")
+            })?;
+            let sums = a.iter().flat_map(|&p| b.iter().map(move |&q| p + q));
+            hulls.push(Solid::hull(sums));
+        }
+    }
+    Ok(Solid::union(hulls))
+}
+
+/// The sum of two solids if one of them is made of balls, and the other one too, or of few flat
+/// faces.
+fn rounded(one: &Solid, other: &Solid, allowance: &mut Allowance) -> Result<Option<Solid>, String> {
+    /// Of all parts; with more, chords of the balls are cheaper.
+    const MOST_CORNERS: usize = 200;
+    let of = |solid: &Solid| balls(std::slice::from_ref(solid));
+    let (parts, (centers, radius)) = match (of(one), of(other)) {
+        (None, None) => return Ok(None),
+        (Some((ones, radius)), Some((others, other))) => {
+            let parts = ones.into_iter().map(|center| vec![center]).collect();
+            (parts, (others, radius + other))
+        }
+        (Some(balls), None) => (parts(other, allowance)?, balls),
+        (None, Some(balls)) => (parts(one, allowance)?, balls),
+    };
+    let corners: usize = parts.iter().map(Vec::len).sum();
+    if corners * centers.len() > MOST_CORNERS {
+        return Ok(None);
+    }
+    let pairs = parts
+        .iter()
+        .flat_map(|part| centers.iter().map(move |&center| (part, center)));
+    let hulls = pairs.map(|(part, center)| {
+        let moved: Vec<DVec3> = part.iter().map(|&corner| corner + center).collect();
+        Solid::hull_of_balls(&moved, radius)
+    });
+    Ok(hulls.collect::<Option<Vec<Solid>>>().map(Solid::union))
 }
 
 /// The corners of convex parts that make up a solid.

@@ -1,6 +1,8 @@
 //! Nodes with children: what their arguments say, and what becomes of hulls,
 //! sums and new sizes.
 
+use std::ops::Range;
+
 use csg::Color;
 use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat4, DVec3, DVec4};
 
@@ -33,6 +35,14 @@ pub(super) enum Operation {
     Resize(DVec3, BVec3),
 }
 
+/// Whether a node holds others as they are, or puts them elsewhere.
+fn is_bracket(kind: Kind) -> bool {
+    matches!(
+        kind,
+        Kind::Group | Kind::Union | Kind::Multmatrix | Kind::Color | Kind::Render
+    )
+}
+
 impl Builder<'_> {
     /// What a node with children does.
     pub(super) fn operation(
@@ -63,7 +73,11 @@ impl Builder<'_> {
             }
             Kind::Hull | Kind::Minkowski => {
                 self.arguments(node, &["convexity"])?;
-                if node.kind == Kind::Minkowski || !self.holds_one_kind_alone(node) {
+                let is_smooth = match node.kind {
+                    Kind::Hull => self.holds_one_kind_alone(node),
+                    _ => self.sums_with_balls(node),
+                };
+                if !is_smooth {
                     self.faceted_until = self.faceted_until.max(node.end);
                 }
                 Ok(if node.kind == Kind::Hull {
@@ -119,20 +133,49 @@ impl Builder<'_> {
 
     /// Whether all below a node are spheres, or circles, or cylinders: their hull is smooth.
     fn holds_one_kind_alone(&self, node: &NodeText<'_>) -> bool {
-        let below = &self.tree.nodes[self.index..node.end];
-        let mut below = below.iter().filter(|node| !node.background);
+        let mut below = self.below(self.index..node.end);
         let mut first = None;
         below.all(|node| match node.kind {
             Kind::Sphere | Kind::Circle | Kind::Cylinder => {
-                let arguments = &self.tree.arguments[node.arguments.clone()];
-                let fragments = arguments.iter().find(|a| a.key == Some("$fn"));
-                let fragments = fragments.and_then(|a| number(&a.value)).unwrap_or(0.0);
-                *first.get_or_insert(node.kind) == node.kind
-                    && !(fragments > 0.0 && fragments <= 12.0)
+                *first.get_or_insert(node.kind) == node.kind && !self.is_polygon(node)
             }
-            Kind::Group | Kind::Union | Kind::Multmatrix | Kind::Color | Kind::Render => true,
-            _ => false,
+            kind => is_bracket(kind),
         })
+    }
+
+    /// Whether the children of a Minkowski sum are each made of nothing but spheres, or of
+    /// nothing but flat faces: what is rounded so is smooth.
+    fn sums_with_balls(&self, node: &NodeText<'_>) -> bool {
+        let mut index = self.index;
+        while let Some(child) = self.tree.nodes[..node.end].get(index) {
+            let is_ball = |node: &NodeText<'_>| {
+                node.kind == Kind::Sphere && !self.is_polygon(node) || is_bracket(node.kind)
+            };
+            let is_flat = |node: &NodeText<'_>| match node.kind {
+                Kind::Cube | Kind::Polyhedron => true,
+                Kind::Sphere | Kind::Cylinder => self.is_polygon(node),
+                kind => is_bracket(kind),
+            };
+            let all = || self.below(index..child.end);
+            if !(child.background || all().all(is_ball) || all().all(is_flat)) {
+                return false;
+            }
+            index = child.end;
+        }
+        true
+    }
+
+    fn below(&self, nodes: Range<usize>) -> impl Iterator<Item = &NodeText<'_>> {
+        let below = self.tree.nodes[nodes].iter();
+        below.filter(|node| !node.background)
+    }
+
+    /// Whether the text asks for a polygon in place of the circles of a primitive.
+    fn is_polygon(&self, node: &NodeText<'_>) -> bool {
+        let arguments = &self.tree.arguments[node.arguments.clone()];
+        let fragments = arguments.iter().find(|a| a.key == Some("$fn"));
+        let fragments = fragments.and_then(|a| number(&a.value)).unwrap_or(0.0);
+        fragments > 0.0 && fragments <= 12.0
     }
 
     fn resize(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
