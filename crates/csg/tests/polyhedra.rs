@@ -5,7 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::random::Random;
 use csg::glam::{self, DQuat, DVec2, DVec3, dvec3};
-use csg::{Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid, Twist, turn};
+use csg::{
+    BoundaryOptions, Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid,
+    Twist, turn,
+};
 
 fn meshed(what: &str, solid: &Solid) -> Mesh {
     let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
@@ -307,6 +310,81 @@ fn mistakes_are_named() {
         fault(&both, &twice),
         PolyhedronFault::Crossing { .. }
     ));
+}
+
+/// Held against the hull of thousands of points on the balls, which is within, by less than these are
+/// apart; two balls against the closed form.
+#[test]
+fn hulls_of_unequal_balls_are_round() {
+    let mut random = Random(11);
+    let exact = |balls: &[(DVec3, f64)]| {
+        let solid = Solid::hull_of_unequal_balls(balls).expect("a solid");
+        let program = Program::lower(&solid).expect("a program");
+        let meshed = Mesher::new()
+            .tolerance(0.01)
+            .mesh(&program)
+            .expect("a mesh");
+        assert_eq!(meshed.report.fallbacks, [], "{balls:?}");
+        assert_eq!(meshed.mesh.components().count, 1, "{balls:?}");
+        assert_eq!(meshed.mesh.check().euler_characteristic(), 2, "{balls:?}");
+        let boundary = program
+            .boundary(&BoundaryOptions::new())
+            .expect("a boundary");
+        boundary.measure().volume.value
+    };
+    let [r, s, height]: [f64; 3] = [3.0, 1.0, 2.5];
+    let sine = (r - s) / height;
+    let cosine = (1.0 - sine * sine).sqrt();
+    let below = |r: f64, z: f64| PI * (2.0 * r.powi(3) / 3.0 + r * r * z - z.powi(3) / 3.0);
+    let radii = [r * cosine, s * cosine];
+    let squares = radii[0] * radii[0] + radii[0] * radii[1] + radii[1] * radii[1];
+    let cone = PI / 3.0 * (height + (s - r) * sine) * squares;
+    let volume = below(r, r * sine) + cone + below(s, -s * sine);
+    let direction = dvec3(2.0, -1.0, 2.0) / 3.0;
+    let place = dvec3(0.3, 5.0, -2.0);
+    let found = exact(&[
+        (place + height * direction, s),
+        (place, r),
+        (place + 0.1, 0.5),
+    ]);
+    assert!((found - volume).abs() <= 1e-11 * volume, "{found} {volume}");
+    for case in 0..40 {
+        let count = 2 + case % 5;
+        let mut balls: Vec<(DVec3, f64)> = (0..count)
+            .map(|_| (3.0 * random_point(&mut random), 0.1 + random.unit()))
+            .collect();
+        match case / 5 % 4 {
+            // In one plane; in line; of few radii.
+            1 => balls.iter_mut().for_each(|ball| ball.0.z = 0.25),
+            2 => balls
+                .iter_mut()
+                .for_each(|ball| ball.0 = dvec3(ball.0.x, 1.0, 0.0)),
+            3 => balls.iter_mut().for_each(|ball| {
+                ball.0 = (2.0 * ball.0).round();
+                ball.1 = (2.0 * ball.1).ceil();
+            }),
+            _ => {}
+        }
+        let points = 400;
+        let golden = PI * (3.0 - 5.0_f64.sqrt());
+        let on_balls = balls.iter().flat_map(|&(center, radius)| {
+            (0..points).map(move |k| {
+                let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(points);
+                let (y, x) = (golden * f64::from(k)).sin_cos();
+                let across = (1.0 - z * z).sqrt();
+                center + radius * dvec3(across * x, across * y, z)
+            })
+        });
+        let within = Program::lower(&Solid::hull(on_balls)).expect("a hull");
+        let within = Mesher::new().mesh(&within).expect("a mesh").mesh;
+        // No point of a ball is farther from the next of these than four times their mean distance.
+        let largest = balls.iter().map(|ball| ball.1).fold(0.0, f64::max);
+        let angle = 4.0 * (1.0 / f64::from(points)).sqrt();
+        let gap = largest * (1.0 - angle.cos()) * 1.1 * within.area();
+        let found = exact(&balls);
+        let off = found - within.volume();
+        assert!((-1e-9..gap).contains(&off), "{case}: {off} {gap} {balls:?}");
+    }
 }
 
 /// Steiner's formula: volume, area, edges by their angles, a ball.

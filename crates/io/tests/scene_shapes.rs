@@ -79,6 +79,15 @@ fn polygons_are_the_same_in_both_readings() {
     }
 }
 
+/// A cone between two spheres (the closed form is in the mesher's own tests), and nothing to be told.
+#[test]
+fn hulls_of_unequal_spheres_are_smooth() {
+    let text = "hull() { sphere(r = 3, $fa = 12, $fs = 2); multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 2.5], [0, 0, 0, 1]]) { sphere(r = 1, $fa = 12, $fs = 2); } }";
+    let (found, off) = smooth_volume(text, 1e-3);
+    assert!((found - 114.458_692_345_788).abs() <= off, "{found}");
+    assert!(scene(text, false).warnings.is_empty());
+}
+
 /// Rounded by balls what has flat faces is as Steiner says; circles that became polygons are told.
 #[test]
 fn minkowski_sums_with_balls_are_round() {

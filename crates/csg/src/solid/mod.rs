@@ -15,6 +15,7 @@ mod primitives;
 pub(crate) mod profile;
 mod repair;
 mod revolve;
+mod round_cones;
 mod rounded;
 mod transform;
 mod tree;

@@ -153,8 +153,7 @@ impl Builder<'_> {
             return Ok(operation(open.operands).0);
         };
         if !of_union || matches!(open.operation, Operation::Section) {
-            let chords = std::mem::take(&mut self.has_chords);
-            if chords && !self.options.faceted {
+            if std::mem::take(&mut self.has_chords) {
                 let problem = format!(
                     "circles in it are taken for polygons of {FRAGMENTS} corners, or $fn if that is more"
                 );

@@ -132,8 +132,16 @@ fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
 
 /// The balls that a solid is the union of, as centres and their common radius.
 pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
-    let mut centers = Vec::new();
-    let mut common: Option<f64> = None;
+    let all = all_balls(solids)?;
+    let &(_, common) = all.first()?;
+    let alike = |&(_, radius): &(DVec3, f64)| (common - radius).abs() <= SAME * radius;
+    let centers = all.iter().map(|(center, _)| *center).collect();
+    all.iter().all(alike).then_some((centers, common))
+}
+
+/// The balls that solids are the union of, as centres and radii.
+fn all_balls(solids: &[Solid]) -> Option<Vec<(DVec3, f64)>> {
+    let mut found = Vec::new();
     for (primitive, map) in primitives(solids)? {
         let Primitive::Ellipsoid { radii } = primitive else {
             return None;
@@ -149,13 +157,12 @@ pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
             && [x.dot(y), y.dot(z), z.dot(x)]
                 .iter()
                 .all(|dot| dot.abs() <= SAME * x.length_squared());
-        let alike = (*common.get_or_insert(radius) - radius).abs() <= SAME * radius;
-        if !(round && alike) {
+        if !round {
             return None;
         }
-        centers.push(map.translation);
+        found.push((map.translation, radius));
     }
-    Some((centers, common?))
+    Some(found)
 }
 
 /// Cylinders with their ends in two planes.
@@ -220,6 +227,11 @@ pub(super) fn hull(solids: &[Solid], allowance: &mut Allowance) -> Result<Solid,
     {
         return Ok(rounded);
     }
+    if let Some(balls) = all_balls(solids)
+        && let Some(hull) = Solid::hull_of_unequal_balls(&balls)
+    {
+        return Ok(hull);
+    }
     if let Some(Upright { frame, discs, z }) = Upright::of(solids) {
         return Ok(Solid::extrude(&Profile::hull_of_discs(discs), z).affine(frame));
     }
@@ -237,11 +249,12 @@ pub(super) fn minkowski(solids: Vec<Solid>, allowance: &mut Allowance) -> Result
     // In another order it is the same.
     let is_round = |solid: &Solid| balls(std::slice::from_ref(solid)).is_some();
     let (round, flat): (Vec<Solid>, Vec<Solid>) = solids.into_iter().partition(is_round);
-    let mut kinds = Vec::with_capacity(2);
-    for kind in [flat, round] {
-        kinds.extend(sum_in_order(kind, allowance)?);
-    }
-    Ok(sum_in_order(kinds, allowance)?.unwrap_or_else(Solid::empty))
+    let kinds = [
+        sum_in_order(flat, allowance)?,
+        sum_in_order(round, allowance)?,
+    ];
+    let sum = sum_in_order(kinds.into_iter().flatten().collect(), allowance)?;
+    Ok(sum.unwrap_or_else(Solid::empty))
 }
 
 /// None of no solids.
