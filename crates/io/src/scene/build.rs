@@ -152,13 +152,12 @@ impl Builder<'_> {
         let Some(node) = open.node else {
             return Ok(operation(open.operands).0);
         };
-        if !of_union || matches!(open.operation, Operation::Section) {
-            if std::mem::take(&mut self.has_chords) {
-                let problem = format!(
-                    "circles in it are taken for polygons of {FRAGMENTS} corners, or $fn if that is more"
-                );
-                self.warn(node, problem);
-            }
+        let needs_corners = !of_union || matches!(open.operation, Operation::Section);
+        if needs_corners && std::mem::take(&mut self.has_chords) {
+            let problem = format!(
+                "circles in it are taken for polygons of {FRAGMENTS} corners, or $fn if that is more"
+            );
+            self.warn(node, problem);
         }
         if !of_union {
             return self.convex(node, open);
