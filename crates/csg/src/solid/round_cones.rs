@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::hull::hull_planes;
 use super::tree::Solid;
-use crate::numeric::tolerance::OFF_HULL;
+use crate::numeric::tolerance::{OFF_HULL, SAME_ANGLE};
 
 /// All triples of balls are held against all others.
 const MOST: usize = 24;
@@ -62,7 +62,8 @@ impl Solid {
                 let is_edge = match &normals[j * outer.len() + k][..] {
                     // All around, or nowhere.
                     [] => supports(cone.normal(), j),
-                    [first, others @ ..] => others.iter().any(|n| n.distance(*first) > EDGE),
+                    // On one plane alone it is within the hull.
+                    [first, others @ ..] => others.iter().any(|n| n.distance(*first) > SAME_ANGLE),
                 };
                 if is_edge {
                     parts.push(cone.solid());
@@ -76,9 +77,6 @@ impl Solid {
         Some(Self::union(parts))
     }
 }
-
-/// Normals of one plane differ by less: a cone between two balls on it alone is within the hull.
-const EDGE: f64 = 1e-9;
 
 /// The balls that are not within others.
 fn outer(balls: &[(DVec3, f64)]) -> Vec<(DVec3, f64)> {
@@ -99,7 +97,7 @@ fn touching([a, b, c]: [(DVec3, f64); 3]) -> Option<[DVec3; 2]> {
     let [u, v] = [b.0 - a.0, c.0 - a.0];
     let across = u.cross(v);
     let square = across.length_squared();
-    if square <= EDGE * EDGE * u.length_squared() * v.length_squared() {
+    if square <= SAME_ANGLE * SAME_ANGLE * u.length_squared() * v.length_squared() {
         return None;
     }
     let within = ((a.1 - b.1) * v.cross(across) + (a.1 - c.1) * across.cross(u)) / square;
