@@ -1,14 +1,17 @@
 //! Sections: what a plane meets of a solid, as a profile.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine2, DAffine3, DMat2, DVec2, DVec3};
 
+use crate::brep::{BoundaryOptions, CurveShape, Face, HalfAxes, Loop};
+use crate::elementary;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesher::Mesher;
-use crate::numeric::tolerance::ON_FACE;
+use crate::numeric::tolerance::{ON_FACE, ON_PLANE};
 use crate::program::Program;
 use crate::solid::Solid;
-use crate::solid::profile::{FillRule, Profile};
+use crate::solid::profile::{FillRule, Path, Profile};
+use crate::surface::SurfaceShape;
 
 impl Solid {
     /// The section with the plane z = 0 of a frame (a rigid map from its
@@ -16,8 +19,8 @@ impl Solid {
     /// that the solid or its boundary has, without lines and lone points. A box
     /// that stands on the plane has its base there.
     ///
-    /// Of a solid of flat faces the section is exact to rounding; of curved ones it
-    /// is a polygon that strays at most `tolerance`. Both halves are meshed for it.
+    /// Lines, circles and whole ellipses are such ([`Solid::exact_section`]); with other curves
+    /// the section is a polygon that strays at most `tolerance`, for which both halves are meshed.
     ///
     /// ```
     /// use csg::Solid;
@@ -33,6 +36,9 @@ impl Solid {
     /// What is wrong with the solid or the frame, a solid without end, a tolerance
     /// that is not positive.
     pub fn section(&self, frame: DAffine3, tolerance: f64) -> Result<Profile, Error> {
+        if let Some(section) = self.exact_section(frame, &BoundaryOptions::new())? {
+            return Ok(section);
+        }
         let local = self.affine(frame.inverse());
         let mesher = Mesher::new().tolerance(tolerance);
         let mut halves = Vec::with_capacity(2);
@@ -42,11 +48,114 @@ impl Solid {
         Ok(Profile::union(halves.iter().map(Mesh::faces_in_plane)))
     }
 
+    /// The section as [`Solid::section`] makes it, of lines, circles and whole ellipses. `None`
+    /// if it has other curves, or if it cannot be told how surfaces meet. The boundary of both
+    /// halves is evaluated for it.
+    ///
+    /// # Errors
+    /// What is wrong with the solid or the frame, and as [`Program::boundary`] has.
+    pub fn exact_section(
+        &self,
+        frame: DAffine3,
+        options: &BoundaryOptions,
+    ) -> Result<Option<Profile>, Error> {
+        let local = self.affine(frame.inverse());
+        let mut faces = Vec::new();
+        for half in local.halves() {
+            let half = match Program::lower(&half)?.boundary(options) {
+                Ok(half) => half,
+                Err(Error::Undecided(_)) => return Ok(None),
+                Err(error) => return Err(error),
+            };
+            for face in half.faces().filter(is_in_plane) {
+                let Some(face) = flat(&face) else {
+                    return Ok(None);
+                };
+                faces.push(face);
+            }
+        }
+        // Both halves have most faces alike.
+        Ok(Some(Profile::union(faces).resolved()))
+    }
+
     /// What is below and above the plane z = 0.
     #[must_use]
     pub fn halves(&self) -> [Self; 2] {
         [DVec3::Z, -DVec3::Z].map(|normal| self & Self::half_space(normal, 0.0))
     }
+}
+
+/// Whether a face lies in the plane z = 0 within rounding.
+fn is_in_plane(face: &Face<'_>) -> bool {
+    let SurfaceShape::Plane { point, normal } = face.surface().shape() else {
+        return false;
+    };
+    let points = face.points();
+    let far = points.iter().map(|p| p.abs().max_element());
+    let slack = ON_PLANE * far.fold(point.length(), f64::max);
+    normal.truncate().length() <= ON_PLANE && point.dot(normal).abs() <= slack
+}
+
+/// A face in the plane z = 0, if its edges are lines, circles and whole ellipses.
+fn flat(face: &Face<'_>) -> Option<Profile> {
+    let (mut outer, mut holes) = (Vec::new(), Vec::new());
+    for around in face.loops() {
+        let (profile, is_outer) = ellipse(&around).or_else(|| contour(&around))?;
+        if is_outer == (face.normal(DVec3::ZERO).z > 0.0) {
+            outer.push(profile);
+        } else {
+            holes.push(profile);
+        }
+    }
+    Some(Profile::union(outer) - Profile::union(holes))
+}
+
+/// What a loop encloses that is one ellipse, and whether it runs counter-clockwise.
+fn ellipse(around: &Loop<'_>) -> Option<(Profile, bool)> {
+    let mut coedges = around.coedges();
+    let (coedge, None) = (coedges.next()?, coedges.next()) else {
+        return None;
+    };
+    let curve = coedge.edge().curve();
+    let CurveShape::Ellipse { center, .. } = curve else {
+        return None;
+    };
+    let HalfAxes { long, short, .. } = curve.half_axes()?;
+    let axes = DMat2::from_cols(long.truncate(), short.truncate());
+    let disc =
+        Profile::circle(1.0).affine(DAffine2::from_mat2_translation(axes, center.truncate()));
+    Some((disc, (axes.determinant() > 0.0) == coedge.is_forward()))
+}
+
+/// What a loop of lines and circles encloses, and whether it runs counter-clockwise.
+fn contour(around: &Loop<'_>) -> Option<(Profile, bool)> {
+    let mut path: Option<Path> = None;
+    let mut doubled_area = 0.0;
+    for coedge in around.coedges() {
+        let edge = coedge.edge();
+        let [from, to] = coedge.vertices()?.map(|vertex| vertex.point().truncate());
+        let curve = edge.curve();
+        let sweep = match (curve, curve.half_axes()) {
+            (CurveShape::Line { .. }, _) => 0.0,
+            (_, Some(axes)) if axes.is_circle => {
+                let [start, end] = edge.range();
+                let turn = axes.long.truncate().perp_dot(axes.short.truncate());
+                let sweep = (end - start).copysign(turn);
+                if coedge.is_forward() { sweep } else { -sweep }
+            }
+            _ => return None,
+        };
+        let before = path.take().unwrap_or_else(|| Path::from(from));
+        path = Some(if sweep == 0.0 {
+            before.line_to(to)
+        } else {
+            let radius = 0.5 * from.distance(to) / elementary::sin(0.5 * sweep.abs());
+            doubled_area += radius * radius * (sweep - elementary::sin(sweep));
+            before.arc_to(to, sweep)
+        });
+        doubled_area += from.perp_dot(to);
+    }
+    Some((path?.close(), doubled_area > 0.0))
 }
 
 impl Mesh {

@@ -121,7 +121,7 @@ fn minkowski_sums_with_balls_are_round() {
     for text in [
         "minkowski() { cube(size = [1, 1, 1]); cylinder(r1 = 2, r2 = 2, h = 1); }",
         "hull() { cube(size = [9, 9, 1]); sphere(r = 5); }",
-        "linear_extrude(height = 1) { projection(cut = true) { cylinder(r1 = 5, r2 = 5, h = 2, center = true); } }",
+        "linear_extrude(height = 1) { minkowski() { square(size = [9, 9]); polygon(points = [[0, 0], [1, 0], [0, 1]]); circle(r = 5); } }",
     ] {
         let warnings: Vec<String> = scene(text, false)
             .warnings
@@ -133,6 +133,53 @@ fn minkowski_sums_with_balls_are_round() {
         let warnings = scene(text, true).warnings;
         assert!(warnings.is_empty(), "{text}: {warnings:?}");
     }
+}
+
+/// Offsets, sums with circles and sections keep lines and arcs, also of combinations.
+#[test]
+fn flat_shapes_stay_exact() {
+    let plate = "difference() { square(size = [40, 40], center = true); circle(r = 10); }";
+    let mitred = format!("offset(delta = 1, chamfer = false) {{ {plate} }}");
+    let post = "cylinder(r1 = 5, r2 = 5, h = 10);";
+    let tilted = "multmatrix([[1, 0, 0, 0], [0, 0.8, -0.6, 0], [0, 0.6, 0.8, 0], [0, 0, 0, 1]]) { cylinder(r1 = 5, r2 = 5, h = 60, center = true); }";
+    let section = |of: &str| format!("projection(cut = true) {{ {of} }}");
+    for (flat, wanted) in [
+        (format!("offset(r = -1) {{ {plate} }}"), 1444.0 - 121.0 * PI),
+        (
+            format!("offset(r = 1) {{ {plate} }}"),
+            1760.0 + PI - 81.0 * PI,
+        ),
+        (
+            format!("offset(r = 12) {{ {plate} }}"),
+            1600.0 + 4.0 * 480.0 + 144.0 * PI,
+        ),
+        // Gone and back: only the corners are round.
+        (
+            format!("offset(r = 3) {{ offset(r = -3) {{ {plate} }} }}"),
+            1600.0 - 100.0 * PI - 9.0 * (4.0 - PI),
+        ),
+        (mitred, 42.0 * 42.0 - 81.0 * PI),
+        (
+            format!("minkowski() {{ {plate} circle(r = 1); circle(r = 2); }}"),
+            1600.0 + 480.0 + 9.0 * PI - 49.0 * PI,
+        ),
+        (section(post), 25.0 * PI),
+        (
+            section(&format!(
+                "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -3], [0, 0, 0, 1]]) {{ difference() {{ {post} cube(size = [2, 2, 30], center = true); }} }}"
+            )),
+            25.0 * PI - 4.0,
+        ),
+        (section(tilted), 25.0 * PI / 0.8),
+    ] {
+        let text = format!("linear_extrude(height = 1) {{ {flat} }}");
+        let (found, off) = smooth_volume(&text, 1e-3);
+        assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
+        assert!(scene(&text, false).warnings.is_empty(), "{text}");
+    }
+    let oval = "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }";
+    let warnings = scene(oval, false).warnings;
+    assert!(warnings[0].to_string().contains("chords"), "{warnings:?}");
 }
 
 #[test]
@@ -257,7 +304,6 @@ fn warnings_and_errors_say_where() {
         "polyhedron(points = undef, faces = [[0, 1, 2]], convexity = 1);",
         "polygon(points = [[0, 0], [1, 0], [0, 1]], paths = [[0, 1, 7]], convexity = 1);",
         "linear_extrude(height = 1, twist = nan) { circle(r = 1); }",
-        "minkowski() { circle(r = 1); square(size = [1, 1]); }",
         "offset(r = inf) { circle(r = 1); }",
         "resize(newsize = [1, 1]) { circle(r = 1); }",
     ] {

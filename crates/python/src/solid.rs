@@ -250,6 +250,12 @@ impl PySolid {
         let mesher = csg::Mesher::new()
             .tolerance(tolerance)
             .cancel_token(follow.cancel.clone());
+        let options = csg::BoundaryOptions::new().cancel_token(follow.cancel.clone());
+        let solid = self.0.clone();
+        let exact = wait(py, &follow, move || solid.exact_section(frame, &options))?;
+        if let Some(section) = exact.map_err(of_model)? {
+            return Ok(PyProfile(section));
+        }
         let local = self.0.affine(frame.inverse());
         let halves = wait(py, &follow, move || {
             let halves = local.halves().into_iter();

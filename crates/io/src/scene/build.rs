@@ -152,8 +152,7 @@ impl Builder<'_> {
         let Some(node) = open.node else {
             return Ok(operation(open.operands).0);
         };
-        let needs_corners = !of_union || matches!(open.operation, Operation::Section);
-        if needs_corners && std::mem::take(&mut self.has_chords) {
+        if !of_union && std::mem::take(&mut self.has_chords) {
             let problem = format!(
                 "circles in it are taken for polygons of {FRAGMENTS} corners, or $fn if that is more"
             );

@@ -6,7 +6,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use csg::glam::{DAffine3, DMat3, DVec2, DVec3};
-use csg::{FillRule, Limits, Made, Mesh, Mesher, Node, Primitive, Profile, Program, Solid};
+use csg::{
+    BoundaryOptions, FillRule, Join, Limits, Made, Mesh, Mesher, Node, Primitive, Profile, Program,
+    Solid,
+};
 
 /// How far the mesh of a curved solid may stray, as a share of its size.
 const SHARE: f64 = 1e-4;
@@ -257,6 +260,41 @@ pub(super) fn minkowski(solids: Vec<Solid>, allowance: &mut Allowance) -> Result
     Ok(sum.unwrap_or_else(Solid::empty))
 }
 
+/// The Minkowski sum of flat shapes. That of one with circles is what its outline moved outwards
+/// encloses; others are summed as prisms.
+pub(super) fn flat_sum(
+    profiles: Vec<Profile>,
+    allowance: &mut Allowance,
+) -> Result<Profile, String> {
+    let mut others = Vec::new();
+    let (mut radius, mut place) = (0.0, DVec2::ZERO);
+    for profile in profiles {
+        match profile.as_circle() {
+            Some((center, of)) => {
+                radius += of;
+                place += center;
+            }
+            None => others.push(profile),
+        }
+    }
+    let Some(first) = others.pop() else {
+        return Ok(Profile::circle(radius).translate(place));
+    };
+    let sum = if others.is_empty() {
+        first
+    } else {
+        let prism = |profile| Solid::extrude(profile, -0.5..0.5);
+        let prisms = others.iter().chain([&first]).map(prism).collect();
+        section(&minkowski(prisms, allowance)?, allowance)?
+    };
+    if radius == 0.0 {
+        return Ok(sum);
+    }
+    let moved = sum.exact_offset(radius, Join::Round);
+    let moved = moved.ok_or("rounding leaves open how its outline is moved by the circles")?;
+    Ok(moved.translate(place))
+}
+
 /// None of no solids.
 fn sum_in_order(solids: Vec<Solid>, allowance: &mut Allowance) -> Result<Option<Solid>, String> {
     let mut solids = solids.into_iter();
@@ -395,6 +433,11 @@ fn take(counts: &mut BTreeMap<[u32; 2], u32>, side: [u32; 2]) -> bool {
 
 /// The section with the plane z = 0.
 pub(super) fn section(solid: &Solid, allowance: &mut Allowance) -> Result<Profile, String> {
+    let options = BoundaryOptions::new().limits(Limits::new().cells(allowance.cells));
+    let exact = solid.exact_section(DAffine3::IDENTITY, &options);
+    if let Some(section) = exact.map_err(|e| e.to_string())? {
+        return Ok(section);
+    }
     let mut halves = Vec::with_capacity(2);
     for half in solid.halves() {
         halves.push(mesh(&half, allowance)?.faces_in_plane());

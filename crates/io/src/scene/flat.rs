@@ -15,6 +15,9 @@ use super::values::{array, list, number};
 
 /// Read as smooth, a twist turns by at most this between flat steps.
 const FINEST_TWIST: f64 = 2.0 * PI / 256.0;
+/// What is told where arcs cannot be kept.
+const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
+
 /// `linear_extrude`, but for what it extrudes.
 pub(super) struct Extrusion {
     height: f64,
@@ -164,7 +167,13 @@ impl Builder<'_> {
         profile: &Profile,
         growth: &Growth,
     ) -> Result<Piece, SceneError> {
-        let grown = profile.offset(growth.distance, growth.join);
+        let grown = match profile.exact_offset(growth.distance, growth.join) {
+            Some(grown) => grown,
+            None => {
+                self.warn(node, CHORDS.to_owned());
+                profile.offset(growth.distance, growth.join)
+            }
+        };
         self.flat(node, grown)
     }
 
@@ -235,6 +244,9 @@ impl Builder<'_> {
         let solid = if twist == 0.0 && scale == DVec2::ONE {
             Solid::extrude(profile, z)
         } else if twist == 0.0 && (scale.x == scale.y || !self.is_faceted()) {
+            if scale.x != scale.y && !profile.is_straight() {
+                self.warn(node, CHORDS.to_owned());
+            }
             Solid::extrude_scaled(profile, z, scale)
         } else {
             let steps = self.slices(node, profile, extrusion)?;

@@ -33,16 +33,20 @@
 //!   cylinders and cones. A circle turned about an axis beside it is cut into 32
 //!   chords or more first, with a warning that says how near they are, a twist into
 //!   flat steps of at most 1.4 degrees, and circles that are
-//!   scaled unevenly into flat steps within 1e-4 of the size.
+//!   scaled unevenly into flat steps within 1e-4 of the size, which a warning says. Offsets
+//!   have the arcs of what they move and of its corners; of ellipses, and where rounding leaves
+//!   open what meets, chords are moved, with a warning.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
 //!   of the size (faceted: as many as OpenSCAD takes).
-//! - Hulls, Minkowski sums, projections, sections and `resize` need corners: what is in
-//!   them is meshed while reading, circles there as polygons of at least 30
+//! - Sections are exact where they have lines, circles and whole ellipses.
+//! - Hulls, Minkowski sums, projections, other sections and `resize` need corners: what is in
+//!   them is meshed while reading, circles in hulls and sums as polygons of at least 30
 //!   corners, which a warning says, as of what else is curved. A hull of nothing but
 //!   spheres (equal, or at most 24) is exact, and so is one of circles, or of cylinders with their
-//!   ends in two planes; and a Minkowski sum of spheres and of what has flat faces and few corners. How many cells and
-//!   corners all of them together may cost is bounded; more is an error.
+//!   ends in two planes; and a Minkowski sum of spheres and of what has flat faces and few corners, or of
+//!   a flat shape and circles. How many cells and corners all of them together may cost is
+//!   bounded; more is an error.
 //! - Of profiles and solids in one list those unlike the first are left out,
 //!   with a warning; an intersection of both has no points.
 //! - The faces of a `polyhedron` must close; if they are inside out they are

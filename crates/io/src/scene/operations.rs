@@ -65,17 +65,17 @@ impl Builder<'_> {
             Kind::Offset => Ok(Operation::Offset(self.growth(node)?)),
             Kind::Projection => {
                 let [cut, _] = self.arguments(node, &["cut", "convexity"])?;
-                if self.flag(node, "cut", cut)? {
-                    self.faceted_until = self.faceted_until.max(node.end);
-                    return Ok(Operation::Section);
-                }
-                Ok(Operation::Projection)
+                Ok(if self.flag(node, "cut", cut)? {
+                    Operation::Section
+                } else {
+                    Operation::Projection
+                })
             }
             Kind::Hull | Kind::Minkowski => {
                 self.arguments(node, &["convexity"])?;
                 let is_smooth = match node.kind {
                     Kind::Hull => self.holds_one_kind_alone(node),
-                    _ => self.sums_with_balls(node),
+                    _ => self.sums_smoothly(node),
                 };
                 if !is_smooth {
                     self.faceted_until = self.faceted_until.max(node.end);
@@ -143,26 +143,59 @@ impl Builder<'_> {
         })
     }
 
-    /// Whether the children of a Minkowski sum are each made of nothing but spheres, or of
-    /// nothing but flat faces: what is rounded so is smooth.
-    fn sums_with_balls(&self, node: &NodeText<'_>) -> bool {
+    /// Whether a Minkowski sum is smooth.
+    fn sums_smoothly(&self, node: &NodeText<'_>) -> bool {
+        let mut children = Vec::new();
         let mut index = self.index;
         while let Some(child) = self.tree.nodes[..node.end].get(index) {
-            let is_ball = |node: &NodeText<'_>| {
-                node.kind == Kind::Sphere && !self.is_polygon(node) || is_bracket(node.kind)
-            };
-            let is_flat = |node: &NodeText<'_>| match node.kind {
-                Kind::Cube | Kind::Polyhedron => true,
-                Kind::Sphere | Kind::Cylinder => self.is_polygon(node),
-                kind => is_bracket(kind),
-            };
-            let all = || self.below(index..child.end);
-            if !(child.background || all().all(is_ball) || all().all(is_flat)) {
-                return false;
+            if !child.background {
+                children.push(index..child.end);
             }
             index = child.end;
         }
-        true
+        self.sums_with_balls(&children) || self.sums_with_circles(&children)
+    }
+
+    /// Whether children are each made of nothing but spheres, or of nothing but flat faces: what
+    /// is rounded so is smooth.
+    fn sums_with_balls(&self, children: &[Range<usize>]) -> bool {
+        let is_ball = |node: &NodeText<'_>| {
+            node.kind == Kind::Sphere && !self.is_polygon(node) || is_bracket(node.kind)
+        };
+        let is_flat = |node: &NodeText<'_>| match node.kind {
+            Kind::Cube | Kind::Polyhedron => true,
+            Kind::Sphere | Kind::Cylinder => self.is_polygon(node),
+            kind => is_bracket(kind),
+        };
+        children.iter().all(|child| {
+            let all = || self.below(child.clone());
+            all().all(is_ball) || all().all(is_flat)
+        })
+    }
+
+    /// Whether children are flat shapes, all but one of them one circle each, which move the
+    /// outline of that one.
+    fn sums_with_circles(&self, children: &[Range<usize>]) -> bool {
+        let is_circle = |node: &NodeText<'_>| node.kind == Kind::Circle && !self.is_polygon(node);
+        let is_shape = |node: &NodeText<'_>| {
+            let is_outline = matches!(
+                node.kind,
+                Kind::Square | Kind::Polygon | Kind::Text | Kind::Offset
+            );
+            let combines = matches!(node.kind, Kind::Difference | Kind::Intersection);
+            is_outline || combines || is_bracket(node.kind) || is_circle(node)
+        };
+        let is_one_circle = |child: &&Range<usize>| {
+            let mut shapes = self
+                .below((*child).clone())
+                .filter(|node| !is_bracket(node.kind));
+            shapes.next().is_some_and(is_circle) && shapes.next().is_none()
+        };
+        let circles = children.iter().filter(is_one_circle).count();
+        circles + 1 >= children.len()
+            && children
+                .iter()
+                .all(|child| self.below(child.clone()).all(is_shape))
     }
 
     fn below(&self, nodes: Range<usize>) -> impl Iterator<Item = &NodeText<'_>> {
@@ -231,8 +264,9 @@ impl Builder<'_> {
         match pieces {
             Pieces::Nothing => Ok(Piece::Nothing),
             Pieces::Flats(flats) if is_hull => Ok(Piece::Flat(csg::Profile::union(flats).hull())),
-            Pieces::Flats(_) => {
-                Err(self.fault(node, "Minkowski sums of flat shapes cannot be read"))
+            Pieces::Flats(flats) => {
+                let sum = self.of_corners(node, |allowance| corners::flat_sum(flats, allowance))?;
+                self.flat(node, sum)
             }
             Pieces::Solids(solids) => {
                 let solid = self.of_corners(node, |allowance| {

@@ -1,12 +1,14 @@
 //! From contours to a formula: cleaned, uncrossed, nested.
 
-use glam::{DAffine2, DVec2};
+use glam::DAffine2;
 
 use super::arcs::{self, Sagitta, doubled_area, reversed, stretch};
-use super::flatten::{disc_corners, resolved};
+use super::flatten::disc_corners;
 use super::monotone::inside;
+use super::outline::outline;
 use super::plane_set::{Leaf, PlaneSet};
 use super::polygon::{self, Nesting, cleaned};
+use super::segments::enclosed_by_arcs;
 use super::{Combination, Contour, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
 
@@ -64,29 +66,18 @@ fn of_contours(contours: &[Contour], rule: FillRule) -> Result<PlaneSet, Profile
     let Some(place) = polygon::crossing(&clean) else {
         return nested(&clean, rule);
     };
-    if clean.iter().flatten().any(|corner| corner.bulge != 0.0) {
-        return Err(ProfileFault::Crossing { place });
-    }
-    let shapes = resolved(&polygon::points_of(&clean), rule);
-    let shapes = shapes.into_iter().map(|contours| {
-        let mut sets = contours.iter().map(|points| {
-            let mut corners = polygon::without_straight(points);
-            if polygon::doubled_area(&corners) < 0.0 {
-                corners.reverse();
-            }
-            inside(&corners)
-        });
-        let outer = sets.next().unwrap_or(PlaneSet::EMPTY);
-        outer.without(sets.collect())
-    });
-    Ok(PlaneSet::any(shapes.collect()))
+    let all: Vec<(usize, Contour)> = clean.into_iter().map(|contour| (0, contour)).collect();
+    let contours = outline(&all, 1, |windings| rule.is_inside(windings[0]));
+    nested(
+        &contours.ok_or(ProfileFault::Crossing { place })?,
+        FillRule::NonZero,
+    )
 }
 
 /// Contours that do not meet: each with what it encloses, in the order of their
 /// areas, so that what lies in a contour comes before it.
 fn nested(contours: &[Contour], rule: FillRule) -> Result<PlaneSet, ProfileFault> {
-    let traces: Vec<Vec<DVec2>> = contours.iter().map(|c| arcs::trace(c)).collect();
-    let nesting = Nesting::of(&traces, rule);
+    let nesting = Nesting::of(contours, rule);
     let mut within: Vec<Vec<PlaneSet>> = vec![Vec::new(); contours.len() + 1];
     let outside = contours.len();
     for &k in nesting.order.iter().rev() {
@@ -114,21 +105,12 @@ fn enclosed(contour: &Contour) -> Result<PlaneSet, ProfileFault> {
             &polygon::points_of(std::slice::from_ref(&contour))[0],
         ));
     }
-    let contour = arcs::parted(contour)?;
-    let points: Vec<DVec2> = contour.iter().map(|corner| corner.point).collect();
-    let corners = polygon::without_straight(&points);
-    let mut parts = vec![if corners.len() > 2 {
-        inside(&corners)
-    } else {
-        PlaneSet::EMPTY
-    }];
-    let mut dents = Vec::new();
-    for k in 0..contour.len() {
-        match arcs::side(&contour, k).1 {
-            Some(arc) if arc.sweep > 0.0 => parts.push(arc.segment()),
-            Some(arc) => dents.push(arc.segment()),
-            None => {}
-        }
+    if let [one, other] = contour[..]
+        && one.bulge == 1.0
+        && other.bulge == 1.0
+    {
+        let disc = arcs::side(&contour, 0).1.map(|arc| Leaf::Disc(arc.disc()));
+        return Ok(disc.map_or(PlaneSet::EMPTY, PlaneSet::leaf));
     }
-    Ok(PlaneSet::any(parts).without(dents))
+    enclosed_by_arcs(contour)
 }

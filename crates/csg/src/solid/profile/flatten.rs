@@ -91,7 +91,7 @@ impl Profile {
                     Ok(if crossing(&clean).is_some() {
                         resolved(&points_of(&clean), *rule)
                     } else {
-                        grouped(&points_of(&clean), *rule)
+                        grouped(&clean, *rule)
                     })
                 }
             },
@@ -121,8 +121,9 @@ pub(super) fn disc_corners(map: &DAffine2, sagitta: Sagitta) -> Contour {
 }
 
 /// Contours that do not meet, as polygons.
-fn grouped(contours: &[Vec<DVec2>], rule: FillRule) -> Vec<Polygon> {
+fn grouped(contours: &[Contour], rule: FillRule) -> Vec<Polygon> {
     let nesting = Nesting::of(contours, rule);
+    let contours = points_of(contours);
     let mut polygons: Vec<Polygon> = Vec::new();
     // Which polygon a contour is of, or the one around a contour that bounds nothing.
     let mut polygon_of: Vec<Option<usize>> = vec![None; contours.len()];

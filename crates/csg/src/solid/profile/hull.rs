@@ -88,6 +88,15 @@ impl Profile {
         path.close()
     }
 
+    /// The centre and the radius if it is one circle.
+    #[must_use]
+    pub fn as_circle(&self) -> Option<(DVec2, f64)> {
+        match self.discs()?[..] {
+            [(center, radius)] if radius > 0.0 => Some((center, radius)),
+            _ => None,
+        }
+    }
+
     /// The discs and points whose hull is that of the profile, if it is made of circles and
     /// polygons alone.
     fn discs(&self) -> Option<Vec<(DVec2, f64)>> {

@@ -14,10 +14,13 @@ mod flatten;
 mod hull;
 mod monotone;
 mod offset;
+mod outline;
 mod path;
 mod plane_set;
 mod polygon;
+mod segments;
 mod shapes;
+mod side;
 mod stored;
 mod turn;
 
@@ -159,7 +162,8 @@ impl Profile {
     }
 
     /// Whether it has neither circles nor arcs.
-    pub(crate) fn is_straight(&self) -> bool {
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
         self.steps.iter().all(|step| match step {
             Step::Shape(Shape::Disc, _) => false,
             Step::Shape(Shape::Contours(contours, _), _) => {

@@ -26,9 +26,13 @@ pub(super) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     orient2d(a, b, c)
 }
 
-/// The inside of a simple polygon, counter-clockwise, without straight corners.
+/// The inside of a simple polygon, counter-clockwise. Corners that are straight within rounding
+/// are passed over: which sides of them meet others, prolonged, would be left to rounding.
 pub(super) fn inside(corners: &[DVec2]) -> PlaneSet {
-    let chains = Chains { corners };
+    let far = |most: f64, corner: &DVec2| corner.abs().max_element().max(most);
+    let slack = IN_PROFILE * corners.iter().fold(0.0, far);
+    let corners = &turning(corners, slack)[..];
+    let chains = Chains { corners, slack };
     let by_place = |a: &usize, b: &usize| {
         let (a, b) = (corners[*a], corners[*b]);
         a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
@@ -65,6 +69,27 @@ pub(super) fn inside(corners: &[DVec2]) -> PlaneSet {
     set
 }
 
+/// The corners that are off the line between the one before that is kept and the next one.
+fn turning(corners: &[DVec2], slack: f64) -> Vec<DVec2> {
+    let mut kept: Vec<DVec2> = Vec::with_capacity(corners.len());
+    for (k, &corner) in corners.iter().enumerate() {
+        let before = kept.last().or(corners.last()).copied();
+        let next = match corners.get(k + 1) {
+            Some(&next) => next,
+            None => kept.first().copied().unwrap_or(corner),
+        };
+        let is_straight = before.is_some_and(|before| {
+            let along = next - before;
+            let off = along.perp_dot(corner - before).abs();
+            off <= slack * along.length()
+        });
+        if !is_straight {
+            kept.push(corner);
+        }
+    }
+    kept
+}
+
 enum Task {
     /// The sides from one corner to another, as a chain.
     Chain(usize, usize),
@@ -74,6 +99,8 @@ enum Task {
 
 struct Chains<'a> {
     corners: &'a [DVec2],
+    /// Corners that are so far apart across a line are on it alike.
+    slack: f64,
 }
 
 impl Chains<'_> {
@@ -100,14 +127,16 @@ impl Chains<'_> {
             (sign * outward.dot(offset), outward.perp_dot(offset))
         };
         let furthest = |sign: f64| {
-            (first + 1..end)
-                .map(|k| (key(k, sign), k))
-                .max_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)))
+            let keys = || (first + 1..end).map(|k| (key(k, sign), k));
+            let most = keys().fold(f64::NEG_INFINITY, |most, (key, _)| most.max(key.0));
+            keys()
+                .filter(|(key, _)| key.0 >= most - self.slack * outward.length())
+                .max_by(|(a, _), (b, _)| a.1.total_cmp(&b.1))
         };
         let one = furthest(1.0);
         let other = if opposite { furthest(-1.0) } else { None };
         let best = match (one, other) {
-            (Some(one), Some(other)) if other.0.0 > one.0.0 => Some(other),
+            (Some(one), Some(other)) if other.0.0 > one.0.0 + self.slack => Some(other),
             (one, _) => one,
         };
         best.map_or(first + 1, |(_, k)| k)

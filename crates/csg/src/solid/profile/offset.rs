@@ -4,17 +4,19 @@
 //! joined; at any other they cross, and a detour through the corner itself
 //! winds the loop between them negatively. What the contour then winds around
 //! positively is the offset (X. Chen, S. McMains, "Polygon offsetting by
-//! computing winding numbers", 2005). Arcs stay arcs where no two sides of the
-//! moved contours meet, which is checked; otherwise chords replace them.
+//! computing winding numbers", 2005).
 
 use crate::elementary;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::arcs::{Sagitta, cut, doubled_area, side, stretch};
+use super::arcs::{Sagitta, cut, side, stretch};
+use super::contour::plane_set;
 use super::flatten;
-use super::polygon::{cleaned, crossing, points_of};
+use super::outline::outline;
+use super::polygon::points_of;
+use super::side::Side;
 use super::{Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
 use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
@@ -37,42 +39,78 @@ pub enum Join {
 
 impl Profile {
     /// The profile grown by a distance, or shrunk by a negative one, to all
-    /// sides. Arcs stay arcs where the moved contours do not meet themselves;
-    /// otherwise they become chords within 1e-4 of the profile's size (for
-    /// another tolerance, see [`Profile::flattened`] and [`Join::Chords`]).
+    /// sides. Lines and arcs stay such, also of Boolean combinations, if rounding
+    /// leaves nothing open about where they meet ([`Profile::exact_offset`]);
+    /// otherwise, and of ellipses, chords within 1e-4 of the profile's size are
+    /// moved (for another tolerance, see [`Profile::flattened`] and
+    /// [`Join::Chords`]).
     #[must_use]
     pub fn offset(&self, distance: f64, join: Join) -> Self {
-        Self::of(self.try_offset(distance, join))
+        self.exact_offset(distance, join)
+            .unwrap_or_else(|| Self::of(self.offset_of_chords(distance, join)))
     }
 
-    fn try_offset(&self, distance: f64, join: Join) -> Result<Self, ProfileFault> {
+    /// The profile grown by a distance, or shrunk by a negative one, of lines and arcs.
+    /// `None` if it has ellipses, or if rounding leaves open where the moved sides
+    /// meet: then [`Profile::offset`] moves chords.
+    #[must_use]
+    pub fn exact_offset(&self, distance: f64, join: Join) -> Option<Self> {
+        if self.fault().is_some() || distance == 0.0 {
+            return Some(self.clone());
+        }
         if !distance.is_finite() {
-            return Err(ProfileFault::NotFinite {
-                what: "the distance",
-            });
+            let what = "the distance";
+            return Some(Self::faulty(ProfileFault::NotFinite { what }));
         }
-        if distance == 0.0 {
-            return Ok(self.clone());
+        let is_straight = self.is_straight();
+        let moved: Vec<Contour> = if is_straight {
+            // No chords, whatever their tolerance.
+            match self.moved_chords(distance, join, 1.0) {
+                Ok(moved) => moved,
+                Err(fault) => return Some(Self::faulty(fault)),
+            }
+        } else {
+            let contours = self.outline()?;
+            contours
+                .iter()
+                .map(|contour| moved_contour(contour, distance, join))
+                .collect()
+        };
+        if is_straight && moved.iter().flatten().all(|corner| corner.bulge == 0.0) {
+            let polygons = flatten::positive(&points_of(&moved)).concat();
+            return Some(Self::polygons_of(polygons, FillRule::NonZero));
         }
-        if let Some(contours) = self.own_contours()
-            && let Some(kept) = kept(&contours, distance, join)
-        {
-            let shape = Shape::Contours(kept.into(), FillRule::NonZero);
-            return Ok(Self::shape(shape, glam::DAffine2::IDENTITY));
-        }
+        let moved: Vec<(usize, Contour)> = moved.into_iter().map(|contour| (0, contour)).collect();
+        let contours = outline(&moved, 1, |windings| windings[0] > 0)?;
+        let moved = Self::within(contours);
+        let is_told = plane_set(&moved, Sagitta::of_length(1.0), &|_| true).is_ok();
+        is_told.then_some(moved)
+    }
+
+    fn offset_of_chords(&self, distance: f64, join: Join) -> Result<Self, ProfileFault> {
         let tolerance = self.tolerance_of(PROFILE_CHORD)?;
-        let mut moved = Vec::new();
-        for points in self.contours(tolerance)? {
-            let straight = points.into_iter().map(Corner::straight);
-            let straight: Contour = straight.collect();
-            let raw = moved_contour(&straight, distance, join, false);
-            moved.push(cut(&raw, 1.0, Sagitta::of_length(tolerance), |_| false));
-        }
+        let moved = self.moved_chords(distance, join, tolerance)?;
+        let sagitta = Sagitta::of_length(tolerance);
+        let moved: Vec<Contour> = moved
+            .iter()
+            .map(|contour| cut(contour, 1.0, sagitta, |_| false))
+            .collect();
         let polygons = flatten::positive(&points_of(&moved)).concat();
-        if polygons.is_empty() {
-            return Ok(Self::empty());
-        }
         Ok(Self::polygons_of(polygons, FillRule::NonZero))
+    }
+
+    /// The moved contours of chords within a tolerance.
+    fn moved_chords(
+        &self,
+        distance: f64,
+        join: Join,
+        tolerance: f64,
+    ) -> Result<Vec<Contour>, ProfileFault> {
+        let contours = self.contours(tolerance)?.into_iter();
+        let straight = contours.map(|points| points.into_iter().map(Corner::straight).collect());
+        Ok(straight
+            .map(|contour: Contour| moved_contour(&contour, distance, join))
+            .collect())
     }
 
     /// A share of the profile's size.
@@ -92,118 +130,41 @@ impl Profile {
         )?;
         Ok((size.unwrap_or(1.0) * share).max(f64::MIN_POSITIVE))
     }
-
-    /// The contours of a profile that is no Boolean combination, arcs
-    /// included, with the inside on their left, where they do not meet.
-    fn own_contours(&self) -> Option<Vec<Contour>> {
-        let [super::Step::Shape(shape, map)] = &self.steps[..] else {
-            return None;
-        };
-        let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-        let similar = x.abs_diff_eq(-y.perp(), IN_PROFILE * x.length())
-            || x.abs_diff_eq(y.perp(), IN_PROFILE * x.length());
-        let mirrored = map.matrix2.determinant() < 0.0;
-        let contours: Vec<Contour> = match shape {
-            Shape::Disc => vec![
-                [DVec2::X, DVec2::NEG_X]
-                    .map(|point| Corner { point, bulge: 1.0 })
-                    .to_vec(),
-            ],
-            Shape::Contours(contours, _) if contours.len() == 1 => contours.to_vec(),
-            Shape::Contours(..) => return None,
-        };
-        let mapped = |corner: &Corner| Corner {
-            point: map.transform_point2(corner.point),
-            bulge: if mirrored {
-                -corner.bulge
-            } else {
-                corner.bulge
-            },
-        };
-        let contour: Contour = contours[0].iter().map(mapped).collect();
-        let round = contour.iter().any(|corner| corner.bulge != 0.0);
-        if round && !similar {
-            return None;
-        }
-        let contour = cleaned(&contour).ok()??;
-        if crossing(std::slice::from_ref(&contour)).is_some() {
-            return None;
-        }
-        Some(vec![if doubled_area(&contour) < 0.0 {
-            super::arcs::reversed(&contour)
-        } else {
-            contour
-        }])
-    }
 }
 
-/// The moved contours with their arcs, if they do not meet.
-fn kept(contours: &[Contour], distance: f64, join: Join) -> Option<Vec<Contour>> {
-    let mut moved = Vec::with_capacity(contours.len());
-    for contour in contours {
-        if !every_side_stays(contour, distance) {
-            return None;
-        }
-        let raw = moved_contour(contour, distance, join, true);
-        moved.push(cleaned(&raw).ok()??);
-    }
-    let proper = moved.iter().all(|contour| doubled_area(contour) > 0.0);
-    (proper && crossing(&moved).is_none()).then_some(moved)
-}
-
-/// The angle turned through at corner k, counter-clockwise positive, and the
-/// directions before and after.
-fn turning(contour: &[Corner], k: usize) -> (f64, DVec2, DVec2) {
-    let before = (k + contour.len() - 1) % contour.len();
-    let tangent = |k: usize, share: f64| match side(contour, k) {
-        (_, Some(arc)) => arc.tangent(share),
-        (next, None) => (next - contour[k].point).normalize_or_zero(),
-    };
-    let (arriving, leaving) = (tangent(before, 1.0), tangent(k, 0.0));
-    let angle = elementary::atan2(arriving.perp_dot(leaving), arriving.dot(leaving));
-    (angle, arriving, leaving)
-}
-
-/// Whether every side keeps some of its length when moved to its right, and
-/// every arc some of its radius.
-fn every_side_stays(contour: &[Corner], distance: f64) -> bool {
-    let lost = |k: usize| {
-        let angle = turning(contour, k % contour.len()).0;
-        (-distance * elementary::tan(0.5 * angle)).max(0.0)
-    };
-    (0..contour.len()).all(|k| match side(contour, k) {
-        (_, Some(arc)) => arc.radius + distance * arc.sweep.signum() > 0.0,
-        (next, None) => contour[k].point.distance(next) > lost(k) + lost(k + 1),
-    })
-}
-
-/// The sides of a contour moved to their right, and joined. Where `exact`,
-/// straight sides that cross end there.
-fn moved_contour(contour: &[Corner], distance: f64, join: Join, exact: bool) -> Contour {
+/// The sides of a contour moved to their right, and joined. What an arc turns around in that is
+/// moved to its centre at most: what is as far away beyond, something else is nearer to.
+fn moved_contour(contour: &[Corner], distance: f64, join: Join) -> Contour {
     let count = contour.len();
     let mut moved = Vec::with_capacity(2 * count);
+    // The centre of the arc from corner k, if it is moved there.
+    let center = |k: usize| {
+        let arc = side(contour, k % count).1?;
+        (arc.radius + distance * arc.sweep.signum() <= 0.0).then_some(arc.center)
+    };
     for k in 0..count {
         let here = contour[k].point;
-        let (angle, arriving, leaving) = turning(contour, k);
-        let [from, to] = [arriving, leaving].map(|t| here - distance * t.perp());
-        let before = contour[(k + count - 1) % count];
-        let straight = before.bulge == 0.0 && contour[k].bulge == 0.0;
-        if angle.abs() < IN_PROFILE {
-            // Nothing to join.
-        } else if angle * distance > 0.0 {
+        let arriving = Side::of(contour, (k + count - 1) % count).course(1.0);
+        let leaving = Side::of(contour, k).course(0.0);
+        let angle = arriving.turn_to(&leaving);
+        let [from, to] = [&arriving, &leaving].map(|c| here - distance * c.direction.perp());
+        let is_joined = angle.abs() >= IN_PROFILE;
+        if is_joined && angle * distance > 0.0 {
             join_sides(&mut moved, here, [from, to], angle, join);
-        } else if exact && straight {
-            // The same prolonging, inwards.
-            let corner = here + (from - here + to - here) / (1.0 + elementary::cos(angle));
-            moved.push(Corner::straight(corner));
-            continue;
-        } else {
+        } else if is_joined {
+            let from = center(k + count - 1).unwrap_or(from);
             moved.extend([from, here].map(Corner::straight));
         }
-        moved.push(Corner {
-            point: to,
-            // The same angle about the same centre.
-            bulge: contour[k].bulge,
+        if center(k).is_some() {
+            moved.push(Corner::straight(to));
+        }
+        moved.push(match center(k) {
+            Some(center) => Corner::straight(center),
+            None => Corner {
+                point: to,
+                // The same angle about the same centre.
+                bulge: contour[k].bulge,
+            },
         });
     }
     moved

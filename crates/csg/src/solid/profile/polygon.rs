@@ -4,10 +4,12 @@ use std::cmp::Reverse;
 
 use glam::DVec2;
 
-use super::arcs::trace;
+use super::arcs::{self, Arc};
 use super::monotone::orient;
+use super::side::{Side, sides};
 use super::{Contour, Corner, FillRule};
 use crate::error::ProfileFault;
+use crate::numeric::tolerance::IN_PROFILE;
 
 /// The contour without repeated corners, straight ones and spikes; none if it
 /// encloses nothing.
@@ -66,8 +68,9 @@ pub(super) struct Nesting {
 }
 
 impl Nesting {
-    pub(super) fn of(contours: &[Vec<DVec2>], rule: FillRule) -> Self {
-        let areas: Vec<f64> = contours.iter().map(|c| doubled_area(c)).collect();
+    /// Of contours that do not cross; they may touch in corners.
+    pub(super) fn of(contours: &[Contour], rule: FillRule) -> Self {
+        let areas: Vec<f64> = contours.iter().map(|c| arcs::doubled_area(c)).collect();
         let mut order: Vec<usize> = (0..contours.len()).collect();
         order.sort_by(|&a, &b| areas[b].abs().total_cmp(&areas[a].abs()).then(a.cmp(&b)));
         let mut nesting = Self {
@@ -79,10 +82,11 @@ impl Nesting {
         let mut windings = vec![0_i64; contours.len()];
         for (rank, &k) in nesting.order.iter().enumerate() {
             let larger = nesting.order[..rank].iter().copied().map(Reverse);
+            let middle = sides(&contours[k]).next().map(|side| side.at(0.5));
             let parent = larger
                 .rev()
                 .map(|Reverse(other)| other)
-                .find(|&other| encloses(&contours[other], contours[k][0]));
+                .find(|&other| middle.is_some_and(|point| encloses(&contours[other], point)));
             let around = parent.map_or(0, |parent| windings[parent]);
             windings[k] = around + if areas[k] > 0.0 { 1 } else { -1 };
             nesting.parents[k] = parent;
@@ -109,17 +113,30 @@ pub(crate) fn doubled_area(points: &[DVec2]) -> f64 {
     sides.map(|(&a, &b)| (a - base).perp_dot(b - base)).sum()
 }
 
-/// Whether a point lies within a polygon and not on its boundary: crossings
-/// of the ray towards +x, by exact predicates.
-pub(super) fn encloses(polygon: &[DVec2], point: DVec2) -> bool {
+/// Whether a point lies within a contour and not on its boundary: crossings
+/// of the ray towards +x with chords, by exact predicates, and segments of discs.
+pub(super) fn encloses(contour: &[Corner], point: DVec2) -> bool {
     let mut inside = false;
-    for (&a, &b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
+    for k in 0..contour.len() {
+        let a = contour[k].point;
+        let (b, arc) = arcs::side(contour, k);
         if (a.y > point.y) != (b.y > point.y) {
             let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
             inside ^= orient(low, high, point) > 0.0;
         }
+        inside ^= arc.is_some_and(|arc| is_in_segment(&arc, point));
     }
     inside
+}
+
+/// Whether a point lies between an arc and its chord; on the chord, as if it were a little more to
+/// the right, and less above, as the ray has it.
+fn is_in_segment(arc: &Arc, point: DVec2) -> bool {
+    let along = arc.to - arc.from;
+    let sides = [orient(arc.from, arc.to, point), -along.y, along.x];
+    let side = sides.into_iter().find(|&side| side != 0.0);
+    let beyond = side.is_some_and(|side| side * arc.sweep.signum() < 0.0);
+    beyond && point.distance(arc.center) < arc.radius
 }
 
 /// The corners at which a polygon turns.
@@ -129,52 +146,50 @@ pub(super) fn without_straight(points: &[DVec2]) -> Vec<DVec2> {
     clean.into_iter().map(|corner| corner.point).collect()
 }
 
-/// A place where two sides meet that are not neighbours, or neighbours in more
-/// than their corner; arcs as fine polygons. Sides are sorted by x.
+/// A place where two sides meet within rounding that are not neighbours, or neighbours in
+/// more than their corner. Sides are sorted by x.
 pub(super) fn crossing(contours: &[Contour]) -> Option<DVec2> {
-    let mut sides: Vec<(DVec2, DVec2, usize, usize)> = Vec::new();
+    let mut all: Vec<(Side, usize, usize)> = Vec::new();
     for contour in contours {
-        let points = trace(contour);
-        let (first, count) = (sides.len(), points.len());
+        let first = all.len();
+        all.extend(sides(contour).map(|side| (side, 0, 0)));
+        let count = all.len() - first;
         for k in 0..count {
-            let next = first + (k + 1) % count;
-            sides.push((points[k], points[(k + 1) % count], first + k, next));
+            (all[first + k].1, all[first + k].2) = (first + k, first + (k + 1) % count);
         }
     }
-    sides.sort_by(|a, b| a.0.x.min(a.1.x).total_cmp(&b.0.x.min(b.1.x)));
-    for (rank, &(a, b, own, next)) in sides.iter().enumerate() {
-        let reach = a.x.max(b.x);
-        for &(c, d, other, after) in &sides[rank + 1..] {
-            if c.x.min(d.x) > reach {
+    let slack = IN_PROFILE * all.iter().fold(0.0, |size: f64, s| s.0.reach().max(size));
+    all.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x));
+    for (rank, (one, own, next)) in all.iter().enumerate() {
+        for (other, its_own, after) in &all[rank + 1..] {
+            if other.min.x > one.max.x + slack {
                 break;
             }
-            if a.y.max(b.y) < c.y.min(d.y) || c.y.max(d.y) < a.y.min(b.y) {
+            if one.max.y + slack < other.min.y || other.max.y + slack < one.min.y {
                 continue;
             }
-            let meet = if next == other {
-                after != own && folds_back(a, b, d)
-            } else if after == own {
-                folds_back(c, d, b)
-            } else {
-                sides_meet(a, b, c, d)
-            };
-            if meet {
-                return Some(a.midpoint(b).midpoint(c.midpoint(d)));
+            // The corners that they share as neighbours; two arcs may share both.
+            let shared = [
+                (next == its_own).then_some(one.to),
+                (after == own).then_some(one.from),
+            ];
+            if let Some(place) = meet_beyond(one, other, shared, slack) {
+                return Some(place);
             }
         }
     }
     None
 }
 
-/// Whether the side from b to c lies on the one from a to b.
-fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
-    orient(a, b, c) == 0.0 && (a - b).dot(c - b) > 0.0
-}
-
-fn sides_meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
-    let ends = [orient(a, b, c), orient(a, b, d)];
-    let others = [orient(c, d, a), orient(c, d, b)];
-    let apart = |[p, q]: [f64; 2]| p > 0.0 && q > 0.0 || p < 0.0 && q < 0.0;
-    // Boxes overlap: on one line that is a meeting.
-    !apart(ends) && !apart(others)
+/// A place where two sides meet beyond the corners that they share.
+fn meet_beyond(one: &Side, other: &Side, shared: [Option<DVec2>; 2], slack: f64) -> Option<DVec2> {
+    // On one line or circle they meet in ends alone.
+    for (one, other) in [(one, other), (other, one)] {
+        let middle = one.at(0.5);
+        if other.holds(middle, slack) {
+            return Some(middle);
+        }
+    }
+    let mut places = one.meet(other, slack).into_iter();
+    places.find(|place| !shared.iter().flatten().any(|corner| corner == place))
 }

@@ -1,0 +1,499 @@
+//! The outline of a set of points that contours of lines and arcs enclose.
+//!
+//! All sides are cut where they meet, and arcs also where they turn back in x. A piece
+//! bounds the set if that is on one side of it alone: how often the contours wind around
+//! the points above a piece is counted along the ray from its middle upwards, and below it
+//! what the pieces there themselves say less. Pieces that lie on each other are one. What
+//! rounding leaves open shows in points that more pieces lead to than from: then there is
+//! no outline, rather than a wrong one.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DAffine2, DVec2};
+use smallvec::SmallVec;
+
+use super::polygon::cleaned;
+use super::side::{Course, Side, sides};
+use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
+use crate::elementary;
+use crate::numeric::Welder;
+use crate::numeric::tolerance::IN_PROFILE;
+
+/// The most pieces of sides: all are held against those above them.
+const MOST_PIECES: usize = 20_000;
+
+/// The contours around the points of a set, which lies on their left; contours may touch.
+/// The set is of those points of which `is_in` says so of how often each of `groups` groups
+/// of contours winds around them. `None` if rounding leaves open what meets, or of more than
+/// 20,000 pieces.
+pub(super) fn outline(
+    contours: &[(usize, Contour)],
+    groups: usize,
+    is_in: impl Fn(&[i64]) -> bool,
+) -> Option<Vec<Contour>> {
+    let pieces = Pieces::of(contours)?;
+    let kept = pieces.bounding(groups, is_in);
+    pieces.joined(kept)
+}
+
+impl Profile {
+    /// The contours around the profile, which lies on their left. `None` if it has ellipses,
+    /// or if rounding leaves open what meets.
+    pub(super) fn outline(&self) -> Option<Vec<Contour>> {
+        let mut contours = Vec::new();
+        let mut groups = 0;
+        for step in &self.steps {
+            if let Step::Shape(shape, map) = step {
+                contours.extend(shape.mapped(map)?.into_iter().map(|c| (groups, c)));
+                groups += 1;
+            }
+        }
+        outline(&contours, groups, |windings| self.is_around(windings))
+    }
+
+    /// The same profile with its Booleans carried out, lines and arcs as such, as far as rounding
+    /// leaves nothing open and there are no ellipses.
+    pub(crate) fn resolved(self) -> Self {
+        match self.outline() {
+            Some(contours) => Self::within(contours),
+            None => self,
+        }
+    }
+
+    /// What contours enclose that have it on their left.
+    pub(super) fn within(contours: Vec<Contour>) -> Self {
+        let shape = Shape::Contours(contours.into(), FillRule::NonZero);
+        Self::shape(shape, DAffine2::IDENTITY)
+    }
+
+    /// Whether points are in the profile around which the contours of its leaves wind so often.
+    fn is_around(&self, windings: &[i64]) -> bool {
+        let mut windings = windings.iter();
+        let leaf = |shape: &Shape, _: &DAffine2| {
+            let winding = windings.next().copied().unwrap_or(0);
+            Ok(match shape {
+                Shape::Disc => winding != 0,
+                Shape::Contours(_, rule) => rule.is_inside(winding),
+            })
+        };
+        let combine = |combination, operands: Vec<bool>| {
+            Ok(match combination {
+                Combination::Union => operands.contains(&true),
+                Combination::Intersection => !operands.is_empty() && !operands.contains(&false),
+                Combination::Difference => {
+                    operands.first() == Some(&true) && !operands[1..].contains(&true)
+                }
+            })
+        };
+        self.fold(leaf, combine) == Ok(Some(true))
+    }
+}
+
+impl Shape {
+    /// The images of its contours under a map; `None` if these have arcs that become elliptic.
+    fn mapped(&self, map: &DAffine2) -> Option<Vec<Contour>> {
+        let disc = || {
+            let corner = |point| Corner { point, bulge: 1.0 };
+            vec![vec![corner(DVec2::X), corner(DVec2::NEG_X)]]
+        };
+        let contours = match self {
+            Self::Disc => disc(),
+            Self::Contours(contours, _) => contours.to_vec(),
+        };
+        let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+        let keeps_circles = [x.perp(), -x.perp()]
+            .iter()
+            .any(|across| y.abs_diff_eq(*across, IN_PROFILE * x.length()));
+        if !keeps_circles && contours.iter().flatten().any(|corner| corner.bulge != 0.0) {
+            return None;
+        }
+        let turn = map.matrix2.determinant().signum();
+        let mapped = |corner: &Corner| Corner {
+            point: map.transform_point2(corner.point),
+            bulge: turn * corner.bulge,
+        };
+        let images = contours.iter().map(|contour| {
+            let image: Contour = contour.iter().map(mapped).collect();
+            cleaned(&image).ok()
+        });
+        Some(
+            images
+                .collect::<Option<Vec<_>>>()?
+                .into_iter()
+                .flatten()
+                .collect(),
+        )
+    }
+}
+
+/// A part of a side that neither meets others nor turns back in x.
+struct Piece {
+    /// Its ends, the left one first, or the lower one if it is upright.
+    ends: [u32; 2],
+    side: usize,
+    /// Whether the side runs from the first end to the other.
+    is_forward: bool,
+    /// Where it lies on its side, rising.
+    shares: [f64; 2],
+}
+
+/// Pieces that lie on each other.
+struct Stack {
+    /// One of them.
+    piece: usize,
+    /// How often more the contours of groups wind around points on the left of it, seen from
+    /// its first end to the other, than around those on its right.
+    windings: SmallVec<[(usize, i64); 1]>,
+    middle: DVec2,
+}
+
+struct Pieces {
+    sides: Vec<Side>,
+    points: Vec<DVec2>,
+    /// The points with one x where this is the same within rounding: what is upright is exactly
+    /// so.
+    aligned: Vec<DVec2>,
+    pieces: Vec<Piece>,
+    stacks: Vec<Stack>,
+    slack: f64,
+}
+
+/// A piece of the outline, which has the set on its left.
+#[derive(Clone, Copy)]
+struct Stride {
+    piece: usize,
+    ends: [u32; 2],
+}
+
+impl Pieces {
+    fn of(contours: &[(usize, Contour)]) -> Option<Self> {
+        let mut all = Vec::new();
+        let mut group_of = Vec::new();
+        for (group, contour) in contours {
+            all.extend(sides(contour));
+            group_of.resize(all.len(), *group);
+        }
+        let size = all
+            .iter()
+            .fold(0.0, |size: f64, side| side.reach().max(size));
+        let mut pieces = Self {
+            points: Vec::new(),
+            aligned: Vec::new(),
+            pieces: Vec::new(),
+            stacks: Vec::new(),
+            slack: IN_PROFILE * size,
+            sides: all,
+        };
+        pieces.cut()?;
+        pieces.stack(&group_of);
+        Some(pieces)
+    }
+
+    /// Makes pieces of the sides.
+    fn cut(&mut self) -> Option<()> {
+        let mut welder = Welder::new(4.0 * self.slack);
+        let mut number = |point: DVec2| welder.number(point.extend(0.0));
+        let mut cuts: Vec<Vec<(f64, u32)>> = Vec::with_capacity(self.sides.len());
+        for side in &self.sides {
+            cuts.push(vec![(0.0, number(side.from)), (1.0, number(side.to))]);
+        }
+        for (k, j, point) in meetings(&self.sides, self.slack) {
+            let vertex = number(point);
+            for side in [k, j] {
+                cuts[side].push((self.sides[side].share(point), vertex));
+            }
+        }
+        for (side, cuts) in self.sides.iter().zip(&mut cuts) {
+            for share in side.turns() {
+                cuts.push((share, number(side.at(share))));
+            }
+            cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        self.points = welder.points.iter().map(|p| p.truncate()).collect();
+        self.aligned = aligned(&self.points, 4.0 * self.slack);
+        for (side, cuts) in cuts.iter().enumerate() {
+            for pair in cuts.windows(2) {
+                let [(first, from), (last, to)] = [pair[0], pair[1]];
+                if from == to {
+                    continue;
+                }
+                let [a, b] = [from, to].map(|end| self.aligned[end as usize]);
+                let is_forward = (a.x, a.y) < (b.x, b.y);
+                self.pieces.push(Piece {
+                    ends: if is_forward { [from, to] } else { [to, from] },
+                    side,
+                    is_forward,
+                    shares: [first, last],
+                });
+            }
+        }
+        (self.pieces.len() <= MOST_PIECES).then_some(())
+    }
+
+    /// Puts pieces together that lie on each other.
+    fn stack(&mut self, group_of: &[usize]) {
+        let mut order: Vec<usize> = (0..self.pieces.len()).collect();
+        order.sort_by_key(|&k| (self.pieces[k].ends, k));
+        for k in order {
+            let piece = &self.pieces[k];
+            let middle = self.middle(k);
+            let ends = |stack: &&mut Stack| self.pieces[stack.piece].ends == piece.ends;
+            let open = self.stacks.iter_mut().rev().take_while(ends);
+            let same = open.into_iter().find(|stack| {
+                // Where both are upright, or as high at the same x.
+                stack.middle.distance(middle) <= 16.0 * self.slack
+            });
+            let winding = (group_of[piece.side], if piece.is_forward { 1 } else { -1 });
+            match same {
+                Some(stack) => stack.windings.push(winding),
+                None => self.stacks.push(Stack {
+                    piece: k,
+                    windings: SmallVec::from_elem(winding, 1),
+                    middle,
+                }),
+            }
+        }
+    }
+
+    fn ends(&self, piece: usize) -> [DVec2; 2] {
+        self.pieces[piece]
+            .ends
+            .map(|end| self.aligned[end as usize])
+    }
+
+    /// A point between the ends of a piece: where x is between theirs.
+    fn middle(&self, piece: usize) -> DVec2 {
+        let [a, b] = self.ends(piece);
+        let middle = a.midpoint(b);
+        if a.x < b.x {
+            DVec2::new(middle.x, self.height(piece, middle.x))
+        } else {
+            middle
+        }
+    }
+
+    /// Where a piece that is not upright is over x.
+    fn height(&self, piece: usize, x: f64) -> f64 {
+        let [a, b] = self.ends(piece);
+        let (low, high) = (a.y.min(b.y), a.y.max(b.y));
+        let y = match &self.sides[self.pieces[piece].side].arc {
+            None => a.y + (x - a.x) * ((b.y - a.y) / (b.x - a.x)),
+            Some(arc) => {
+                let across = x - arc.center.x;
+                let up = (arc.radius * arc.radius - across * across).max(0.0).sqrt();
+                // Its middle is on the upper half or the lower one as all of it.
+                let [first, last] = self.pieces[piece].shares;
+                let upper = arc.at(0.5 * (first + last)).y > arc.center.y;
+                // Over its ends an arc has no point that is beyond both, but where it bulges.
+                let y = arc.center.y + if upper { up } else { -up };
+                return if upper { y.max(low) } else { y.min(high) };
+            }
+        };
+        y.clamp(low, high)
+    }
+
+    /// The pieces with the set on one side alone.
+    fn bounding(&self, groups: usize, is_in: impl Fn(&[i64]) -> bool) -> Vec<Stride> {
+        // By the left ends, so that what begins beyond is not looked at.
+        let mut order: Vec<usize> = (0..self.stacks.len()).collect();
+        let left = |k: usize| self.ends(self.stacks[k].piece)[0].x;
+        order.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
+        let mut kept = Vec::new();
+        let mut windings = vec![0; groups];
+        for (k, stack) in self.stacks.iter().enumerate() {
+            let [a, b] = self.ends(stack.piece);
+            let is_upright = a.x == b.x;
+            // Above it; or, if it is upright, on its left.
+            windings.fill(0);
+            for &other in &order {
+                let above = &self.stacks[other];
+                let [from, to] = self.ends(above.piece);
+                if from.x > stack.middle.x {
+                    break;
+                }
+                let is_over = if is_upright {
+                    from.x < stack.middle.x && stack.middle.x <= to.x
+                } else {
+                    from.x <= stack.middle.x && stack.middle.x < to.x
+                };
+                if is_over
+                    && other != k
+                    && self.height(above.piece, stack.middle.x) > stack.middle.y
+                {
+                    // Below a piece that runs to the right is its right.
+                    for &(group, winding) in &above.windings {
+                        windings[group] -= winding;
+                    }
+                }
+            }
+            let left = is_in(&windings);
+            for &(group, winding) in &stack.windings {
+                windings[group] -= winding;
+            }
+            let right = is_in(&windings);
+            if left != right {
+                let [from, to] = self.pieces[stack.piece].ends;
+                kept.push(Stride {
+                    piece: stack.piece,
+                    ends: if left { [from, to] } else { [to, from] },
+                });
+            }
+        }
+        kept
+    }
+
+    /// The contours that pieces make up, if as many lead to every point as from it.
+    fn joined(&self, kept: Vec<Stride>) -> Option<Vec<Contour>> {
+        let mut leaving: Vec<SmallVec<[usize; 1]>> = vec![SmallVec::new(); self.points.len()];
+        for (k, step) in kept.iter().enumerate() {
+            leaving[step.ends[0] as usize].push(k);
+        }
+        // Where contours touch their sides end: what is nearer there is told by corners.
+        let touches: Vec<bool> = leaving.iter().map(|steps| steps.len() > 1).collect();
+        let mut contours = Vec::new();
+        let mut is_used = vec![false; kept.len()];
+        for first in 0..kept.len() {
+            // The way so far, from which what comes back to it is split off.
+            let mut way: Vec<Stride> = Vec::new();
+            let mut next = (!is_used[first]).then_some(first);
+            while let Some(at) = next {
+                is_used[at] = true;
+                let step = kept[at];
+                way.push(step);
+                let end = step.ends[1];
+                if let Some(from) = way.iter().position(|before| before.ends[0] == end) {
+                    contours.push(self.contour(&way.split_off(from), &touches));
+                    if way.is_empty() {
+                        break;
+                    }
+                }
+                let leaving = &mut leaving[end as usize];
+                leaving.retain(|&mut step| !is_used[step]);
+                let turn = |&next: &usize| self.turn(&step, &kept[next]);
+                let by_turn = |a: &&usize, b: &&usize| turn(a).total_cmp(&turn(b));
+                next = Some(*leaving.iter().max_by(by_turn)?);
+            }
+        }
+        Some(contours)
+    }
+
+    /// How far to the left the way turns from one step to the next, in radians; and a little
+    /// more or less if that bends away to the left or right.
+    fn turn(&self, arriving: &Stride, leaving: &Stride) -> f64 {
+        let before = self.course(arriving, arriving.ends[1]);
+        let after = self.course(leaving, leaving.ends[0]);
+        let bend = elementary::atan(after.bend * self.slack / IN_PROFILE) / FRAC_PI_2;
+        before.turn_to(&after) + IN_PROFILE * bend
+    }
+
+    /// The course of a step at one of its ends.
+    fn course(&self, step: &Stride, end: u32) -> Course {
+        let piece = &self.pieces[step.piece];
+        let along = self.runs_along(step);
+        let is_first = (end == step.ends[0]) == along;
+        let course = self.sides[piece.side].course(piece.shares[usize::from(!is_first)]);
+        if along { course } else { course.reversed() }
+    }
+
+    /// Whether a step runs as the side does of which it is a piece.
+    fn runs_along(&self, step: &Stride) -> bool {
+        let piece = &self.pieces[step.piece];
+        (step.ends == piece.ends) == piece.is_forward
+    }
+
+    /// The corners of steps that follow each other, those on one line or circle as one side but
+    /// where contours touch.
+    fn contour(&self, steps: &[Stride], touches: &[bool]) -> Contour {
+        /// Of an arc: the centre of one that is nearly whole depends on rounding.
+        const MOST: f64 = 1.5 * PI;
+        let sweep = |step: &Stride| {
+            let piece = &self.pieces[step.piece];
+            let part = piece.shares[1] - piece.shares[0];
+            let arc = self.sides[piece.side].arc.as_ref();
+            let whole = arc.map_or(0.0, |arc| arc.sweep * part);
+            if self.runs_along(step) { whole } else { -whole }
+        };
+        let goes_on = |k: usize| {
+            let [before, here] = [(k + steps.len() - 1) % steps.len(), k].map(|k| &steps[k]);
+            if touches[here.ends[0] as usize] {
+                return false;
+            }
+            let [one, other] = [before, here].map(|step| self.pieces[step.piece].side);
+            one == other
+                || match [one, other].map(|side| &self.sides[side].arc) {
+                    [Some(a), Some(b)] => {
+                        a.center.distance(b.center).max((a.radius - b.radius).abs()) <= self.slack
+                            && sweep(before) * sweep(here) > 0.0
+                    }
+                    _ => false,
+                }
+        };
+        let Some(start) = (0..steps.len()).find(|&k| !goes_on(k)) else {
+            return self.circle(steps.iter().map(sweep).sum(), &steps[0]);
+        };
+        let mut corners: Vec<(DVec2, f64)> = Vec::new();
+        for k in start..start + steps.len() {
+            let k = k % steps.len();
+            let more = sweep(&steps[k]);
+            match corners.last_mut() {
+                Some((_, sum)) if goes_on(k) && (*sum + more).abs() <= MOST => *sum += more,
+                _ => corners.push((self.points[steps[k].ends[0] as usize], more)),
+            }
+        }
+        let corner = |(point, sweep): (DVec2, f64)| Corner {
+            point,
+            bulge: elementary::tan(0.25 * sweep),
+        };
+        corners.into_iter().map(corner).collect()
+    }
+
+    /// The whole circle of which a step is a part.
+    fn circle(&self, sweep: f64, step: &Stride) -> Contour {
+        let Some(arc) = &self.sides[self.pieces[step.piece].side].arc else {
+            return Contour::new();
+        };
+        let corner = |across: f64| Corner {
+            point: arc.center + across * arc.radius * DVec2::X,
+            bulge: sweep.signum(),
+        };
+        vec![corner(1.0), corner(-1.0)]
+    }
+}
+
+/// The points with the least x of those that follow each other by less than a distance.
+fn aligned(points: &[DVec2], distance: f64) -> Vec<DVec2> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x));
+    let mut aligned = points.to_vec();
+    for pair in order.windows(2) {
+        let [before, here] = [pair[0], pair[1]];
+        if points[here].x - points[before].x <= distance {
+            aligned[here].x = aligned[before].x;
+        }
+    }
+    aligned
+}
+
+/// Where two of the sides meet, and which these are; neighbours in their corner, too.
+fn meetings(sides: &[Side], slack: f64) -> Vec<(usize, usize, DVec2)> {
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    order.sort_by(|&a, &b| sides[a].min.x.total_cmp(&sides[b].min.x));
+    let mut found = Vec::new();
+    for (rank, &k) in order.iter().enumerate() {
+        let one = &sides[k];
+        for &j in &order[rank + 1..] {
+            let other = &sides[j];
+            if other.min.x > one.max.x + slack {
+                break;
+            }
+            if other.min.y <= one.max.y + slack && one.min.y <= other.max.y + slack {
+                found.extend(
+                    one.meet(other, slack)
+                        .into_iter()
+                        .map(|point| (k, j, point)),
+                );
+            }
+        }
+    }
+    found
+}
