@@ -135,6 +135,8 @@ struct Piece {
     is_forward: bool,
     /// Where it lies on its side, rising.
     shares: [f64; 2],
+    /// Whether it is on the upper half of its circle.
+    is_upper: bool,
 }
 
 /// Pieces that lie on each other.
@@ -224,6 +226,10 @@ impl Pieces {
                     side,
                     is_forward,
                     shares: [first, last],
+                    is_upper: self.sides[side].arc.is_some_and(|arc| {
+                        let middle = arc.at(0.5 * (first + last));
+                        middle.y > arc.center.y
+                    }),
                 });
             }
         }
@@ -281,9 +287,7 @@ impl Pieces {
             Some(arc) => {
                 let across = x - arc.center.x;
                 let up = (arc.radius * arc.radius - across * across).max(0.0).sqrt();
-                // Its middle is on the upper half or the lower one as all of it.
-                let [first, last] = self.pieces[piece].shares;
-                let upper = arc.at(0.5 * (first + last)).y > arc.center.y;
+                let upper = self.pieces[piece].is_upper;
                 // Over its ends an arc has no point that is beyond both, but where it bulges.
                 let y = arc.center.y + if upper { up } else { -up };
                 return if upper { y.max(low) } else { y.min(high) };
