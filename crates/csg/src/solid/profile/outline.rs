@@ -33,7 +33,7 @@ pub(super) fn outline(
 ) -> Option<Vec<Contour>> {
     let pieces = Pieces::of(contours)?;
     let kept = pieces.bounding(groups, is_in);
-    pieces.joined(kept)
+    pieces.joined(&kept)
 }
 
 impl Profile {
@@ -347,7 +347,7 @@ impl Pieces {
     }
 
     /// The contours that pieces make up, if as many lead to every point as from it.
-    fn joined(&self, kept: Vec<Stride>) -> Option<Vec<Contour>> {
+    fn joined(&self, kept: &[Stride]) -> Option<Vec<Contour>> {
         let mut leaving: Vec<SmallVec<[usize; 1]>> = vec![SmallVec::new(); self.points.len()];
         for (k, step) in kept.iter().enumerate() {
             leaving[step.ends[0] as usize].push(k);
