@@ -158,6 +158,7 @@ fn flat_shapes_stay_exact() {
             format!("offset(r = 3) {{ offset(r = -3) {{ {plate} }} }}"),
             1600.0 - 100.0 * PI - 9.0 * (4.0 - PI),
         ),
+        (format!("hull() {{ {plate} }}"), 1600.0),
         (mitred, 42.0 * 42.0 - 81.0 * PI),
         (
             format!("minkowski() {{ {plate} circle(r = 1); circle(r = 2); }}"),
@@ -177,9 +178,13 @@ fn flat_shapes_stay_exact() {
         assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
         assert!(scene(&text, false).warnings.is_empty(), "{text}");
     }
-    let oval = "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }";
-    let warnings = scene(oval, false).warnings;
-    assert!(warnings[0].to_string().contains("chords"), "{warnings:?}");
+    for text in [
+        "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }",
+        "linear_extrude(height = 1) { hull() { difference() { circle(r = 2); square(size = [9, 9]); } } }",
+    ] {
+        let warnings = scene(text, false).warnings;
+        assert!(warnings[0].to_string().contains("chords"), "{warnings:?}");
+    }
 }
 
 #[test]

@@ -58,8 +58,9 @@ pub enum ProfileFault {
         /// The most there may be.
         limit: usize,
     },
-    /// A contour with arcs crosses or touches itself or another one.
-    #[error("the contours cross or touch at about ({:.6}, {:.6}): give contours with arcs that do not, and combine them with `|`, `&` and `-`", .place.x, .place.y)]
+    /// Contours cross or touch themselves or others in a way that rounding leaves open, or in more
+    /// than 20,000 places.
+    #[error("the contours cross or touch at about ({:.6}, {:.6}) and elsewhere, and it cannot be told what they enclose: give contours that do not, and combine them with `|`, `&` and `-`", .place.x, .place.y)]
     Crossing {
         /// About where.
         place: DVec2,

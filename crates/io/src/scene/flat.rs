@@ -16,7 +16,7 @@ use super::values::{array, list, number};
 /// Read as smooth, a twist turns by at most this between flat steps.
 const FINEST_TWIST: f64 = 2.0 * PI / 256.0;
 /// What is told where arcs cannot be kept.
-const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
+pub(super) const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
 
 /// `linear_extrude`, but for what it extrudes.
 pub(super) struct Extrusion {

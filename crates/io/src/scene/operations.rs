@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
-use csg::Color;
+use csg::{Color, Profile};
 use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat4, DVec3, DVec4};
 
 use super::build::{Builder, Open};
 use super::corners;
 use super::error::SceneError;
-use super::flat::{Extrusion, Growth, Revolution};
+use super::flat::{CHORDS, Extrusion, Growth, Revolution};
 use super::parse::{Kind, NodeText, Value};
 use super::pieces::{self, MIXED, Piece, Pieces};
 use super::values::{array, number};
@@ -74,7 +74,9 @@ impl Builder<'_> {
             Kind::Hull | Kind::Minkowski => {
                 self.arguments(node, &["convexity"])?;
                 let is_smooth = match node.kind {
-                    Kind::Hull => self.holds_one_kind_alone(node),
+                    Kind::Hull => {
+                        self.holds_one_kind_alone(node) || self.is_flat(self.index..node.end)
+                    }
                     _ => self.sums_smoothly(node),
                 };
                 if !is_smooth {
@@ -177,14 +179,6 @@ impl Builder<'_> {
     /// outline of that one.
     fn sums_with_circles(&self, children: &[Range<usize>]) -> bool {
         let is_circle = |node: &NodeText<'_>| node.kind == Kind::Circle && !self.is_polygon(node);
-        let is_shape = |node: &NodeText<'_>| {
-            let is_outline = matches!(
-                node.kind,
-                Kind::Square | Kind::Polygon | Kind::Text | Kind::Offset
-            );
-            let combines = matches!(node.kind, Kind::Difference | Kind::Intersection);
-            is_outline || combines || is_bracket(node.kind) || is_circle(node)
-        };
         let is_one_circle = |child: &&Range<usize>| {
             let mut shapes = self
                 .below((*child).clone())
@@ -192,10 +186,17 @@ impl Builder<'_> {
             shapes.next().is_some_and(is_circle) && shapes.next().is_none()
         };
         let circles = children.iter().filter(is_one_circle).count();
-        circles + 1 >= children.len()
-            && children
-                .iter()
-                .all(|child| self.below(child.clone()).all(is_shape))
+        circles + 1 >= children.len() && children.iter().all(|child| self.is_flat(child.clone()))
+    }
+
+    /// Whether nodes are flat shapes, their circles none that are polygons.
+    fn is_flat(&self, nodes: Range<usize>) -> bool {
+        self.below(nodes).all(|node| match node.kind {
+            Kind::Square | Kind::Polygon | Kind::Text | Kind::Offset => true,
+            Kind::Difference | Kind::Intersection => true,
+            Kind::Circle => !self.is_polygon(node),
+            kind => is_bracket(kind),
+        })
     }
 
     fn below(&self, nodes: Range<usize>) -> impl Iterator<Item = &NodeText<'_>> {
@@ -263,7 +264,14 @@ impl Builder<'_> {
         let is_hull = matches!(open.operation, Operation::Hull);
         match pieces {
             Pieces::Nothing => Ok(Piece::Nothing),
-            Pieces::Flats(flats) if is_hull => Ok(Piece::Flat(csg::Profile::union(flats).hull())),
+            Pieces::Flats(flats) if is_hull => {
+                let flat = Profile::union(flats);
+                let exact = flat.exact_hull();
+                Ok(Piece::Flat(exact.unwrap_or_else(|| {
+                    self.warn(node, CHORDS.to_owned());
+                    flat.hull()
+                })))
+            }
             Pieces::Flats(flats) => {
                 let sum = self.of_corners(node, |allowance| corners::flat_sum(flats, allowance))?;
                 self.flat(node, sum)

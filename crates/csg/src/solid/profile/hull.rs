@@ -12,13 +12,13 @@ use crate::error::ProfileFault;
 use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 impl Profile {
-    /// The least convex set around the profile. Of circles and polygons it is exact
-    /// ([`Profile::hull_of_discs`]); else it is a polygon, arcs within 1e-4 of
-    /// the profile's size (for another tolerance, see [`Profile::flattened`]).
+    /// The least convex set around the profile. Where [`Profile::exact_hull`] has none it is a
+    /// polygon, arcs within 1e-4 of the profile's size (for another tolerance, see
+    /// [`Profile::flattened`]).
     #[must_use]
     pub fn hull(&self) -> Self {
-        if let Some(discs) = self.discs() {
-            return Self::hull_of_discs(discs);
+        if let Some(hull) = self.exact_hull() {
+            return hull;
         }
         let hull = || -> Result<Self, ProfileFault> {
             let tolerance = self.tolerance_of(PROFILE_CHORD)?;
@@ -26,6 +26,24 @@ impl Profile {
             Ok(Self::hull_of(points))
         };
         Self::of(hull())
+    }
+
+    /// The least convex set around the profile, if this is a union of circles and polygons
+    /// ([`Profile::hull_of_discs`]), or if no arc around it bends outwards.
+    #[must_use]
+    pub fn exact_hull(&self) -> Option<Self> {
+        if let Some(discs) = self.discs() {
+            return Some(Self::hull_of_discs(discs));
+        }
+        if self.is_straight() {
+            // No chords, whatever their tolerance.
+            return Some(Self::of(
+                self.contours(1.0).map(|c| Self::hull_of(c.concat())),
+            ));
+        }
+        let corners = self.outline()?.concat();
+        let is_flat = corners.iter().all(|corner| corner.bulge <= 0.0);
+        is_flat.then(|| Self::hull_of(corners.into_iter().map(|corner| corner.point)))
     }
 
     /// The convex hull of points; without any point if they lie on a line.

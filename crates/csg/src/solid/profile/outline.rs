@@ -19,7 +19,8 @@ use crate::elementary;
 use crate::numeric::Welder;
 use crate::numeric::tolerance::IN_PROFILE;
 
-/// The most pieces of sides: all are held against those above them.
+/// The most pieces of sides, and places where these meet: all pieces are held against those
+/// above them.
 const MOST_PIECES: usize = 20_000;
 
 /// The contours around the points of a set, which lies on their left; contours may touch.
@@ -199,7 +200,7 @@ impl Pieces {
         for side in &self.sides {
             cuts.push(vec![(0.0, number(side.from)), (1.0, number(side.to))]);
         }
-        for (k, j, point) in meetings(&self.sides, self.slack) {
+        for (k, j, point) in meetings(&self.sides, self.slack)? {
             let vertex = number(point);
             for side in [k, j] {
                 cuts[side].push((self.sides[side].share(point), vertex));
@@ -478,8 +479,9 @@ fn aligned(points: &[DVec2], distance: f64) -> Vec<DVec2> {
     aligned
 }
 
-/// Where two of the sides meet, and which these are; neighbours in their corner, too.
-fn meetings(sides: &[Side], slack: f64) -> Vec<(usize, usize, DVec2)> {
+/// Where two of the sides meet, and which these are; neighbours in their corner, too. `None` if
+/// there are too many such places.
+fn meetings(sides: &[Side], slack: f64) -> Option<Vec<(usize, usize, DVec2)>> {
     let mut order: Vec<usize> = (0..sides.len()).collect();
     order.sort_by(|&a, &b| sides[a].min.x.total_cmp(&sides[b].min.x));
     let mut found = Vec::new();
@@ -497,7 +499,10 @@ fn meetings(sides: &[Side], slack: f64) -> Vec<(usize, usize, DVec2)> {
                         .map(|point| (k, j, point)),
                 );
             }
+            if found.len() > MOST_PIECES {
+                return None;
+            }
         }
     }
-    found
+    Some(found)
 }
