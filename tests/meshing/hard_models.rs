@@ -173,6 +173,7 @@ const MODELS: [&str; 64] = [
     "thin-ellipse",
     "thin-lens",
     "thin-wall",
+    "turned-battlements",
     "turned-over-face",
     "twin-balls",
     "twin-hollows",

@@ -3,7 +3,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use csg::{Error, Join, Mesher, NodeFault, Path, Profile, ProfileFault, Program, Solid, turn};
+use csg::glam::DVec2;
+use csg::{
+    BoundaryOptions, Error, Join, Mesher, NodeFault, Path, Profile, ProfileFault, Program, Solid,
+    turn,
+};
 
 const TOLERANCE: f64 = 2e-3;
 
@@ -226,4 +230,40 @@ fn mistakes_say_where() {
     assert!(matches!(found, NodeFault::AngleOutOfRange { .. }));
     let (_, found) = fault(&Solid::revolve_in_steps(&off, TAU, 2));
     assert!(matches!(found, NodeFault::TooFewSteps { .. }));
+}
+
+/// Walls with merlons of whole sizes, turned: their tops and bottoms are in line but for rounding,
+/// and have the area that their corners say.
+#[test]
+fn turned_battlements_have_their_areas() {
+    let mut state = 7_u64;
+    let mut below = |count: u64| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((state >> 33) % count) as f64
+    };
+    for round in 0..200 {
+        let mut corners = vec![DVec2::ZERO];
+        let (mut x, mut area) = (0.0, 0.0);
+        for _ in 0..2 + below(5) as usize {
+            let (height, width) = (10.0 + below(3), 1.0 + below(2));
+            corners.extend([x, x + width].map(|x| DVec2::new(x, height)));
+            x += width;
+            area += width * height;
+        }
+        corners.push(DVec2::new(x, 0.0));
+        corners.dedup();
+        let turn = DVec2::from_angle(0.001 * below(6283));
+        let wall = Profile::polygon(corners.into_iter().map(|corner| turn.rotate(corner)));
+        let program = Program::lower(&Solid::extrude(&wall, 0.0..1.0)).expect("a program");
+        let boundary = program
+            .boundary(&BoundaryOptions::new())
+            .expect("a boundary");
+        let volume = boundary.measure().volume;
+        assert!(
+            (volume.value - area).abs() <= volume.error.max(1e-12 * area),
+            "{round}: {volume:?}, not {area}"
+        );
+    }
 }
