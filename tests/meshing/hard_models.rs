@@ -112,7 +112,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 64] = [
+const MODELS: [&str; 65] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",

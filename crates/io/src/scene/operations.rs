@@ -192,8 +192,12 @@ impl Builder<'_> {
     /// Whether nodes are flat shapes, their circles none that are polygons.
     fn is_flat(&self, nodes: Range<usize>) -> bool {
         self.below(nodes).all(|node| match node.kind {
-            Kind::Square | Kind::Polygon | Kind::Text | Kind::Offset => true,
-            Kind::Difference | Kind::Intersection => true,
+            Kind::Square
+            | Kind::Polygon
+            | Kind::Text
+            | Kind::Offset
+            | Kind::Difference
+            | Kind::Intersection => true,
             Kind::Circle => !self.is_polygon(node),
             kind => is_bracket(kind),
         })
