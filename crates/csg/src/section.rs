@@ -2,7 +2,7 @@
 
 use glam::{DAffine2, DAffine3, DMat2, DVec2, DVec3};
 
-use crate::brep::{BoundaryOptions, CurveShape, Face, HalfAxes, Loop};
+use crate::brep::{BoundaryOptions, Coedge, CurveShape, Face, HalfAxes, Loop};
 use crate::elementary;
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -10,7 +10,7 @@ use crate::mesher::Mesher;
 use crate::numeric::tolerance::{ON_FACE, ON_PLANE};
 use crate::program::Program;
 use crate::solid::Solid;
-use crate::solid::profile::{FillRule, Path, Profile};
+use crate::solid::profile::{Contour, Corner, FillRule, Profile};
 use crate::surface::SurfaceShape;
 
 impl Solid {
@@ -98,16 +98,20 @@ fn is_in_plane(face: &Face<'_>) -> bool {
 
 /// A face in the plane z = 0, if its edges are lines, circles and whole ellipses.
 fn flat(face: &Face<'_>) -> Option<Profile> {
-    let (mut outer, mut holes) = (Vec::new(), Vec::new());
+    let faces_up = face.normal(DVec3::ZERO).z > 0.0;
+    let (mut contours, mut outer, mut holes) = (Vec::new(), None, Vec::new());
     for around in face.loops() {
-        let (profile, is_outer) = ellipse(&around).or_else(|| contour(&around))?;
-        if is_outer == (face.normal(DVec3::ZERO).z > 0.0) {
-            outer.push(profile);
-        } else {
-            holes.push(profile);
+        match ellipse(&around) {
+            Some((disc, is_left)) if is_left == faces_up => outer = Some(disc),
+            Some((disc, _)) => holes.push(disc),
+            None => contours.push(contour(&around)?),
         }
     }
-    Some(Profile::union(outer) - Profile::union(holes))
+    let within = Profile::within(contours);
+    Some(match outer {
+        Some(outer) => outer - within - Profile::union(holes),
+        None => within - Profile::union(holes),
+    })
 }
 
 /// What a loop encloses that is one ellipse, and whether it runs counter-clockwise.
@@ -127,35 +131,27 @@ fn ellipse(around: &Loop<'_>) -> Option<(Profile, bool)> {
     Some((disc, (axes.determinant() > 0.0) == coedge.is_forward()))
 }
 
-/// What a loop of lines and circles encloses, and whether it runs counter-clockwise.
-fn contour(around: &Loop<'_>) -> Option<(Profile, bool)> {
-    let mut path: Option<Path> = None;
-    let mut doubled_area = 0.0;
-    for coedge in around.coedges() {
+/// A loop of lines and circles.
+fn contour(around: &Loop<'_>) -> Option<Contour> {
+    let corner = |coedge: Coedge<'_>| {
         let edge = coedge.edge();
-        let [from, to] = coedge.vertices()?.map(|vertex| vertex.point().truncate());
+        let [from, _] = coedge.vertices()?;
         let curve = edge.curve();
         let sweep = match (curve, curve.half_axes()) {
             (CurveShape::Line { .. }, _) => 0.0,
             (_, Some(axes)) if axes.is_circle => {
                 let [start, end] = edge.range();
                 let turn = axes.long.truncate().perp_dot(axes.short.truncate());
-                let sweep = (end - start).copysign(turn);
-                if coedge.is_forward() { sweep } else { -sweep }
+                (end - start).copysign(if coedge.is_forward() { turn } else { -turn })
             }
             _ => return None,
         };
-        let before = path.take().unwrap_or_else(|| Path::from(from));
-        path = Some(if sweep == 0.0 {
-            before.line_to(to)
-        } else {
-            let radius = 0.5 * from.distance(to) / elementary::sin(0.5 * sweep.abs());
-            doubled_area += radius * radius * (sweep - elementary::sin(sweep));
-            before.arc_to(to, sweep)
-        });
-        doubled_area += from.perp_dot(to);
-    }
-    Some((path?.close(), doubled_area > 0.0))
+        Some(Corner {
+            point: from.point().truncate(),
+            bulge: elementary::tan(0.25 * sweep),
+        })
+    };
+    around.coedges().map(corner).collect()
 }
 
 impl Mesh {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use csg::{Mesher, Program};
+use csg::{BoundaryOptions, Mesher, Program};
 use io::scene::{ReadOptions, Scene, SceneError, read};
 
 fn scene(text: &str, faceted: bool) -> Scene {
@@ -46,6 +46,20 @@ fn assert_volume(text: &str, wanted: f64) {
 }
 
 const SQUARE: &str = "square(size = [2, 1], center = true);";
+
+/// Reads a scene without a warning, and holds the volume within its exact boundary to `wanted`.
+fn assert_exact(text: &str, wanted: f64) {
+    let scene = scene(text, false);
+    assert!(scene.warnings.is_empty(), "{text}: {:?}", scene.warnings);
+    let program = Program::lower(&scene.solid).expect("a program");
+    let boundary = program.boundary(&BoundaryOptions::new()).expect(text);
+    let volume = boundary.measure().volume;
+    let off = (volume.value - wanted).abs();
+    assert!(
+        off <= volume.error + 1e-11 * wanted,
+        "{text}: {volume:?}, {wanted}"
+    );
+}
 
 #[test]
 fn polygons_are_the_same_in_both_readings() {
@@ -114,9 +128,7 @@ fn minkowski_sums_with_balls_are_round() {
             480.0 + 3.0 * 376.0 + PI * 24.0 * 9.0 + ball(3.0),
         ),
     ] {
-        let (found, off) = smooth_volume(&text, 1e-3);
-        assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
-        assert!(scene(&text, false).warnings.is_empty(), "{text}");
+        assert_exact(&text, wanted);
     }
     for text in [
         "minkowski() { cube(size = [1, 1, 1]); cylinder(r1 = 2, r2 = 2, h = 1); }",
@@ -174,9 +186,7 @@ fn flat_shapes_stay_exact() {
         (section(tilted), 25.0 * PI / 0.8),
     ] {
         let text = format!("linear_extrude(height = 1) {{ {flat} }}");
-        let (found, off) = smooth_volume(&text, 1e-3);
-        assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
-        assert!(scene(&text, false).warnings.is_empty(), "{text}");
+        assert_exact(&text, wanted);
     }
     for text in [
         "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }",

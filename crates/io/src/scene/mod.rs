@@ -43,9 +43,9 @@
 //! - Hulls, Minkowski sums, projections, other sections and `resize` need corners: what is in
 //!   them is meshed while reading, circles in hulls and sums as polygons of at least 30
 //!   corners, which a warning says, as of what else is curved. A hull of nothing but
-//!   spheres (equal, or at most 24) is exact, and so is one of circles, or of cylinders with their
-//!   ends in two planes; and a Minkowski sum of spheres and of what has flat faces and few corners, or of
-//!   a flat shape and circles. How many cells and corners all of them together may cost is
+//!   spheres (equal, or at most 24) is exact, and so is one of circles and polygons, or of
+//!   cylinders with their ends in two planes; and a Minkowski sum of spheres and of what has
+//!   flat faces and few corners, or of a flat shape and circles. How many cells and corners all of them together may cost is
 //!   bounded; more is an error.
 //! - Of profiles and solids in one list those unlike the first are left out,
 //!   with a warning; an intersection of both has no points.

@@ -13,7 +13,7 @@ use glam::{DAffine2, DVec2};
 use smallvec::SmallVec;
 
 use super::polygon::cleaned;
-use super::side::{Course, Side, sides};
+use super::side::{Course, Side, find_pair, sides, slack};
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
 use crate::elementary;
 use crate::numeric::Welder;
@@ -22,6 +22,14 @@ use crate::numeric::tolerance::IN_PROFILE;
 /// The most pieces of sides, and places where these meet: all pieces are held against those
 /// above them.
 const MOST_PIECES: usize = 20_000;
+
+/// Of the slack within which sides meet, how far apart points are that are one: of a place
+/// where several meet each pair tells a point twice the slack from it at most.
+const ONE_POINT: f64 = 4.0;
+
+/// Of that slack, how far apart the middles are of pieces that lie on each other: their ends are
+/// one point each, and so nearly are their lines or circles.
+const ONE_MIDDLE: f64 = 4.0 * ONE_POINT;
 
 /// The contours around the points of a set, which lies on their left; contours may touch.
 /// The set is of those points of which `is_in` says so of how often each of `groups` groups
@@ -62,7 +70,7 @@ impl Profile {
     }
 
     /// What contours enclose that have it on their left.
-    pub(super) fn within(contours: Vec<Contour>) -> Self {
+    pub(crate) fn within(contours: Vec<Contour>) -> Self {
         let shape = Shape::Contours(contours.into(), FillRule::NonZero);
         Self::shape(shape, DAffine2::IDENTITY)
     }
@@ -176,15 +184,13 @@ impl Pieces {
             all.extend(sides(contour));
             group_of.resize(all.len(), *group);
         }
-        let size = all
-            .iter()
-            .fold(0.0, |size: f64, side| side.reach().max(size));
+        let slack = slack(all.iter());
         let mut pieces = Self {
             points: Vec::new(),
             aligned: Vec::new(),
             pieces: Vec::new(),
             stacks: Vec::new(),
-            slack: IN_PROFILE * size,
+            slack,
             sides: all,
         };
         pieces.cut()?;
@@ -194,7 +200,7 @@ impl Pieces {
 
     /// Makes pieces of the sides.
     fn cut(&mut self) -> Option<()> {
-        let mut welder = Welder::new(4.0 * self.slack);
+        let mut welder = Welder::new(ONE_POINT * self.slack);
         let mut number = |point: DVec2| welder.number(point.extend(0.0));
         let mut cuts: Vec<Vec<(f64, u32)>> = Vec::with_capacity(self.sides.len());
         for side in &self.sides {
@@ -213,7 +219,7 @@ impl Pieces {
             cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         self.points = welder.points.iter().map(|p| p.truncate()).collect();
-        self.aligned = aligned(&self.points, 4.0 * self.slack);
+        self.aligned = aligned(&self.points, ONE_POINT * self.slack);
         for (side, cuts) in cuts.iter().enumerate() {
             for pair in cuts.windows(2) {
                 let [(first, from), (last, to)] = [pair[0], pair[1]];
@@ -248,7 +254,7 @@ impl Pieces {
             let open = self.stacks.iter_mut().rev().take_while(ends);
             let same = open.into_iter().find(|stack| {
                 // Where both are upright, or as high at the same x.
-                stack.middle.distance(middle) <= 16.0 * self.slack
+                stack.middle.distance(middle) <= ONE_MIDDLE * self.slack
             });
             let winding = (group_of[piece.side], if piece.is_forward { 1 } else { -1 });
             match same {
@@ -482,27 +488,11 @@ fn aligned(points: &[DVec2], distance: f64) -> Vec<DVec2> {
 /// Where two of the sides meet, and which these are; neighbours in their corner, too. `None` if
 /// there are too many such places.
 fn meetings(sides: &[Side], slack: f64) -> Option<Vec<(usize, usize, DVec2)>> {
-    let mut order: Vec<usize> = (0..sides.len()).collect();
-    order.sort_by(|&a, &b| sides[a].min.x.total_cmp(&sides[b].min.x));
     let mut found = Vec::new();
-    for (rank, &k) in order.iter().enumerate() {
-        let one = &sides[k];
-        for &j in &order[rank + 1..] {
-            let other = &sides[j];
-            if other.min.x > one.max.x + slack {
-                break;
-            }
-            if other.min.y <= one.max.y + slack && one.min.y <= other.max.y + slack {
-                found.extend(
-                    one.meet(other, slack)
-                        .into_iter()
-                        .map(|point| (k, j, point)),
-                );
-            }
-            if found.len() > MOST_PIECES {
-                return None;
-            }
-        }
-    }
-    Some(found)
+    let too_many = find_pair(sides, slack, |k, j| {
+        let points = sides[k].meet(&sides[j], slack);
+        found.extend(points.into_iter().map(|point| (k, j, point)));
+        (found.len() > MOST_PIECES).then_some(())
+    });
+    too_many.is_none().then_some(found)
 }

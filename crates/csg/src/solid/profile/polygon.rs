@@ -6,10 +6,9 @@ use glam::DVec2;
 
 use super::arcs::{self, Arc};
 use super::monotone::orient;
-use super::side::{Side, sides};
+use super::side::{Side, find_pair, sides, slack};
 use super::{Contour, Corner, FillRule};
 use crate::error::ProfileFault;
-use crate::numeric::tolerance::IN_PROFILE;
 
 /// The contour without repeated corners, straight ones and spikes; none if it
 /// encloses nothing.
@@ -147,38 +146,25 @@ pub(super) fn without_straight(points: &[DVec2]) -> Vec<DVec2> {
 }
 
 /// A place where two sides meet within rounding that are not neighbours, or neighbours in
-/// more than their corner. Sides are sorted by x.
+/// more than their corner.
 pub(super) fn crossing(contours: &[Contour]) -> Option<DVec2> {
-    let mut all: Vec<(Side, usize, usize)> = Vec::new();
+    let mut all: Vec<Side> = Vec::new();
+    let mut next: Vec<usize> = Vec::new();
     for contour in contours {
         let first = all.len();
-        all.extend(sides(contour).map(|side| (side, 0, 0)));
-        let count = all.len() - first;
-        for k in 0..count {
-            (all[first + k].1, all[first + k].2) = (first + k, first + (k + 1) % count);
-        }
+        all.extend(sides(contour));
+        next.extend(first + 1..all.len());
+        next.resize(all.len(), first);
     }
-    let slack = IN_PROFILE * all.iter().fold(0.0, |size: f64, s| s.0.reach().max(size));
-    all.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x));
-    for (rank, (one, own, next)) in all.iter().enumerate() {
-        for (other, its_own, after) in &all[rank + 1..] {
-            if other.min.x > one.max.x + slack {
-                break;
-            }
-            if one.max.y + slack < other.min.y || other.max.y + slack < one.min.y {
-                continue;
-            }
-            // The corners that they share as neighbours; two arcs may share both.
-            let shared = [
-                (next == its_own).then_some(one.to),
-                (after == own).then_some(one.from),
-            ];
-            if let Some(place) = meet_beyond(one, other, shared, slack) {
-                return Some(place);
-            }
-        }
-    }
-    None
+    let slack = slack(all.iter());
+    find_pair(&all, slack, |k, j| {
+        // The corners that they share as neighbours; two arcs may share both.
+        let shared = [
+            (next[k] == j).then_some(all[k].to),
+            (next[j] == k).then_some(all[k].from),
+        ];
+        meet_beyond(&all[k], &all[j], shared, slack)
+    })
 }
 
 /// A place where two sides meet beyond the corners that they share.

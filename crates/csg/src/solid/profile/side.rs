@@ -27,6 +27,36 @@ pub(super) fn sides(contour: &[Corner]) -> impl Iterator<Item = Side> {
     sides.filter(|side| side.from != side.to)
 }
 
+/// How near sides are that meet: rounding of the farthest of their coordinates.
+pub(super) fn slack<'a>(sides: impl Iterator<Item = &'a Side>) -> f64 {
+    IN_PROFILE * sides.fold(0.0, |size: f64, side| side.reach().max(size))
+}
+
+/// Looks at all pairs of sides whose boxes are within `slack` of each other, until something is
+/// found.
+pub(super) fn find_pair<T>(
+    sides: &[Side],
+    slack: f64,
+    mut look: impl FnMut(usize, usize) -> Option<T>,
+) -> Option<T> {
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    order.sort_by(|&a, &b| sides[a].min.x.total_cmp(&sides[b].min.x));
+    for (rank, &k) in order.iter().enumerate() {
+        let one = &sides[k];
+        for &j in &order[rank + 1..] {
+            let other = &sides[j];
+            if other.min.x > one.max.x + slack {
+                break;
+            }
+            let near = other.min.y <= one.max.y + slack && one.min.y <= other.max.y + slack;
+            if let Some(found) = near.then(|| look(k, j)).flatten() {
+                return Some(found);
+            }
+        }
+    }
+    None
+}
+
 /// The direction of travel at a point of a side, and its curvature, positive to the left.
 pub(super) struct Course {
     pub direction: DVec2,
@@ -87,7 +117,7 @@ impl Side {
     }
 
     /// The greatest distance of one of its coordinates, or its circle's, from zero.
-    pub(super) fn reach(&self) -> f64 {
+    fn reach(&self) -> f64 {
         let ends = self.min.abs().max(self.max.abs()).max_element();
         let center = |arc: &Arc| arc.center.abs().max_element() + arc.radius;
         self.arc.as_ref().map_or(ends, center).max(ends)
