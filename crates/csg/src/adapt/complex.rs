@@ -292,8 +292,10 @@ impl Complex {
                 }
             }
             self.visited.push((at, normal as u8));
+            // Where transitions contradict each other the arcs may close elsewhere.
+            let is_lost = self.visited.len() - first as usize > self.arcs.len();
             match next {
-                Some(next) if next != start => at = next,
+                Some(next) if next != start && !is_lost => at = next,
                 _ => break,
             }
         }

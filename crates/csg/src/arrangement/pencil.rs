@@ -45,9 +45,9 @@ struct Pencil<'a> {
     /// it is what is left between surfaces that are nearly one.
     blur: f64,
     nearness: Nearness,
-    /// Whether they are about a place at which the surfaces nearly touch, and of the unit of
-    /// their curve: the second is then not of the second surface, but of the pencil's quadric
-    /// with no gradient there.
+    /// Whether a contact is known already. About a place at which the surfaces nearly touch, in the
+    /// unit of their curve, the second matrix is not of the second surface, but of the pencil's
+    /// quadric with no gradient there.
     is_about_contact: bool,
 }
 

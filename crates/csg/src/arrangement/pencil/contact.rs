@@ -120,7 +120,12 @@ impl Pencil<'_> {
                     p: [scaled(odd), scaled(2 - odd), scaled(1)],
                     q: [apex, DVec4::ZERO, DVec4::ZERO],
                 };
-                self.on_cone(&lines, &self.matrices[1])
+                // No other contact is looked for on its lines: that might never end.
+                let once = Pencil {
+                    is_about_contact: true,
+                    ..*self
+                };
+                once.on_cone(&lines, &self.matrices[1])
             }
             [1.0, 1.0, 1.0] | [-1.0, -1.0, -1.0] => self.beside_contact(&contact),
             [0.0, 1.0, 1.0] => along(axes[0]),
