@@ -4,6 +4,7 @@ mod draft;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;
 mod exact;
+mod hulls_of_discs;
 #[path = "import_order/main.rs"]
 mod import_order;
 mod mesh_check;

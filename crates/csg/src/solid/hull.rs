@@ -34,6 +34,14 @@ fn extent(points: &[DVec3]) -> (DVec3, DVec3) {
     })
 }
 
+/// The corners of the hull of finite points; none of points in one plane.
+pub(super) fn corners_of_hull(points: &[DVec3]) -> Option<Vec<DVec3>> {
+    let (min, max) = extent(points);
+    let mut hull = Hull::start(points, ON_FACE * (max - min).max_element())?;
+    hull.grow();
+    Some(hull.corners())
+}
+
 /// The planes of the hull's faces.
 pub(super) fn hull_planes(points: &[DVec3]) -> Result<Vec<Plane>, NodeFault> {
     if !points.iter().all(|point| point.is_finite()) {

@@ -8,6 +8,7 @@
 mod extrude;
 mod from_mesh;
 mod hull;
+mod hull_of_discs;
 pub(crate) mod partition;
 pub(crate) mod polyhedron;
 mod primitive;
