@@ -102,6 +102,55 @@ fn hulls_of_unequal_spheres_are_smooth() {
     assert!(scene(text, false).warnings.is_empty());
 }
 
+/// Cylinders, cones and frusta with parallel axes, and flat faces: against closed forms, and nothing
+/// to be told.
+#[test]
+fn hulls_of_cylinders_and_flat_faces_are_smooth() {
+    let at = |x: f64, y: f64, z: f64, what: &str| {
+        format!(
+            "multmatrix([[1, 0, 0, {x}], [0, 1, 0, {y}], [0, 0, 1, {z}], [0, 0, 0, 1]]) {{ {what} }}"
+        )
+    };
+    let cylinder = |height: f64, low: f64, high: f64| {
+        format!("cylinder($fn = 0, $fa = 12, $fs = 2, h = {height}, r1 = {low}, r2 = {high});")
+    };
+    let turned = |what: &str| {
+        format!(
+            "multmatrix([[0.866025, -0.5, 0, 0], [0.5, 0.866025, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {{ {what} }}"
+        )
+    };
+    let high = at(4.0, 0.0, 0.0, &cylinder(5.0, 1.0, 1.0));
+    let half = at(0.0, -1.0, 0.0, "cube(size = [4, 2, 2]);");
+    for (what, wanted) in [
+        (
+            cylinder(1.0, 1.0, 2.0) + &at(0.0, 0.0, 1.0, &cylinder(1.0, 2.0, 1.0)),
+            14.0 / 3.0 * PI,
+        ),
+        // A trapezoid of area 14 and height 5, widened by half a circle at each side.
+        (cylinder(2.0, 1.0, 1.0) + &high, 28.0 + 5.0 * PI),
+        (turned(&(cylinder(2.0, 1.0, 1.0) + &high)), 28.0 + 5.0 * PI),
+        (cylinder(2.0, 1.0, 1.0) + &half, 16.0 + PI),
+        (
+            format!("group() {{ color([1, 0, 0, 1]) {{ {half} }} }}") + &cylinder(2.0, 1.0, 1.0),
+            16.0 + PI,
+        ),
+        // All that is round is within.
+        (
+            "cube(size = [2, 2, 1], center = true);".to_owned()
+                + &at(0.0, 0.0, 0.5, &cylinder(3.0, 1.0, 0.0)),
+            8.0,
+        ),
+    ] {
+        let text = format!("hull() {{ {what} }}");
+        let (found, off) = smooth_volume(&text, 1e-3);
+        assert!((found - wanted).abs() <= off, "{text}: {found}, {wanted}");
+        assert!(scene(&text, false).warnings.is_empty(), "{text}");
+    }
+    let lying = "multmatrix([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])";
+    let across = format!("hull() {{ {high} {lying} {{ {high} }} }}");
+    assert!(!scene(&across, false).warnings.is_empty(), "{across}");
+}
+
 /// Rounded by balls what has flat faces is as Steiner says; circles that became polygons are told.
 #[test]
 fn minkowski_sums_with_balls_are_round() {

@@ -74,15 +74,27 @@ fn mesh(solid: &Solid, allowance: &mut Allowance) -> Result<Mesh, String> {
     }
 }
 
-/// Points whose convex hull is that of the solid.
-fn corners(solid: &Solid, allowance: &mut Allowance) -> Result<Vec<DVec3>, String> {
-    let mut points = Vec::new();
-    let mut pending = vec![(solid, DAffine3::IDENTITY)];
+/// The solids that solids are the union of, each with the map that puts it in its place.
+fn leaves(solids: &[Solid]) -> Vec<(&Solid, DAffine3)> {
+    let mut found = Vec::new();
+    let mut pending: Vec<(&Solid, DAffine3)> =
+        solids.iter().map(|s| (s, DAffine3::IDENTITY)).collect();
     while let Some((solid, map)) = pending.pop() {
         match solid.node() {
             Node::Union(operands) => pending.extend(operands.iter().map(|o| (o, map))),
             Node::Transform(Ok(inner), operand) => pending.push((operand, map * *inner)),
             Node::Named(_, operand) | Node::Colored(_, operand) => pending.push((operand, map)),
+            _ => found.push((solid, map)),
+        }
+    }
+    found
+}
+
+/// Points whose convex hull is that of the solid.
+fn corners(solid: &Solid, allowance: &mut Allowance) -> Result<Vec<DVec3>, String> {
+    let mut points = Vec::new();
+    for (solid, map) in leaves(std::slice::from_ref(solid)) {
+        match solid.node() {
             Node::Primitive(Primitive::Prism { polygon, z }) => {
                 let ends = [z.start, z.end];
                 let at = |z: f64| polygon.iter().map(move |p| p.extend(z));
@@ -118,19 +130,12 @@ const SAME: f64 = 1e-12;
 /// The primitives that solids are the union of, each where it is put; none if they are no such
 /// union.
 fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
-    let mut found = Vec::new();
-    let mut pending: Vec<(&Solid, DAffine3)> =
-        solids.iter().map(|s| (s, DAffine3::IDENTITY)).collect();
-    while let Some((solid, map)) = pending.pop() {
-        match solid.node() {
-            Node::Union(operands) => pending.extend(operands.iter().map(|o| (o, map))),
-            Node::Transform(Ok(inner), operand) => pending.push((operand, map * *inner)),
-            Node::Named(_, operand) | Node::Colored(_, operand) => pending.push((operand, map)),
-            Node::Primitive(primitive) => found.push((primitive, map)),
-            _ => return None,
-        }
-    }
-    Some(found)
+    let leaves = leaves(solids).into_iter();
+    let found = leaves.map(|(solid, map)| match solid.node() {
+        Node::Primitive(primitive) => Some((primitive, map)),
+        _ => None,
+    });
+    found.collect()
 }
 
 /// The balls that a solid is the union of, as centres and their common radius.
@@ -223,6 +228,95 @@ impl Upright {
     }
 }
 
+/// The normal of the plane in which a map makes circles of circles across the z axis, and how many
+/// times as large these are; none if it makes ellipses of them.
+///
+/// Of ellipses nobody can tell those that are meant for circles, but for the six digits of the
+/// matrices in which they are turned.
+pub(super) fn circles(linear: DMat3, radii: DVec2) -> Option<(DVec3, f64)> {
+    const SIX_DIGITS: f64 = 3e-6;
+    let (x, y) = (radii.x * linear.x_axis, radii.y * linear.y_axis);
+    let is_round = (x.length() - y.length()).abs() <= SIX_DIGITS * x.length()
+        && x.dot(y).abs() <= SIX_DIGITS * x.length() * y.length();
+    let normal = x.cross(y).try_normalize()?;
+    is_round.then(|| (normal, (0.5 * (x.length() + y.length()))))
+}
+
+/// Whether two planes with these normals are parallel but for the six digits of matrices.
+pub(super) fn are_parallel(one: DVec3, other: DVec3) -> bool {
+    const SIX_DIGITS: f64 = 3e-6;
+    one.cross(other).length() <= SIX_DIGITS
+}
+
+/// The ends of a cylinder, cone or frustum, as discs, each a centre and a radius, and their normal.
+fn ends(primitive: &Primitive, map: DAffine3) -> Option<([(DVec3, f64); 2], DVec3)> {
+    let (radii, [low, high], z) = match primitive {
+        Primitive::Cylinder { radii, z: Some(z) } => (*radii, [1.0; 2], z),
+        Primitive::Frustum { bottom, top, z } => (DVec2::ONE, [*bottom, *top], z),
+        _ => return None,
+    };
+    let (normal, size) = circles(map.matrix3, radii)?;
+    let end = |z: f64, share: f64| (map.transform_point3(z * DVec3::Z), share * size);
+    Some(([end(z.start, low), end(z.end, high)], normal))
+}
+
+/// The hull of cylinders, cones and frusta with parallel axes and of what has flat faces; none if
+/// other solids are among these, or it would not be meshed without doubt.
+fn hull_of_discs(solids: &[Solid], allowance: &mut Allowance) -> Result<Option<Solid>, String> {
+    let mut discs = Vec::new();
+    let mut normal = None;
+    let mut others = Vec::new();
+    for (leaf, map) in leaves(solids) {
+        let ends = match leaf.node() {
+            Node::Primitive(primitive) => ends(primitive, map),
+            _ => None,
+        };
+        let Some((ends, own)) = ends else {
+            others.push(leaf.affine(map));
+            continue;
+        };
+        if !are_parallel(own, *normal.get_or_insert(own)) {
+            return Ok(None);
+        }
+        discs.extend(ends);
+    }
+    let Some(normal) = normal else {
+        return Ok(None);
+    };
+    for other in others {
+        let program = Program::lower(&other).map_err(|e| e.to_string())?;
+        if !program.carriers().iter().all(csg::Surface::is_plane) {
+            return Ok(None);
+        }
+        let corners = corners(&other, allowance)?;
+        discs.extend(corners.into_iter().map(|corner| (corner, 0.0)));
+    }
+    let hull = Solid::hull_of_discs(&discs, normal);
+    Ok(hull.filter(|hull| is_sound(hull, allowance)))
+}
+
+/// Whether a convex solid is meshed without doubt.
+fn is_sound(solid: &Solid, allowance: &mut Allowance) -> bool {
+    /// What is meshed without doubt takes some dozens.
+    const FEW_CELLS: u64 = 2000;
+    /// Of its size.
+    const COARSE: f64 = 1e-3;
+    let Ok(program) = Program::lower(solid) else {
+        return false;
+    };
+    let Ok(Some(bounds)) = program.bounds() else {
+        return false;
+    };
+    let mesher = Mesher::new()
+        .limits(Limits::new().cells(allowance.cells.min(FEW_CELLS)))
+        .tolerance(COARSE * bounds.size().max_element());
+    let Ok(meshed) = mesher.mesh(&program) else {
+        return false;
+    };
+    allowance.cells = allowance.cells.saturating_sub(meshed.report.cells_visited);
+    meshed.report.is_proven() && meshed.mesh.check().euler_characteristic() == 2
+}
+
 /// The convex hull of solids.
 pub(super) fn hull(solids: &[Solid], allowance: &mut Allowance) -> Result<Solid, String> {
     if let Some((centers, radius)) = balls(solids)
@@ -237,6 +331,9 @@ pub(super) fn hull(solids: &[Solid], allowance: &mut Allowance) -> Result<Solid,
     }
     if let Some(Upright { frame, discs, z }) = Upright::of(solids) {
         return Ok(Solid::extrude(&Profile::hull_of_discs(discs), z).affine(frame));
+    }
+    if let Some(hull) = hull_of_discs(solids, allowance)? {
+        return Ok(hull);
     }
     let mut points = Vec::new();
     for solid in solids {

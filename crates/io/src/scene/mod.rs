@@ -44,9 +44,10 @@
 //!   them is meshed while reading, circles in hulls and sums as polygons of at least 30
 //!   corners, which a warning says, as of what else is curved. A hull of nothing but
 //!   spheres (equal, or at most 24) is exact, and so is one of circles and polygons, or of
-//!   cylinders with their ends in two planes; and a Minkowski sum of spheres and of what has
-//!   flat faces and few corners, or of a flat shape and circles. How many cells and corners all of them together may cost is
-//!   bounded; more is an error.
+//!   cylinders, cones and frusta with parallel axes and of what has flat faces, if it has at most
+//!   48 planes and cones and is meshed without doubt; and a Minkowski sum of spheres and of what
+//!   has flat faces and few corners, or of a flat shape and circles. How many cells and corners
+//!   all of them together may cost is bounded; more is an error.
 //! - Of profiles and solids in one list those unlike the first are left out,
 //!   with a warning; an intersection of both has no points.
 //! - The faces of a `polyhedron` must close; if they are inside out they are

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use csg::{Color, Profile};
-use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat4, DVec3, DVec4};
+use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use super::build::{Builder, Open};
 use super::corners;
@@ -43,6 +43,13 @@ fn is_bracket(kind: Kind) -> bool {
     )
 }
 
+/// A matrix of which the last number is 1.
+fn matrix_of(value: &Value) -> Option<DMat4> {
+    let rows: [[f64; 4]; 4] = array(value, |row| array(row, number))?;
+    let matrix = DMat4::from_cols_array_2d(&rows).transpose();
+    Some(matrix * (1.0 / matrix.w_axis.w))
+}
+
 impl Builder<'_> {
     /// What a node with children does.
     pub(super) fn operation(
@@ -75,7 +82,9 @@ impl Builder<'_> {
                 self.arguments(node, &["convexity"])?;
                 let is_smooth = match node.kind {
                     Kind::Hull => {
-                        self.holds_one_kind_alone(node) || self.is_flat(self.index..node.end)
+                        self.holds_one_kind_alone(node)
+                            || self.is_flat(self.index..node.end)
+                            || self.holds_parallel_circles(node)
                     }
                     _ => self.sums_smoothly(node),
                 };
@@ -102,14 +111,9 @@ impl Builder<'_> {
 
     fn map(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
         let [matrix] = self.arguments(node, &[""])?;
-        let rows = matrix.and_then(|value| {
-            let rows: [[f64; 4]; 4] = array(value, |row| array(row, number))?;
-            Some(DMat4::from_cols_array_2d(&rows).transpose())
-        });
-        let Some(matrix) = rows else {
+        let Some(matrix) = matrix.and_then(matrix_of) else {
             return Err(self.fault(node, "it needs a matrix: four rows of four numbers"));
         };
-        let matrix = matrix * (1.0 / matrix.w_axis.w);
         if !matrix.is_finite() {
             return Ok(Operation::Map(None, None));
         }
@@ -143,6 +147,44 @@ impl Builder<'_> {
             }
             kind => is_bracket(kind),
         })
+    }
+
+    /// Whether all below a node are cylinders with circles in parallel planes, one at least, and
+    /// what has flat faces: their hull is smooth.
+    fn holds_parallel_circles(&self, node: &NodeText<'_>) -> bool {
+        let mut maps: Vec<(usize, DMat3)> = Vec::new();
+        let mut normal = None;
+        let mut index = self.index;
+        while let Some(below) = self.tree.nodes[..node.end].get(index) {
+            while maps.pop_if(|(end, _)| *end <= index).is_some() {}
+            index += 1;
+            if below.background {
+                index = below.end;
+                continue;
+            }
+            let map = maps.last().map_or(DMat3::IDENTITY, |(_, map)| *map);
+            match below.kind {
+                Kind::Multmatrix => {
+                    let arguments = &self.tree.arguments[below.arguments.clone()];
+                    let matrix = arguments.first().and_then(|a| matrix_of(&a.value));
+                    let Some(matrix) = matrix else { return false };
+                    maps.push((below.end, map * DMat3::from_mat4(matrix)));
+                }
+                Kind::Cylinder if !self.is_polygon(below) => {
+                    let Some((own, _)) = corners::circles(map, DVec2::ONE) else {
+                        return false;
+                    };
+                    if !corners::are_parallel(own, *normal.get_or_insert(own)) {
+                        return false;
+                    }
+                }
+                Kind::Cube | Kind::Polyhedron | Kind::Cylinder => {}
+                Kind::Sphere if self.is_polygon(below) => {}
+                kind if is_bracket(kind) => {}
+                _ => return false,
+            }
+        }
+        normal.is_some()
     }
 
     /// Whether a Minkowski sum is smooth.
