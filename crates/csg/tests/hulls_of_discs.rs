@@ -126,7 +126,7 @@ fn hold(what: &str, discs: &Discs, normal: DVec3, random: &mut Random) -> Option
     let program = lowered(what, discs, normal);
     assert_reach(what, &program, discs, normal, random);
     let volume = proven(what, &program)?;
-    let (least, gap) = of_points(discs, 360, normal);
+    let (least, gap) = of_points(discs, 90, normal);
     let off = volume - least;
     assert!(
         (-1e-9..gap + 1e-9).contains(&off),
@@ -353,9 +353,10 @@ fn degenerate_ones() {
 /// All are where they should be; what touches in so many places is not always meshed without doubt.
 #[test]
 fn random_ones() {
-    let mut random = Random(7);
+    const CASES: usize = 100;
     let mut proven = 0;
-    for case in 0..60 {
+    for case in 0..CASES {
+        let mut random = Random(7 + case as u64);
         let (discs, points) = (1 + case % 4, case / 4 % 6);
         let count = if points == 0 { discs + 1 } else { discs };
         let mut discs: Discs = (0..count + points)
@@ -387,7 +388,7 @@ fn random_ones() {
             .collect();
         proven += usize::from(hold(&what, &turned, normal, &mut random).is_some());
     }
-    assert!(proven >= 50, "{proven}");
+    assert!(proven >= 92, "{proven}");
 }
 
 #[test]

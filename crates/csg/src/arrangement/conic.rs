@@ -158,7 +158,8 @@ pub(super) fn conic(
         let rest = quadric.value(center);
         // Of the points in the plane where the gradient points into it, the
         // centre is nearest to the surface.
-        let touches = rest.abs() <= touch * quadric.gradient(center).length().max(touch);
+        let of_contact = touch * quadric.gradient(center).length().max(touch);
+        let touches = rest.abs() <= of_contact.max(quadric.rounding_of_value(center));
         let radius = |value: f64| (rest / value).abs().sqrt();
         let (a, b) = (radius(first) * u, radius(second) * v);
         if (first > 0.0) == (second > 0.0) {

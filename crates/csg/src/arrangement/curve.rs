@@ -391,8 +391,8 @@ impl Curve {
                 // by orders of magnitude along the curve, and only there tells what is near.
                 let middle = surface.gradient(center);
                 let [of_a, of_b] = [a, b].map(|d| surface.gradient(center + d) - middle);
-                let most = near * (middle.length() + of_a.length() + of_b.length());
-                if form.is_clear_around(most) {
+                let steepest = middle.length() + of_a.length() + of_b.length();
+                if form.is_clear_around(on.max(near) * steepest) {
                     return Meets::Points;
                 }
                 let trig = form.around();
@@ -405,7 +405,7 @@ impl Curve {
                     let (sin, cos) = elementary::sin_cos(t);
                     near * (middle + cos * of_a + sin * of_b).length() + rounding
                 };
-                let most = most + rounding;
+                let most = near * steepest + rounding;
                 trig.roots_within(&Tolerance { at, most }, roots);
                 Meets::Points
             }

@@ -135,6 +135,11 @@ impl Triple<'_> {
         self.third.value(at) / self.third.gradient(at).length()
     }
 
+    /// How far a place on the curve is from the surfaces whose curve it is.
+    fn off(&self, t: f64) -> f64 {
+        solve::residual(self.pair.into_iter(), self.curve.at(t))
+    }
+
     /// Where the curve runs along the surface's tangent plane, from near it. The
     /// distance from the surface itself is 0 to second order there, so that it
     /// tells only half the digits.
@@ -164,7 +169,10 @@ impl Triple<'_> {
 
     /// Where the curve meets the third surface, by the roots found. Sorts these.
     pub fn clusters(&self, roots: &mut Roots, rounding: f64) -> SmallVec<[Cluster; 4]> {
-        clusters(roots, self.nodes, |t| self.distance(t), rounding)
+        // What the curve itself is off its own surfaces, of which there may be much where its
+        // surfaces are thin and it is long, no third one is told from.
+        let value = |t: f64| (self.distance(t).abs() - self.off(t)).max(0.0);
+        clusters(roots, self.nodes, value, rounding)
     }
 
     /// The one place of a cluster: that of the node, or where the sign changes, or where the
