@@ -1,12 +1,15 @@
 //! What faces, loops, edges and vertices there are.
 
 use csg::brep::{CurveShape, Face};
-use csg::glam::DVec3;
-use csg::{BoundaryOptions, CancelToken, Error, Limits, Program, Solid, SurfaceShape};
+use csg::glam::{DVec2, DVec3};
+use csg::{
+    BoundaryOptions, CancelToken, Error, Limits, Mesher, Profile, Program, Solid, SurfaceShape,
+};
 use stereotomy::csg;
 
 use super::boundary;
 use super::sound::assert_sound;
+use crate::random::Random;
 
 /// Shells, faces, loops, edges, vertices.
 fn counts(solid: &Solid) -> [usize; 5] {
@@ -70,6 +73,57 @@ fn where_a_solid_touches_itself_parts_keep_their_own_edges() {
     let plate = Solid::cuboid([4.0, 4.0, 1.0]);
     let ball = Solid::sphere(1.0).translate([0.0, 0.0, 1.5]);
     assert_eq!(counts(&(plate | ball)), [2, 7, 6, 12, 8]);
+    // A disc on the ridge of a ring, which slits its face.
+    let ring = Solid::frustum(2.0, 1.0, 0.0..1.0) - Solid::cylinder(1.0, 0.0..1.0);
+    let disc = Solid::cylinder(2.0, 1.0..2.0);
+    assert_eq!(counts(&(ring | disc)), [2, 6, 10, 5, 0]);
+}
+
+/// Lathe parts out of blocks and rods: steps and tapers on a grid touch each other, and the rod, along
+/// circles.
+#[test]
+fn lathe_parts_have_the_topology_of_their_meshes() {
+    let mut touching = 0;
+    for seed in 0..150 {
+        let mut random = Random::new(seed);
+        let mut grid = |most: u64| random.below(most) as f64;
+        let bore = 0.5 * (1.0 + grid(2));
+        let mut corners = vec![DVec2::new(bore, 0.0)];
+        let mut height = 0.0;
+        for _ in 0..4 {
+            let radius = bore + 1.0 + grid(3);
+            corners.push(DVec2::new(radius, height));
+            height += grid(2) + 0.5 * grid(2);
+            corners.push(DVec2::new(radius, height));
+        }
+        corners.push(DVec2::new(bore, height + grid(2)));
+        let tool = Solid::revolve(&Profile::polygon(corners));
+        let (block, rod) = (
+            Solid::cuboid([7.0, 7.0, 3.0]),
+            Solid::cylinder(4.0, 0.0..3.5),
+        );
+        let solid = match seed % 3 {
+            0 => block - tool,
+            1 => rod - tool,
+            _ => tool | Solid::cylinder(2.0, 1.0..2.0) - Solid::cylinder(1.0, 1.0..2.0),
+        };
+        let Ok(program) = Program::lower(&solid) else {
+            continue;
+        };
+        let brep = boundary(&solid).expect("a boundary");
+        let meshed = Mesher::new()
+            .tolerance(0.05)
+            .mesh(&program)
+            .expect("a mesh");
+        assert!(meshed.report.is_proven(), "seed {seed}");
+        let check = meshed.mesh.check();
+        let genera: usize = brep.shells().map(|shell| shell.genus()).sum();
+        let found = (brep.shells().len(), genera);
+        let genus = check.genus().expect("manifold") as usize;
+        assert_eq!(found, (check.components, genus), "seed {seed}");
+        touching += usize::from(check.components > 1);
+    }
+    assert!(touching >= 20, "{touching}");
 }
 
 #[test]

@@ -21,6 +21,8 @@ struct Outline {
     half_edges: Vec<HalfEdgeId>,
     polygon: Vec<DVec2>,
     bounds: [DVec2; 2],
+    /// Points of the patch next to it.
+    beside: Vec<DVec2>,
     area: f64,
 }
 
@@ -51,6 +53,7 @@ pub(super) fn regions(
         let chart = Chart::new(surface, frame, &side, about);
         let outlines = contours.into_iter().map(|half_edges| {
             let polygon = polygon(all, curves, &chart, &half_edges);
+            let beside = beside(&polygon, chart.turn());
             let area = chart.turn() * area(all, curves, &chart, &half_edges);
             let first = polygon.first().copied().unwrap_or_default();
             let bounds = polygon.iter().fold([first; 2], |[low, high], &point| {
@@ -60,6 +63,7 @@ pub(super) fn regions(
                 half_edges,
                 bounds,
                 polygon,
+                beside,
                 area,
             }
         });
@@ -181,23 +185,31 @@ fn owner(outer: &[Outline], hole: &Outline) -> Option<usize> {
     around.min_by(|&a, &b| outer[a].area.total_cmp(&outer[b].area))
 }
 
-/// Whether a polygon is within another one, with which it may have some points in common: most
-/// of its sides' middles are.
-fn is_within(outer: &Outline, inner: &Outline) -> bool {
+/// Points beside some of a polygon's sides, where the patch is that it bounds: where the solid touches
+/// itself the patch may have the same line on its other side.
+fn beside(polygon: &[DVec2], turn: f64) -> Vec<DVec2> {
     const MOST: usize = 15;
+    /// Of a side's length: far above rounding, and below all that is told from it by chords.
+    const NEXT_TO: f64 = 1e-6;
+    let step = polygon.len().div_ceil(MOST).max(1);
+    let some = (0..polygon.len()).step_by(step);
+    some.map(|k| {
+        let [a, b] = [k, (k + 1) % polygon.len()].map(|k| polygon[k]);
+        a.midpoint(b) + NEXT_TO * turn * (b - a).perp()
+    })
+    .collect()
+}
+
+/// Whether a contour is within another one, with which it may have points in common: most of the
+/// patch beside it is.
+fn is_within(outer: &Outline, inner: &Outline) -> bool {
     let middle = inner.bounds[0].midpoint(inner.bounds[1]);
     if middle.cmplt(outer.bounds[0]).any() || middle.cmpgt(outer.bounds[1]).any() {
         return false;
     }
-    let (outer, inner) = (&outer.polygon, &inner.polygon);
-    let step = inner.len().div_ceil(MOST);
-    let middles = (0..inner.len()).step_by(step).map(|k| {
-        let next = (k + 1) % inner.len();
-        0.5 * (inner[k] + inner[next])
-    });
     let (mut within, mut outside) = (0, 0);
-    for point in middles {
-        if is_within_polygon(outer, point) {
+    for &point in &inner.beside {
+        if is_within_polygon(&outer.polygon, point) {
             within += 1;
         } else {
             outside += 1;
