@@ -89,7 +89,8 @@ pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
 pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};
 pub use solid::{
-    Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Repairs, Solid, Twist, shear_matrix,
+    Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Repairs, Solid, Twist,
+    TwistAccuracy, shear_matrix,
 };
 pub use surface_nets::slab::{Slab, SlabBody, SlabHead, SlabSource};
 pub use undecided::{Undecided, Why};

@@ -251,6 +251,79 @@ fn twisted_extrusions_enclose_what_their_triangles_do() {
     }
 }
 
+/// Points beside the boundary of the profile at their height, turned and scaled back.
+#[test]
+fn even_twists_are_as_near_as_they_say() {
+    let mut random = Random(11);
+    let bar = Profile::rectangle([3.0, 2.0]);
+    let pipe = &bar - Profile::circle(0.75).translate([0.25, 0.0]);
+    for (profile, radians, scale) in [
+        (&bar, FRAC_PI_2, [1.0, 1.0]),
+        (&bar, -0.5, [0.5, 1.5]),
+        (&pipe, 0.75, [1.0, 1.0]),
+        (&pipe, 0.0, [0.5, 1.0]),
+    ] {
+        let what = format!("{radians} {scale:?}");
+        let near = Solid::twist_accuracy(profile, radians, scale).expect("valid");
+        assert!(near.faces <= 50_000 && near.deviation <= 1e-3, "{near:?}");
+        let solid = Solid::extrude_twisted(profile, 0.0..4.0, radians, scale);
+        let program = Program::lower(&solid).expect("valid");
+        let fine = profile.contours(1e-6).expect("valid");
+        let inside = |p: DVec2| {
+            let sides = fine.iter().flat_map(|contour| {
+                let next = contour.iter().cycle().skip(1);
+                contour.iter().zip(next)
+            });
+            let crossed = sides.filter(|(a, b)| {
+                (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+            });
+            crossed.count() % 2 == 1
+        };
+        let corners: Vec<DVec2> = fine.iter().flatten().copied().collect();
+        for _ in 0..500 {
+            let share = random.unit();
+            let at = corners[random.below(corners.len())];
+            let factor = DVec2::ONE + (DVec2::from(scale) - 1.0) * share;
+            let turn = DVec2::from_angle(radians * share);
+            // Across a straight side, or about a corner, or across an arc.
+            let next = corners[random.below(corners.len())];
+            let on = if random.below(2) == 0 {
+                at
+            } else {
+                at.lerp(next, random.unit())
+            };
+            let off = near.deviation * DVec2::from_angle(TAU * random.unit());
+            let place = |p: DVec2| factor * turn.rotate(p);
+            let point = place(on) + 1.01 * off;
+            let back = |p: DVec2| DVec2::new(turn.x, -turn.y).rotate(p / factor);
+            // If all around it as far as the deviation is on one side.
+            let around = (0..16).map(|k| {
+                let step = 1.05 * near.deviation * DVec2::from_angle(TAU * f64::from(k) / 16.0);
+                inside(back(point + step))
+            });
+            let around: Vec<bool> = around.collect();
+            if around.iter().all(|&side| side == around[0]) {
+                let point = point.extend(4.0 * share);
+                assert_eq!(program.contains(point), around[0], "{what}: {point}");
+            }
+        }
+        if scale == [1.0, 1.0] {
+            let mesh = meshed(&what, &solid);
+            let volume = 4.0 * profile.area(1e-9).expect("valid");
+            let off = (mesh.volume() - volume).abs();
+            assert!(off <= 0.5 * near.deviation * mesh.area(), "{what}: {off}");
+        }
+    }
+    let many = Solid::twist_accuracy(&bar, 100.0, [1.0, 1.0]).expect("valid");
+    assert!(many.faces <= 200_000 && many.deviation > 1e-3, "{many:?}");
+    for (radians, what) in [(1e300, "too few"), (f64::NAN, "not finite")] {
+        assert!(
+            Solid::twist_accuracy(&bar, radians, [1.0, 1.0]).is_err(),
+            "{what}"
+        );
+    }
+}
+
 #[test]
 fn mistakes_are_named() {
     let corners = [[0., 0.], [1., 0.], [0., 1.]].map(DVec2::from);

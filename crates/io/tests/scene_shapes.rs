@@ -237,12 +237,22 @@ fn flat_shapes_stay_exact() {
         let text = format!("linear_extrude(height = 1) {{ {flat} }}");
         assert_exact(&text, wanted);
     }
-    for text in [
-        "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }",
-        "linear_extrude(height = 1) { hull() { difference() { circle(r = 2); square(size = [9, 9]); } } }",
+    for (text, told) in [
+        (
+            "linear_extrude(height = 1, scale = [0.5, 1]) { circle(r = 10); }",
+            "flat faces within 3.0e-3 of it",
+        ),
+        (
+            "linear_extrude(height = 5, twist = 90, slices = 4) { square(size = [3, 2], center = true); }",
+            "flat faces within 5.4e-4 of it",
+        ),
+        (
+            "linear_extrude(height = 1) { hull() { difference() { circle(r = 2); square(size = [9, 9]); } } }",
+            "chords",
+        ),
     ] {
         let warnings = scene(text, false).warnings;
-        assert!(warnings[0].to_string().contains("chords"), "{warnings:?}");
+        assert!(warnings[0].to_string().contains(told), "{warnings:?}");
     }
 }
 

@@ -258,12 +258,18 @@ impl PyProfile {
             (None, Some(apex), false) => Solid::extrude_to_point(&self.0, extent, apex),
             (scale, None, true) => {
                 let radians = angle(twist.unwrap_or(0.0), radians);
-                let twist = Twist {
-                    radians,
-                    scale: scale.map_or(DVec2::ONE, |scale| scale.array().into()),
-                    steps: steps.unwrap_or_else(|| layers(radians)),
-                };
-                Solid::extrude_in_steps(&self.0, extent, twist)
+                let scale = scale.map_or(DVec2::ONE, |scale| scale.array().into());
+                match steps {
+                    None => Solid::extrude_twisted(&self.0, extent, radians, scale),
+                    Some(steps) => {
+                        let twist = Twist {
+                            radians,
+                            scale,
+                            steps,
+                        };
+                        Solid::extrude_in_steps(&self.0, extent, twist)
+                    }
+                }
             }
             (_, Some(_), _) => {
                 let problem = "an apex goes with neither scale nor twist";
@@ -308,10 +314,4 @@ impl PyProfile {
             format!("revolve({})", given.join(", "))
         })
     }
-}
-
-/// Enough layers for a twist to look smooth: five degrees each.
-fn layers(radians: f64) -> usize {
-    const LAYER: f64 = 5.0;
-    (radians.to_degrees().abs() / LAYER).ceil().max(1.0) as usize
 }

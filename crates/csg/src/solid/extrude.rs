@@ -64,9 +64,7 @@ impl Solid {
     ///
     /// Lines become planes, circles and arcs cones. Where the scales differ, a
     /// line becomes a hyperbolic paraboloid (a plane if it is along x or y); of a profile with
-    /// circles or arcs all is in flat steps within 1e-4 of its size, if these are not
-    /// too many, or else they are chords within that
-    /// (for another tolerance, see [`Profile::flattened`]).
+    /// circles or arcs all is in flat faces, as [`Solid::extrude_twisted`] has them.
     #[must_use]
     pub fn extrude_scaled(profile: &Profile, z: Range<f64>, scale: impl Into<DVec2>) -> Self {
         Self::made("extrude_scaled", extruded(profile, &z, scale.into()))
@@ -101,8 +99,8 @@ fn extruded(
         }
     }
     let even = scale.x == scale.y;
-    if !even && let Some(in_steps) = uneven(profile, z, scale)? {
-        return Ok(in_steps);
+    if !even && !profile.is_straight() {
+        return uneven(profile, z, scale);
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let set = plane_set(profile, Sagitta::of_length(tolerance), &|_| even)?;

@@ -28,4 +28,4 @@ pub use primitive::{Plane, Polyhedron, Primitive};
 pub use repair::Repairs;
 pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};
-pub use twist::Twist;
+pub use twist::{Twist, TwistAccuracy};

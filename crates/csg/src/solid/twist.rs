@@ -43,8 +43,168 @@ impl Solid {
     }
 }
 
+/// Of a solid in flat steps that stands for a curved one: more take longer than they show.
+const MOST_FACES: f64 = 2e5;
+/// How far its faces may stray, of the profile's size. Tunes their number, which grows with its power
+/// of -3/2: of a bar that turns by a right angle it is some 25,000.
+const STRAY: f64 = 3e-4;
+
+/// Solids whose faces are not of second degree, by flat ones.
+impl Solid {
+    /// The profile moved along z while it is turned and scaled about the z axis, evenly, by flat
+    /// faces within 3e-4 of the profile's size, or, if these would be more than 200,000, as near as so
+    /// many come: [`Solid::twist_accuracy`] tells how near. `radians` and `scale` are those of
+    /// [`Twist`]. Cost as of [`Solid::extrude_in_steps`].
+    #[must_use]
+    pub fn extrude_twisted(
+        profile: &Profile,
+        z: Range<f64>,
+        radians: f64,
+        scale: impl Into<DVec2>,
+    ) -> Self {
+        let even = Even::new(profile, radians, scale.into());
+        let made = even.and_then(|even| in_steps(even.contours, &z, even.twist));
+        Self::made("extrude_twisted", made)
+    }
+
+    /// How near [`Solid::extrude_twisted`] comes, and by how many faces.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the profile, the angle or the scale.
+    pub fn twist_accuracy(
+        profile: &Profile,
+        radians: f64,
+        scale: impl Into<DVec2>,
+    ) -> Result<TwistAccuracy, NodeFault> {
+        Even::new(profile, radians, scale.into()).map(|even| even.accuracy)
+    }
+}
+
+/// How near flat faces come to an even twist.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct TwistAccuracy {
+    /// How far they are from it at most, in model units.
+    pub deviation: f64,
+    /// How many triangles its sides are.
+    pub faces: usize,
+}
+
+/// An even twist by flat faces.
+struct Even {
+    /// With corners along the sides.
+    contours: Vec<Vec<DVec2>>,
+    twist: Twist,
+    accuracy: TwistAccuracy,
+}
+
+impl Even {
+    fn new(profile: &Profile, radians: f64, scale: DVec2) -> Result<Self, NodeFault> {
+        check(radians, scale)?;
+        // Half of it is for chords, half for flat faces.
+        let mut half = 0.5 * profile.tolerance_of(STRAY)?;
+        loop {
+            let contours = profile.contours(half)?;
+            let points = contours.iter().flatten();
+            let reach = points.fold(0.0, |most, point| point.length().max(most));
+            let widest = scale.max_element().max(1.0);
+            // A corner's path is off its chord by an eighth of its second derivative, along the
+            // whole way, times the step squared: at most a third.
+            let grown = (DVec2::ONE - scale).abs().max_element();
+            let bend = reach * radians.abs() * (widest * radians.abs() + 2.0 * grown);
+            let least = (radians.abs() / MOST_TURN).max(1.0);
+            let steps = (3.0 * bend / (8.0 * half)).sqrt().max(least).ceil();
+            // Four corners that are out of a plane by so much of a side's length are off their
+            // mean by a quarter of that: at most two thirds.
+            let warp = widest * radians.abs() + (scale.x - scale.y).abs();
+            let longest = 8.0 / 3.0 * half * steps / warp;
+            let pieces = |length: f64| (length / longest).ceil().max(1.0);
+            let sides = |contour: &[DVec2]| -> Vec<(DVec2, DVec2, f64)> {
+                let next = contour.iter().cycle().skip(1);
+                let sides = contour.iter().zip(next);
+                sides
+                    .map(|(&from, &to)| (from, to, pieces(from.distance(to))))
+                    .collect()
+            };
+            let sides: Vec<Vec<(DVec2, DVec2, f64)>> =
+                contours.iter().map(|contour| sides(contour)).collect();
+            let faces = 2.0 * steps * sides.iter().flatten().map(|side| side.2).sum::<f64>();
+            if faces > MOST_FACES && half < reach {
+                half *= (faces / MOST_FACES).max(1.1);
+                continue;
+            }
+            // Of so many turns, or so many corners, that no chords help.
+            if faces > 10.0 * MOST_FACES {
+                return Err(NodeFault::TooFewSteps {
+                    steps: MOST_FACES as usize,
+                });
+            }
+            let divided = |side: &(DVec2, DVec2, f64)| {
+                let (from, to, pieces) = *side;
+                (0..pieces as u32).map(move |k| from.lerp(to, f64::from(k) / pieces))
+            };
+            let divide =
+                |contour: &Vec<(DVec2, DVec2, f64)>| contour.iter().flat_map(divided).collect();
+            return Ok(Self {
+                contours: sides.iter().map(divide).collect(),
+                twist: Twist {
+                    radians,
+                    scale,
+                    steps: steps as usize,
+                },
+                accuracy: TwistAccuracy {
+                    deviation: 2.0 * half,
+                    faces: faces as usize,
+                },
+            });
+        }
+    }
+}
+
+/// A profile with circles or arcs moved along z and scaled unevenly, by flat faces.
+pub(super) fn uneven(
+    profile: &Profile,
+    z: &Range<f64>,
+    scale: DVec2,
+) -> Result<(Solid, [DVec3; 2]), NodeFault> {
+    let even = Even::new(profile, 0.0, scale)?;
+    in_steps(even.contours, z, even.twist)
+}
+
+/// By how much a step turns at most, in radians: sides of steps that turn further would pass near
+/// the axis.
+const MOST_TURN: f64 = 0.5;
+
+fn check(radians: f64, scale: DVec2) -> Result<(), NodeFault> {
+    if !radians.is_finite() {
+        let what = "the angle of a twist";
+        return Err(NodeFault::NotFinite { what });
+    }
+    for value in scale.to_array() {
+        if !(value >= 0.0 && value.is_finite()) {
+            let what = "the scale";
+            return Err(NodeFault::NotPositive { what, value });
+        }
+    }
+    Ok(())
+}
+
 fn twisted(
     profile: &Profile,
+    z: &Range<f64>,
+    twist: Twist,
+) -> Result<(Solid, [DVec3; 2]), NodeFault> {
+    check(twist.radians, twist.scale)?;
+    let Twist { radians, steps, .. } = twist;
+    if steps == 0 || radians.abs() / steps as f64 >= std::f64::consts::PI {
+        return Err(NodeFault::TooFewSteps { steps });
+    }
+    let contours = profile.contours(profile.tolerance_of(PROFILE_CHORD)?)?;
+    in_steps(contours, z, twist)
+}
+
+fn in_steps(
+    contours: Vec<Vec<DVec2>>,
     z: &Range<f64>,
     twist: Twist,
 ) -> Result<(Solid, [DVec3; 2]), NodeFault> {
@@ -54,20 +214,6 @@ fn twisted(
         scale,
         steps,
     } = twist;
-    if !radians.is_finite() {
-        let what = "the angle of a twist";
-        return Err(NodeFault::NotFinite { what });
-    }
-    if steps == 0 || radians.abs() / steps as f64 >= std::f64::consts::PI {
-        return Err(NodeFault::TooFewSteps { steps });
-    }
-    for value in scale.to_array() {
-        if !(value >= 0.0 && value.is_finite()) {
-            let what = "the scale";
-            return Err(NodeFault::NotPositive { what, value });
-        }
-    }
-    let contours = profile.contours(profile.tolerance_of(PROFILE_CHORD)?)?;
     let at = |step: usize| Level {
         turn: elementary::direction(radians * step as f64 / steps as f64),
         scale: DVec2::ONE - (DVec2::ONE - scale) * step as f64 / steps as f64,
@@ -88,42 +234,6 @@ fn twisted(
         })
     };
     Ok((solid, within))
-}
-
-/// A profile with circles or arcs moved along z and scaled unevenly, in flat steps within its
-/// tolerance; none if it is straight, or if that takes very many faces.
-pub(super) fn uneven(
-    profile: &Profile,
-    z: &Range<f64>,
-    scale: DVec2,
-) -> Result<Option<(Solid, [DVec3; 2])>, NodeFault> {
-    const MOST_FACES: f64 = 2e5;
-    if profile.is_straight() {
-        return Ok(None);
-    }
-    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let contours = profile.contours(tolerance)?;
-    let chord = |contour: &Vec<DVec2>| {
-        let next = contour.iter().cycle().skip(1);
-        let chords = contour.iter().zip(next).map(|(a, b)| a.distance(*b));
-        chords.fold(0.0, f64::max)
-    };
-    let longest = contours.iter().map(chord).fold(0.0, f64::max);
-    // The middle of four corners out of a plane is a quarter of how much they are from that of
-    // two of them.
-    let steps = (0.25 * (scale.x - scale.y).abs() * longest / tolerance)
-        .ceil()
-        .max(1.0);
-    let corners: usize = contours.iter().map(Vec::len).sum();
-    if 2.0 * corners as f64 * steps > MOST_FACES {
-        return Ok(None);
-    }
-    let twist = Twist {
-        radians: 0.0,
-        scale,
-        steps: steps as usize,
-    };
-    twisted(profile, z, twist).map(Some)
 }
 
 /// The height of an extrusion.

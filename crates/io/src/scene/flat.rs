@@ -13,8 +13,6 @@ use super::parse::{NodeText, Value};
 use super::pieces::Piece;
 use super::values::{array, list, number};
 
-/// Read as smooth, a twist turns by at most this between flat steps.
-const FINEST_TWIST: f64 = 2.0 * PI / 256.0;
 /// What is told where arcs cannot be kept.
 pub(super) const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
 
@@ -243,11 +241,21 @@ impl Builder<'_> {
         };
         let solid = if twist == 0.0 && scale == DVec2::ONE {
             Solid::extrude(profile, z)
-        } else if twist == 0.0 && (scale.x == scale.y || !self.is_faceted()) {
-            if scale.x != scale.y && !profile.is_straight() {
-                self.warn(node, CHORDS.to_owned());
-            }
+        } else if twist == 0.0
+            && (scale.x == scale.y || !self.is_faceted() && profile.is_straight())
+        {
             Solid::extrude_scaled(profile, z, scale)
+        } else if !self.is_faceted() {
+            let radians = -twist.to_radians();
+            if let Ok(near) = Solid::twist_accuracy(profile, radians, scale) {
+                self.facets(node, 1.0, near.faces as f64)?;
+                let off = near.deviation;
+                self.warn(
+                    node,
+                    format!("it is taken for flat faces within {off:.1e} of it"),
+                );
+            }
+            Solid::extrude_twisted(profile, z, radians, scale)
         } else {
             let steps = self.slices(node, profile, extrusion)?;
             let radians = -twist.to_radians();
@@ -333,11 +341,6 @@ impl Builder<'_> {
                     .min((length / size).ceil())
                     .max(least)
             }
-        };
-        let slices = if self.is_faceted() {
-            slices
-        } else {
-            slices.max((twist.to_radians() / FINEST_TWIST).ceil())
         };
         self.facets(node, slices, 2.0 * slices * corners)
     }

@@ -31,9 +31,8 @@
 //!   so in [`Scene::warnings`].
 //! - Profiles stay as they are drawn: what is extruded or turned has planes,
 //!   cylinders and cones. A circle turned about an axis beside it is cut into 32
-//!   chords or more first, with a warning that says how near they are, a twist into
-//!   flat steps of at most 1.4 degrees, and circles that are
-//!   scaled unevenly into flat steps within 1e-4 of the size, which a warning says. Offsets
+//!   chords or more first, a twist and circles that are scaled unevenly into flat faces within
+//!   3e-4 of the size if these are not too many, with warnings that say how near they are. Offsets
 //!   have the arcs of what they move and of its corners; of ellipses, and where rounding leaves
 //!   open what meets, chords are moved, with a warning.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
