@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::arrangement;
 use crate::error::Error;
+use crate::numeric::tolerance::ON_FACE;
 use crate::program::{Bounds, Program, Settled, Surface};
 use crate::report::{Moved, Report};
 
@@ -137,10 +138,11 @@ impl Prepared {
         Ok(Some(Self(settled)))
     }
 
-    /// What is told of the moves: what was moved by less than rounding moves it is where it
-    /// was.
+    /// What is told of the moves: what was moved by less than rounding moves it, or the plane of a
+    /// face through given points, is where it was.
     pub fn told(&self, bounds: &Bounds) -> Option<Moved> {
-        let rounding = arrangement::rounding(bounds.center(), bounds.size().max_element());
+        let longest = bounds.size().max_element();
+        let rounding = arrangement::rounding(bounds.center(), longest) + ON_FACE * longest;
         let moved = self.0.as_ref().filter(|settled| settled.moved > rounding);
         moved.map(|settled| Moved {
             merged: settled.merged,

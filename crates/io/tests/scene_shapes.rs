@@ -134,6 +134,26 @@ fn hulls_of_cylinders_and_flat_faces_are_smooth() {
             format!("group() {{ color([1, 0, 0, 1]) {{ {half} }} }}") + &cylinder(2.0, 1.0, 1.0),
             16.0 + PI,
         ),
+        // Extruded circles lean where they are scaled beside the axis.
+        (
+            "linear_extrude(height = 1, scale = 2) { circle(r = 1); } ".to_owned()
+                + &at(
+                    0.0,
+                    0.0,
+                    1.0,
+                    "linear_extrude(height = 1, scale = 0.5) { circle(r = 2); }",
+                ),
+            14.0 / 3.0 * PI,
+        ),
+        (
+            at(
+                1.0,
+                0.0,
+                0.0,
+                "linear_extrude(height = 3, scale = 2) { multmatrix([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { circle(r = 1); } }",
+            ) + &at(2.0, 0.0, 0.5, "cube(size = [0.5, 0.5, 0.5]);"),
+            7.0 * PI,
+        ),
         // All that is round is within.
         (
             "cube(size = [2, 2, 1], center = true);".to_owned()

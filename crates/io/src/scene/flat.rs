@@ -2,8 +2,9 @@
 
 use csg::elementary;
 use std::f64::consts::PI;
+use std::ops::Range;
 
-use csg::glam::{DAffine2, DVec2};
+use csg::glam::{DAffine2, DAffine3, DMat3, DVec2, DVec3};
 use csg::{FillRule, Join, Profile, Solid, Twist};
 
 use super::build::{Builder, is_size};
@@ -41,6 +42,21 @@ pub(super) struct Growth {
 }
 
 const LEGACY: [&str; 4] = ["file", "layer", "origin", "timestamp"];
+
+/// What is extruded of a circle, as hulls know it.
+fn frustum(center: DVec2, radius: f64, z: Range<f64>, scale: f64) -> Solid {
+    let lean = (scale - 1.0) / (z.end - z.start) * center;
+    let at_bottom = center - z.start * lean;
+    let solid = if scale == 1.0 {
+        Solid::cylinder(radius, z)
+    } else {
+        Solid::frustum(radius, scale * radius, z)
+    };
+    solid.affine(DAffine3 {
+        matrix3: DMat3::from_cols(DVec3::X, DVec3::Y, lean.extend(1.0)),
+        translation: at_bottom.extend(0.0),
+    })
+}
 
 impl Builder<'_> {
     pub(super) fn circle(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
@@ -239,7 +255,12 @@ impl Builder<'_> {
         } else {
             0.0..height
         };
-        let solid = if twist == 0.0 && scale == DVec2::ONE {
+        let round = profile
+            .as_circle()
+            .filter(|_| twist == 0.0 && scale.x == scale.y);
+        let solid = if let Some((center, radius)) = round {
+            frustum(center, radius, z, scale.x)
+        } else if twist == 0.0 && scale == DVec2::ONE {
             Solid::extrude(profile, z)
         } else if twist == 0.0
             && (scale.x == scale.y || !self.is_faceted() && profile.is_straight())

@@ -82,7 +82,7 @@ impl Builder<'_> {
                 self.arguments(node, &["convexity"])?;
                 let is_smooth = match node.kind {
                     Kind::Hull => {
-                        self.holds_one_kind_alone(node)
+                        self.holds_balls_alone(node)
                             || self.is_flat(self.index..node.end)
                             || self.holds_parallel_circles(node)
                     }
@@ -137,20 +137,15 @@ impl Builder<'_> {
         Ok(Operation::Map(solid, flat))
     }
 
-    /// Whether all below a node are spheres, or circles, or cylinders: their hull is smooth.
-    fn holds_one_kind_alone(&self, node: &NodeText<'_>) -> bool {
-        let mut below = self.below(self.index..node.end);
-        let mut first = None;
-        below.all(|node| match node.kind {
-            Kind::Sphere | Kind::Circle | Kind::Cylinder => {
-                *first.get_or_insert(node.kind) == node.kind && !self.is_polygon(node)
-            }
-            kind => is_bracket(kind),
+    /// Whether all below a node are spheres: their hull is smooth.
+    fn holds_balls_alone(&self, node: &NodeText<'_>) -> bool {
+        self.below(self.index..node.end).all(|node| {
+            node.kind == Kind::Sphere && !self.is_polygon(node) || is_bracket(node.kind)
         })
     }
 
-    /// Whether all below a node are cylinders with circles in parallel planes, one at least, and
-    /// what has flat faces: their hull is smooth.
+    /// Whether all below a node are cylinders and extruded circles in parallel planes, one at least,
+    /// and what has flat faces: their hull is smooth.
     fn holds_parallel_circles(&self, node: &NodeText<'_>) -> bool {
         let mut maps: Vec<(usize, DMat3)> = Vec::new();
         let mut normal = None;
@@ -170,7 +165,7 @@ impl Builder<'_> {
                     let Some(matrix) = matrix else { return false };
                     maps.push((below.end, map * DMat3::from_mat4(matrix)));
                 }
-                Kind::Cylinder if !self.is_polygon(below) => {
+                Kind::Cylinder | Kind::Circle if !self.is_polygon(below) => {
                     let Some((own, _)) = corners::circles(map, DVec2::ONE) else {
                         return false;
                     };
@@ -179,6 +174,7 @@ impl Builder<'_> {
                     }
                 }
                 Kind::Cube | Kind::Polyhedron | Kind::Cylinder => {}
+                Kind::Square | Kind::Polygon | Kind::Circle | Kind::LinearExtrude => {}
                 Kind::Sphere if self.is_polygon(below) => {}
                 kind if is_bracket(kind) => {}
                 _ => return false,
