@@ -63,7 +63,7 @@ impl Solid {
         scale: impl Into<DVec2>,
     ) -> Self {
         let even = Even::new(profile, radians, scale.into());
-        let made = even.and_then(|even| in_steps(even.contours, &z, even.twist));
+        let made = even.and_then(|even| in_steps(&even.contours, &z, even.twist));
         Self::made("extrude_twisted", made)
     }
 
@@ -168,7 +168,7 @@ pub(super) fn uneven(
     scale: DVec2,
 ) -> Result<(Solid, [DVec3; 2]), NodeFault> {
     let even = Even::new(profile, 0.0, scale)?;
-    in_steps(even.contours, z, even.twist)
+    in_steps(&even.contours, z, even.twist)
 }
 
 /// By how much a step turns at most, in radians: sides of steps that turn further would pass near
@@ -200,11 +200,11 @@ fn twisted(
         return Err(NodeFault::TooFewSteps { steps });
     }
     let contours = profile.contours(profile.tolerance_of(PROFILE_CHORD)?)?;
-    in_steps(contours, z, twist)
+    in_steps(&contours, z, twist)
 }
 
 fn in_steps(
-    contours: Vec<Vec<DVec2>>,
+    contours: &[Vec<DVec2>],
     z: &Range<f64>,
     twist: Twist,
 ) -> Result<(Solid, [DVec3; 2]), NodeFault> {
@@ -228,9 +228,9 @@ fn in_steps(
         Solid::empty()
     } else {
         let turns_back = radians >= 0.0;
-        polyhedron(&contours, &levels, turns_back).unwrap_or_else(|| {
+        polyhedron(contours, &levels, turns_back).unwrap_or_else(|| {
             let pairs = levels.windows(2);
-            Solid::union(pairs.map(|pair| layer(&contours, [&pair[0], &pair[1]], turns_back)))
+            Solid::union(pairs.map(|pair| layer(contours, [&pair[0], &pair[1]], turns_back)))
         })
     };
     Ok((solid, within))
