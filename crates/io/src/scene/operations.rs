@@ -173,8 +173,13 @@ impl Builder<'_> {
                         return false;
                     }
                 }
-                Kind::Cube | Kind::Polyhedron | Kind::Cylinder => {}
-                Kind::Square | Kind::Polygon | Kind::Circle | Kind::LinearExtrude => {}
+                Kind::Cube
+                | Kind::Polyhedron
+                | Kind::Cylinder
+                | Kind::Square
+                | Kind::Polygon
+                | Kind::Circle
+                | Kind::LinearExtrude => {}
                 Kind::Sphere if self.is_polygon(below) => {}
                 kind if is_bracket(kind) => {}
                 _ => return false,
