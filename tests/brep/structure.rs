@@ -105,7 +105,7 @@ fn lathe_parts_have_the_topology_of_their_meshes() {
         let solid = match seed % 3 {
             0 => block - tool,
             1 => rod - tool,
-            _ => tool | Solid::cylinder(2.0, 1.0..2.0) - Solid::cylinder(1.0, 1.0..2.0),
+            _ => tool | (Solid::cylinder(2.0, 1.0..2.0) - Solid::cylinder(1.0, 1.0..2.0)),
         };
         let Ok(program) = Program::lower(&solid) else {
             continue;
