@@ -112,7 +112,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 65] = [
+const MODELS: [&str; 66] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -153,6 +153,7 @@ const MODELS: [&str; 65] = [
     "near-parabola",
     "octahedron",
     "plate",
+    "polygons-a-millionth-apart",
     "prism-in-a-round-hole",
     "prism-out-of-a-cylinder",
     "pyramid-12",

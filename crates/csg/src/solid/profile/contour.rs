@@ -67,11 +67,10 @@ fn of_contours(contours: &[Contour], rule: FillRule) -> Result<PlaneSet, Profile
         return nested(&clean, rule);
     };
     let all: Vec<(usize, Contour)> = clean.into_iter().map(|contour| (0, contour)).collect();
-    let contours = outline(&all, 1, |windings| rule.is_inside(windings[0]));
-    nested(
-        &contours.ok_or(ProfileFault::Crossing { place })?,
-        FillRule::NonZero,
-    )
+    let outline = outline(&all, 1, |windings| rule.is_inside(windings[0]));
+    let (contours, lines) = outline.ok_or(ProfileFault::Crossing { place })?;
+    let set = nested(&contours, FillRule::NonZero)?;
+    Ok(set.along(|from, to| lines.of(from, to)))
 }
 
 /// Contours that do not meet: each with what it encloses, in the order of their

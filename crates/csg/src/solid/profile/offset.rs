@@ -81,7 +81,7 @@ impl Profile {
             return Some(Self::polygons_of(polygons, FillRule::NonZero));
         }
         let moved: Vec<(usize, Contour)> = moved.into_iter().map(|contour| (0, contour)).collect();
-        let contours = outline(&moved, 1, |windings| windings[0] > 0)?;
+        let (contours, _) = outline(&moved, 1, |windings| windings[0] > 0)?;
         let moved = Self::within(contours);
         // Whether a formula tells it is known to that alone.
         let is_told = plane_set(&moved, Sagitta::of_length(1.0), &|_| true).is_ok();

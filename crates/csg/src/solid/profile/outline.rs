@@ -10,6 +10,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine2, DVec2};
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::polygon::cleaned;
@@ -39,10 +40,30 @@ pub(super) fn outline(
     contours: &[(usize, Contour)],
     groups: usize,
     is_in: impl Fn(&[i64]) -> bool,
-) -> Option<Vec<Contour>> {
+) -> Option<(Vec<Contour>, Lines)> {
     let pieces = Pieces::of(contours)?;
     let kept = pieces.bounding(groups, is_in);
-    pieces.joined(&kept)
+    let mut lines = Lines::default();
+    let contours = pieces.joined(&kept, &mut lines)?;
+    Some((contours, lines))
+}
+
+/// For straight sides of an outline that are pieces of longer ones: these. Where a piece is short its
+/// ends tell its direction badly.
+#[derive(Debug, Default)]
+pub(super) struct Lines(FxHashMap<[u64; 4], [DVec2; 2]>);
+
+impl Lines {
+    fn key(from: DVec2, to: DVec2) -> [u64; 4] {
+        [from.x, from.y, to.x, to.y].map(f64::to_bits)
+    }
+
+    /// Two points on the line from one corner to the next, which follow each other as these do.
+    pub fn of(&self, from: DVec2, to: DVec2) -> [DVec2; 2] {
+        let known = self.0.get(&Self::key(from, to)).copied();
+        let back = || self.0.get(&Self::key(to, from)).map(|&[a, b]| [b, a]);
+        known.or_else(back).unwrap_or([from, to])
+    }
 }
 
 impl Profile {
@@ -57,7 +78,7 @@ impl Profile {
                 groups += 1;
             }
         }
-        outline(&contours, groups, |windings| self.is_around(windings))
+        outline(&contours, groups, |windings| self.is_around(windings)).map(|(outline, _)| outline)
     }
 
     /// The same profile with its Booleans carried out, lines and arcs as such, as far as rounding
@@ -354,7 +375,7 @@ impl Pieces {
     }
 
     /// The contours that pieces make up, if as many lead to every point as from it.
-    fn joined(&self, kept: &[Stride]) -> Option<Vec<Contour>> {
+    fn joined(&self, kept: &[Stride], lines: &mut Lines) -> Option<Vec<Contour>> {
         let mut leaving: Vec<SmallVec<[usize; 1]>> = vec![SmallVec::new(); self.points.len()];
         for (k, step) in kept.iter().enumerate() {
             leaving[step.ends[0] as usize].push(k);
@@ -373,7 +394,7 @@ impl Pieces {
                 way.push(step);
                 let end = step.ends[1];
                 if let Some(from) = way.iter().position(|before| before.ends[0] == end) {
-                    contours.push(self.contour(&way.split_off(from), &touches));
+                    contours.push(self.contour(&way.split_off(from), &touches, lines));
                     if way.is_empty() {
                         break;
                     }
@@ -414,7 +435,7 @@ impl Pieces {
 
     /// The corners of steps that follow each other, those on one line or circle as one side but
     /// where contours touch.
-    fn contour(&self, steps: &[Stride], touches: &[bool]) -> Contour {
+    fn contour(&self, steps: &[Stride], touches: &[bool], lines: &mut Lines) -> Contour {
         /// Of an arc: the centre of one that is nearly whole depends on rounding.
         const MOST: f64 = 1.5 * PI;
         let sweep = |step: &Stride| {
@@ -443,12 +464,27 @@ impl Pieces {
             return self.circle(steps.iter().map(sweep).sum(), &steps[0]);
         };
         let mut corners: Vec<(DVec2, f64)> = Vec::new();
+        let mut of_side: Vec<&Stride> = Vec::new();
         for k in start..start + steps.len() {
             let k = k % steps.len();
             let more = sweep(&steps[k]);
             match corners.last_mut() {
                 Some((_, sum)) if goes_on(k) && (*sum + more).abs() <= MOST => *sum += more,
-                _ => corners.push((self.points[steps[k].ends[0] as usize], more)),
+                _ => {
+                    corners.push((self.points[steps[k].ends[0] as usize], more));
+                    of_side.push(&steps[k]);
+                }
+            }
+        }
+        for (k, &step) in of_side.iter().enumerate() {
+            let side = &self.sides[self.pieces[step.piece].side];
+            let [from, to] = [k, (k + 1) % corners.len()].map(|k| corners[k].0);
+            if side.arc.is_none() {
+                let line = match self.runs_along(step) {
+                    true => [side.from, side.to],
+                    false => [side.to, side.from],
+                };
+                lines.0.insert(Lines::key(from, to), line);
             }
         }
         let corner = |(point, sweep): (DVec2, f64)| Corner {

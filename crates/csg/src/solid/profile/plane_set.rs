@@ -113,6 +113,16 @@ impl PlaneSet {
         self
     }
 
+    /// The same with the lines of half-planes given by other points on them.
+    pub(super) fn along(mut self, line: impl Fn(DVec2, DVec2) -> [DVec2; 2]) -> Self {
+        for step in &mut self.steps {
+            if let Step::Leaf(Leaf::HalfPlane { from, to }) = step {
+                [*from, *to] = line(*from, *to);
+            }
+        }
+        self
+    }
+
     /// The leaves, in any order.
     #[cfg(test)]
     pub(crate) fn leaves(&self) -> impl Iterator<Item = &Leaf> {
