@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::MeshFormat;
+use crate::drawing::DrawingFormat;
 
 /// Why a mesh file could not be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -107,6 +108,25 @@ pub enum Error {
         /// What is wrong there, and how to mend it.
         problem: String,
     },
+    /// The file name does not say which format of flat shapes is meant.
+    #[error(
+        "{}: no format that flat shapes are read from has this extension; use one of .svg, .dxf",
+        path.display()
+    )]
+    UnknownProfile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A drawing is damaged, or uses what this reader does not know.
+    #[error("{place}: {problem}")]
+    MalformedDrawing {
+        /// The format.
+        format: DrawingFormat,
+        /// A line, an element or entity, or the drawing as a whole.
+        place: String,
+        /// What is wrong there, and how to mend it.
+        problem: String,
+    },
     /// The mesh bounds no solid.
     #[error("{0}")]
     NotASolid(Box<csg::MeshFaults>),
@@ -143,6 +163,7 @@ impl Error {
             | Self::InFile { .. }
             | Self::UnknownFormat { .. }
             | Self::UnknownDrawing { .. }
+            | Self::UnknownProfile { .. }
             | Self::StepOfMesh { .. } => self,
             other => Self::InFile {
                 path: path.to_owned(),

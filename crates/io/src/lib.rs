@@ -1,4 +1,4 @@
-//! Files: meshes and scenes, in and out.
+//! Files: meshes, scenes and flat shapes, in and out.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod assemble;
@@ -14,6 +14,7 @@ pub mod obj;
 pub mod off;
 mod parts;
 pub mod ply;
+pub mod profile;
 mod repeats;
 mod rows;
 pub mod scene;
@@ -31,5 +32,6 @@ mod weld;
 pub use atomic::AtomicFile;
 pub use error::Error;
 pub use format::{MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_with, write_mesh};
+pub use profile::{ProfileOptions, ReadProfile, read_profile, read_profile_with};
 pub use shared::share_triangles;
 pub use solid::{read_repaired_solid, read_solid};

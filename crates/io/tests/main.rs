@@ -6,6 +6,7 @@ mod damaged_files;
 mod drawings;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;
+mod flat_files;
 mod gltf;
 mod gltf_validator;
 mod instances;

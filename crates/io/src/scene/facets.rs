@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 
 /// How finely OpenSCAD divides a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fineness {
+pub(crate) struct Fineness {
     /// `$fn`: the number of fragments, if positive.
     pub number: f64,
     /// `$fa`: the least angle of a fragment, in degrees.
@@ -28,7 +28,7 @@ impl Fineness {
     /// The number of fragments of a circle, as a whole f64 of at least 3;
     /// infinite where the text asks for infinitely many. The rule of
     /// OpenSCAD's `Calc::get_fragments_from_r`.
-    pub(super) fn fragments(&self, radius: f64) -> f64 {
+    pub(crate) fn fragments(&self, radius: f64) -> f64 {
         // The finest grid OpenSCAD knows.
         const GRID_FINE: f64 = 1.0 / (1 << 20) as f64;
         if radius < GRID_FINE || !self.number.is_finite() {

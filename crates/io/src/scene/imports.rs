@@ -1,43 +1,44 @@
-//! `import` and `surface`: solids from files beside the scene.
+//! `import` and `surface`: solids and flat shapes from files beside the scene.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::Solid;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::build::Builder;
+use super::build::{Builder, is_size};
 use super::error::SceneError;
 use super::parse::{NodeText, Value};
 use super::pieces::Piece;
 use super::values;
 use crate::contents::Contents;
-use crate::{Error, ReadOptions, read_mesh_with};
+use crate::profile::{self, ProfileOptions};
+use crate::{Error, ReadOptions, read_mesh_with, read_profile_with};
 
 /// The most bytes of a height map: far more than a solid can be made of.
 const MOST_BYTES: u64 = 1 << 20;
 
+/// Of `import`.
+const KEYS: [&str; 12] = [
+    "file",
+    "layer",
+    "origin",
+    "scale",
+    "convexity",
+    "$fn",
+    "$fa",
+    "$fs",
+    "timestamp",
+    "center",
+    "dpi",
+    "id",
+];
+
 impl Builder<'_> {
     pub(super) fn import(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
-        let keys = [
-            "file",
-            "layer",
-            "origin",
-            "scale",
-            "convexity",
-            "$fn",
-            "$fa",
-            "$fs",
-            "timestamp",
-            "center",
-            "dpi",
-            "id",
-        ];
-        let [file, ..] = self.arguments(node, &keys)?;
+        let [file, ..] = self.arguments(node, &KEYS)?;
         let path = self.file(node, file)?;
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        if ["svg", "dxf"].contains(&extension.to_lowercase().as_str()) {
-            let problem = "flat files (.svg, .dxf) cannot be read yet: import a mesh (.stl, .off, .obj, .ply), or write the shape as polygons";
-            return Err(self.fault(node, problem));
+        if profile::is_flat(&path) {
+            return self.import_flat(node, &path);
         }
         let files = ReadOptions::default().any_folder(self.options.any_folder);
         let mut mesh =
@@ -66,6 +67,63 @@ impl Builder<'_> {
         };
         let solid = solid.map_err(|faults| self.fault(node, &fault(faults)))?;
         self.made(node, solid)
+    }
+
+    /// A drawing, as OpenSCAD reads it but for arcs, which stay.
+    fn import_flat(&mut self, node: &NodeText<'_>, path: &Path) -> Result<Piece, SceneError> {
+        let values = self.arguments(node, &KEYS)?;
+        let [_, layer, origin, scale, _, fn_, fa, fs, _, center, dpi, id] = values;
+        let fineness = self.fineness(node, [fn_, fa, fs])?;
+        let mut options = ProfileOptions::default();
+        for (key, value, to) in [
+            ("layer", layer, &mut options.layer),
+            ("id", id, &mut options.id),
+        ] {
+            *to = match value {
+                None | Some(Value::Undefined) => None,
+                Some(value) => match values::text(value) {
+                    Some(text) => Some(text.to_owned()),
+                    None => return Err(self.fault(node, &format!("`{key}` must be a text"))),
+                },
+            };
+        }
+        options.center = self.flag(node, "center", center)?;
+        for (key, value, to) in [
+            ("scale", scale, &mut options.scale),
+            ("dpi", dpi, &mut options.dpi),
+        ] {
+            if value.is_some() {
+                *to = self.number(node, key, value)?;
+            }
+            if !is_size(*to) {
+                let problem = format!("`{key}` must be above 0 and finite");
+                return Err(self.fault(node, &problem));
+            }
+        }
+        if let Some(value) = origin {
+            let point = values::array(value, values::number).map(DVec2::from_array);
+            options.origin = point
+                .filter(|point| point.is_finite())
+                .ok_or_else(|| self.fault(node, "`origin` must be [x, y]"))?;
+        }
+        let is_svg = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("svg"));
+        if is_svg && (options.scale != 1.0 || options.origin != DVec2::ZERO) {
+            let problem = "`scale` and `origin` are for .dxf files alone, as in OpenSCAD";
+            self.warn(node, problem.to_owned());
+        }
+        if self.is_faceted() || fineness.is_polygon() {
+            options.fineness = Some(fineness);
+        }
+        let read = read_profile_with(path, &options);
+        let read = read.map_err(|e| self.fault(node, &e.to_string()))?;
+        for warning in read.warnings {
+            self.warn(node, format!("{}: {warning}", path.display()));
+        }
+        let sides = read.sides as f64;
+        self.facets(node, sides, sides)?;
+        self.flat(node, read.profile)
     }
 
     pub(super) fn surface(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {

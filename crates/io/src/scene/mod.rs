@@ -3,7 +3,7 @@
 //! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
 //! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
-//! `polygon`, `text`, `import` (of meshes), `surface` (of numbers),
+//! `polygon`, `text`, `import` (of meshes, and of drawings in SVG and DXF), `surface` (of numbers),
 //! `linear_extrude`, `rotate_extrude`, `offset`, `projection`, `hull`,
 //! `minkowski` (of solids) and `resize`. Any other node is an error that names it
 //! and its place, unless `%` (background) leaves it out of the solid anyway.
@@ -55,6 +55,9 @@
 //! - Files that `import` and `surface` name lie beside the scene or below, unless
 //!   others are allowed. An imported mesh must bound a solid; if it is inside out it
 //!   is turned, with a warning.
+//! - An imported drawing ([`crate::profile`] says what is read) keeps its lines, arcs and circles;
+//!   other curves become chords within 1e-4 of its size, with a warning. `layer`, `id`, `dpi`, `center`
+//!   mean what they do in OpenSCAD, and so do `origin` and `scale`, in DXF.
 //! - Colours are sRGB, and the outermost wins. `color([-1, -1, -1, a])` is
 //!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
 //!   primitive shows that primitive's colour, as in OpenSCAD's preview.
@@ -82,6 +85,8 @@ use std::path::{Path, PathBuf};
 use csg::Solid;
 
 use crate::contents::Contents;
+
+pub(crate) use facets::Fineness;
 
 pub use error::{Place, SceneError, Warning};
 pub use write::{WriteError, write};

@@ -13,6 +13,7 @@ use glam::{DAffine2, DVec2};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
+use super::arcs::doubled_area;
 use super::polygon::cleaned;
 use super::side::{Course, Side, find_pair, sides, slack};
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
@@ -79,6 +80,17 @@ impl Profile {
             }
         }
         outline(&contours, groups, |windings| self.is_around(windings)).map(|(outline, _)| outline)
+    }
+
+    /// The area, to rounding. `None` if it has ellipses or is faulty, or if rounding leaves open
+    /// what meets.
+    #[must_use]
+    pub fn exact_area(&self) -> Option<f64> {
+        if self.fault().is_some() {
+            return None;
+        }
+        let contours = self.outline()?;
+        Some(0.5 * contours.iter().map(|c| doubled_area(c)).sum::<f64>())
     }
 
     /// The same profile with its Booleans carried out, lines and arcs as such, as far as rounding

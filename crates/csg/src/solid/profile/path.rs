@@ -1,15 +1,16 @@
 //! A contour drawn side by side.
 
 use crate::elementary;
-use glam::DVec2;
+use glam::{DAffine2, DVec2};
 
 use super::monotone::orient;
-use super::{Corner, Profile};
+use super::{Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
 use crate::numeric::tolerance::IN_PROFILE;
 
 /// A closed contour of lines and arcs, drawn side by side; the last side back
-/// to the start is added where it is missing. It must not cross itself.
+/// to the start is added where it is missing. It may cross itself: what it winds around an even
+/// number of times is outside then.
 ///
 /// ```
 /// use csg::{Path, Profile};
@@ -59,6 +60,20 @@ impl Path {
             });
         } else if let Some(last) = self.corners.last_mut() {
             last.bulge = elementary::tan(radians / 4.0);
+            self.corners.push(Corner::straight(end.into()));
+        }
+        self
+    }
+
+    /// An arc by its bulge, the tangent of a quarter of the angle in radians that it turns through,
+    /// counter-clockwise positive: as DXF has it. 0 is a straight side.
+    #[must_use]
+    pub fn bulge_to(mut self, end: impl Into<DVec2>, bulge: f64) -> Self {
+        if !bulge.is_finite() {
+            let what = "the bulge of an arc";
+            self.fault.get_or_insert(ProfileFault::NotFinite { what });
+        } else if let Some(last) = self.corners.last_mut() {
+            last.bulge = bulge;
             self.corners.push(Corner::straight(end.into()));
         }
         self
@@ -133,9 +148,16 @@ impl Path {
 
     /// What the path encloses.
     #[must_use]
-    pub fn close(mut self) -> Profile {
+    pub fn close(self) -> Profile {
+        match self.contour() {
+            Ok(contour) => Profile::contour(contour),
+            Err(fault) => Profile::faulty(fault),
+        }
+    }
+
+    fn contour(mut self) -> Result<Contour, ProfileFault> {
         if let Some(fault) = self.fault {
-            return Profile::faulty(fault);
+            return Err(fault);
         }
         let (start, end) = (self.corners[0].point, self.end());
         let size = self.corners.iter().map(|c| c.point.abs().max_element());
@@ -146,14 +168,36 @@ impl Path {
         let corners = self.corners.len();
         let has_arc = self.corners.iter().any(|corner| corner.bulge != 0.0);
         if corners < if has_arc { 2 } else { 3 } {
-            return Profile::faulty(ProfileFault::TooFewCorners { corners });
+            return Err(ProfileFault::TooFewCorners { corners });
         }
-        Profile::contour(self.corners)
+        Ok(self.corners)
     }
 
     fn end(&self) -> DVec2 {
         self.corners
             .last()
             .map_or(DVec2::ZERO, |corner| corner.point)
+    }
+}
+
+impl Profile {
+    /// What several closed paths enclose by a rule; they may cross themselves and each other.
+    ///
+    /// ```
+    /// use csg::{FillRule, Path, Profile};
+    ///
+    /// let ring = [2.0, 1.0].map(|radius| {
+    ///     Path::from([radius, 0.0]).bulge_to([-radius, 0.0], 1.0).bulge_to([radius, 0.0], 1.0)
+    /// });
+    /// let ring = Profile::paths(ring, FillRule::EvenOdd);
+    /// let area = ring.exact_area().expect("circles");
+    /// assert!((area - 3.0 * std::f64::consts::PI).abs() < 1e-14);
+    /// ```
+    #[must_use]
+    pub fn paths(paths: impl IntoIterator<Item = Path>, rule: FillRule) -> Self {
+        let contours = paths.into_iter().map(Path::contour);
+        Self::of(contours.collect::<Result<Vec<_>, _>>().map(|contours| {
+            Self::shape(Shape::Contours(contours.into(), rule), DAffine2::IDENTITY)
+        }))
     }
 }

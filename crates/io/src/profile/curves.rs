@@ -1,0 +1,441 @@
+//! Contours of lines, arcs and curves, and what becomes of them: lines and arcs of circles.
+
+use csg::elementary;
+use std::f64::consts::{PI, TAU};
+
+use csg::Path;
+use glam::{DAffine2, DVec2, DVec3};
+
+use super::MOST_SIDES;
+use crate::scene::Fineness;
+
+/// Of its radius, by how much a circle may be an ellipse, or an axis off the other's normal, that
+/// only rounding makes so.
+const ROUND: f64 = 1e-12;
+/// An arc is not one side beyond this: its centre would depend on rounding.
+const LONGEST: f64 = 1.5 * PI;
+/// The most that a curve is halved: into 65,536 chords.
+const DEEPEST: u32 = 16;
+
+/// How a contour goes on to its next point.
+#[derive(Clone, Debug)]
+pub(super) enum Side {
+    Line,
+    /// The tangent of a quarter of the angle turned through, from x towards y positive.
+    Arc {
+        bulge: f64,
+    },
+    /// The points `center + cos t a + sin t b`.
+    Ellipse {
+        center: DVec2,
+        axes: [DVec2; 2],
+        from: f64,
+        sweep: f64,
+    },
+    /// Control points of a rational Bézier curve, times their weights, and these; ends included.
+    Bezier(Vec<DVec3>),
+}
+
+/// Sides that follow each other.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    pub(super) start: DVec2,
+    pub(super) sides: Vec<(Side, DVec2)>,
+}
+
+impl Outline {
+    pub(super) fn from(start: DVec2) -> Self {
+        Self {
+            start,
+            sides: Vec::new(),
+        }
+    }
+
+    /// Closed, of straight sides.
+    pub(super) fn polygon(points: &[DVec2]) -> Self {
+        let mut outline = Self::from(points.first().copied().unwrap_or_default());
+        let rest = points.iter().skip(1).chain(points.first());
+        rest.for_each(|&point| outline.push(Side::Line, point));
+        outline
+    }
+
+    pub(super) fn push(&mut self, side: Side, end: DVec2) {
+        self.sides.push((side, end));
+    }
+
+    /// A cubic Bézier curve.
+    pub(super) fn cubic(&mut self, first: DVec2, second: DVec2, end: DVec2) {
+        let controls = [self.end(), first, second, end].map(|point| point.extend(1.0));
+        self.push(Side::Bezier(controls.to_vec()), end);
+    }
+
+    pub(super) fn end(&self) -> DVec2 {
+        self.sides.last().map_or(self.start, |(_, end)| *end)
+    }
+
+    /// Points whose hull holds it.
+    pub(super) fn hull(&self) -> impl Iterator<Item = DVec2> {
+        let mut from = self.start;
+        let sides = self.sides.iter().flat_map(move |(side, end)| {
+            let points = match side {
+                Side::Line => Vec::new(),
+                Side::Arc { bulge } => arc_extremes(from, *end, *bulge).collect(),
+                Side::Ellipse {
+                    center,
+                    axes,
+                    from,
+                    sweep,
+                } => extremes(*center, *axes, *from, *sweep).collect(),
+                Side::Bezier(controls) => controls.iter().map(|c| c.truncate() / c.z).collect(),
+            };
+            from = *end;
+            points.into_iter().chain([*end])
+        });
+        std::iter::once(self.start).chain(sides)
+    }
+
+    /// The image under a map: arcs stay such where it keeps circles.
+    pub(super) fn mapped(&self, map: &DAffine2) -> Self {
+        let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+        let reach = ROUND * x.length();
+        let keeps_circles = [x.perp(), -x.perp()]
+            .iter()
+            .any(|across| y.abs_diff_eq(*across, reach));
+        let turn = map.matrix2.determinant().signum();
+        let mut image = Self::from(map.transform_point2(self.start));
+        let mut from = self.start;
+        for (side, end) in &self.sides {
+            let ellipse = |center: DVec2, axes: [DVec2; 2], from, sweep| Side::Ellipse {
+                center: map.transform_point2(center),
+                axes: axes.map(|axis| map.transform_vector2(axis)),
+                from,
+                sweep,
+            };
+            let side = match side {
+                Side::Line => Side::Line,
+                Side::Arc { bulge } if keeps_circles => Side::Arc {
+                    bulge: turn * bulge,
+                },
+                Side::Arc { bulge } => {
+                    let center = arc_center(from, *end, *bulge);
+                    let axis = from - center;
+                    ellipse(
+                        center,
+                        [axis, axis.perp()],
+                        0.0,
+                        4.0 * elementary::atan(*bulge),
+                    )
+                }
+                Side::Ellipse {
+                    center,
+                    axes,
+                    from,
+                    sweep,
+                } => ellipse(*center, *axes, *from, *sweep),
+                Side::Bezier(controls) => Side::Bezier(
+                    controls
+                        .iter()
+                        .map(|control| {
+                            let linear = map.matrix2 * control.truncate();
+                            (linear + control.z * map.translation).extend(control.z)
+                        })
+                        .collect(),
+                ),
+            };
+            image.push(side, map.transform_point2(*end));
+            from = *end;
+        }
+        image
+    }
+
+    /// The other way round.
+    pub(super) fn reversed(&self) -> Self {
+        let mut reversed = Self::from(self.end());
+        let starts = std::iter::once(self.start).chain(self.sides.iter().map(|(_, end)| *end));
+        let starts: Vec<DVec2> = starts.collect();
+        for ((side, _), start) in self.sides.iter().zip(starts).rev() {
+            let side = match side {
+                Side::Line => Side::Line,
+                Side::Arc { bulge } => Side::Arc { bulge: -bulge },
+                Side::Ellipse {
+                    center,
+                    axes,
+                    from,
+                    sweep,
+                } => Side::Ellipse {
+                    center: *center,
+                    axes: *axes,
+                    from: from + sweep,
+                    sweep: -sweep,
+                },
+                Side::Bezier(controls) => Side::Bezier(controls.iter().rev().copied().collect()),
+            };
+            reversed.push(side, start);
+        }
+        reversed
+    }
+}
+
+/// The centre is (1 - b²) / 4b chords to the left of the chord's middle.
+fn arc_center(from: DVec2, to: DVec2, bulge: f64) -> DVec2 {
+    from.midpoint(to) + (to - from).perp() * ((1.0 - bulge * bulge) / (4.0 * bulge))
+}
+
+/// Where an arc of an ellipse has its least and greatest coordinates, but for its ends.
+fn extremes(center: DVec2, axes: [DVec2; 2], from: f64, sweep: f64) -> impl Iterator<Item = DVec2> {
+    let [a, b] = axes;
+    let x = elementary::atan2(b.x, a.x);
+    let y = elementary::atan2(b.y, a.y);
+    let passed = move |t: &f64| {
+        let after = if sweep > 0.0 { t - from } else { from - t };
+        after.rem_euclid(TAU) < sweep.abs()
+    };
+    let places = [x, x + PI, y, y + PI].into_iter().filter(passed);
+    places.map(move |t| on_ellipse(center, axes, t))
+}
+
+fn arc_extremes(from: DVec2, to: DVec2, bulge: f64) -> impl Iterator<Item = DVec2> {
+    let center = arc_center(from, to, bulge);
+    let axis = from - center;
+    extremes(
+        center,
+        [axis, axis.perp()],
+        0.0,
+        4.0 * elementary::atan(bulge),
+    )
+}
+
+fn on_ellipse(center: DVec2, [a, b]: [DVec2; 2], t: f64) -> DVec2 {
+    let direction = elementary::direction(t);
+    center + direction.x * a + direction.y * b
+}
+
+/// A corner, and the bulge of the side to the next.
+pub(super) type Loop = Vec<(DVec2, f64)>;
+
+/// How curves are cut into chords.
+pub(super) struct Cutting {
+    pub(super) tolerance: f64,
+    /// As OpenSCAD does, and arcs too.
+    pub(super) fineness: Option<Fineness>,
+    /// OpenSCAD has other numbers there.
+    pub(super) of_svg: bool,
+    pub(super) sides: usize,
+    pub(super) has_cut: bool,
+}
+
+impl Cutting {
+    /// The outline as lines and arcs, closed; none where it encloses nothing. `None` if there
+    /// are too many sides.
+    pub(super) fn contour(&mut self, outline: &Outline) -> Option<Option<Loop>> {
+        let mut corners: Loop = Vec::with_capacity(outline.sides.len());
+        let mut at = outline.start;
+        for (side, end) in &outline.sides {
+            self.side(at, side, *end, &mut corners);
+            if self.sides + corners.len() > MOST_SIDES {
+                return None;
+            }
+            at = *end;
+        }
+        if at != outline.start {
+            corners.push((at, 0.0));
+        }
+        // Sides without a length.
+        let count = corners.len();
+        let is_side = |k: usize| corners[k].0 != corners[(k + 1) % count].0;
+        let kept: Loop = (0..count)
+            .filter(|&k| is_side(k))
+            .map(|k| corners[k])
+            .collect();
+        self.sides += kept.len();
+        let has_arc = kept.iter().any(|(_, bulge)| *bulge != 0.0);
+        let least = if has_arc { 2 } else { 3 };
+        Some((kept.len() >= least).then_some(kept))
+    }
+
+    /// A disc, if it is to be cut.
+    pub(super) fn disc(&mut self, map: &DAffine2) -> Option<Loop> {
+        let fineness = self.fineness?;
+        let [x, y] = [map.matrix2.x_axis, map.matrix2.y_axis];
+        // (OpenSCAD's radius is that before any map; the longer one is here what it comes to.)
+        let radius = x.length().max(y.length());
+        let count = bounded(fineness.fragments(radius).max(40.0));
+        self.sides += count;
+        let corner = |k: usize| {
+            let turn = csg::turn(k + 1, count);
+            (map.transform_point2(DVec2::new(turn.y, turn.x)), 0.0)
+        };
+        Some((0..count).map(corner).collect())
+    }
+
+    /// Adds corners from the side's start on, without its end.
+    fn side(&mut self, start: DVec2, side: &Side, end: DVec2, corners: &mut Loop) {
+        match side {
+            Side::Line => corners.push((start, 0.0)),
+            Side::Arc { bulge } if *bulge == 0.0 => corners.push((start, 0.0)),
+            Side::Arc { bulge } if self.fineness.is_some() => {
+                let center = arc_center(start, end, *bulge);
+                let axis = start - center;
+                let sweep = 4.0 * elementary::atan(*bulge);
+                self.chords(start, (center, [axis, axis.perp()]), [0.0, sweep], corners);
+            }
+            Side::Arc { bulge } => corners.push((start, *bulge)),
+            Side::Ellipse {
+                center,
+                axes: [a, b],
+                from,
+                sweep,
+            } => {
+                let reach = ROUND * a.length();
+                let turn = [(a.perp(), 1.0), (-a.perp(), -1.0)];
+                let turn = turn
+                    .into_iter()
+                    .find(|(across, _)| b.abs_diff_eq(*across, reach));
+                let axes = [*a, *b];
+                match turn {
+                    Some((_, turn)) if self.fineness.is_none() => {
+                        let parts = if sweep.abs() > LONGEST { 2 } else { 1 };
+                        let part = sweep / f64::from(parts);
+                        for k in 0..parts {
+                            let at = match k {
+                                0 => start,
+                                _ => on_ellipse(*center, axes, from + part * f64::from(k)),
+                            };
+                            corners.push((at, turn * elementary::tan(0.25 * part)));
+                        }
+                    }
+                    _ => self.chords(start, (*center, axes), [*from, *sweep], corners),
+                }
+            }
+            Side::Bezier(controls) => match self.fineness {
+                Some(fineness) => {
+                    let count = bounded(fineness.number.max(20.0));
+                    corners.push((start, 0.0));
+                    let inner = (1..count).map(|k| k as f64 / count as f64);
+                    corners.extend(inner.map(|t| (halves(controls, t).2, 0.0)));
+                }
+                None => {
+                    let chords = corners.len();
+                    corners.push((start, 0.0));
+                    self.halve(controls, DEEPEST, corners);
+                    self.has_cut |= corners.len() > chords + 1;
+                }
+            },
+        }
+    }
+
+    fn chords(
+        &mut self,
+        start: DVec2,
+        (center, axes): (DVec2, [DVec2; 2]),
+        [from, sweep]: [f64; 2],
+        corners: &mut Loop,
+    ) {
+        let count = match self.fineness {
+            Some(fineness) => {
+                let radius = axes[0].length().max(axes[1].length());
+                let share = sweep.abs() / TAU;
+                let count = (fineness.fragments(radius) * share).ceil();
+                if self.of_svg {
+                    count.max((20.0 * share + 4.0).floor())
+                } else {
+                    count
+                }
+            }
+            None => {
+                self.has_cut = true;
+                let longest = longest_axis(axes);
+                let share = (self.tolerance / longest).min(1.0);
+                (0.5 * sweep.abs() / elementary::acos(1.0 - share)).ceil()
+            }
+        };
+        let count = bounded(count);
+        corners.push((start, 0.0));
+        let inner = (1..count).map(|k| from + sweep * (k as f64 / count as f64));
+        corners.extend(inner.map(|t| (on_ellipse(center, axes, t), 0.0)));
+    }
+
+    /// Adds the inner corners of chords: the curve is in the hull of its control points, and so no
+    /// farther from a chord than these. Halves by de Casteljau's algorithm.
+    fn halve(&self, controls: &[DVec3], depth: u32, corners: &mut Loop) {
+        let point = |control: &DVec3| control.truncate() / control.z;
+        let [Some(first), Some(last)] = [controls.first(), controls.last()] else {
+            return;
+        };
+        let [a, b] = [first, last].map(point);
+        let along = b - a;
+        let square = along.length_squared();
+        let far = controls.iter().any(|control| {
+            let from = point(control) - a;
+            let share = if square > 0.0 {
+                (from.dot(along) / square).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            from.distance(share * along) > self.tolerance
+        });
+        if !far || depth == 0 || self.sides + corners.len() > MOST_SIDES {
+            return;
+        }
+        let (left, right, middle) = halves(controls, 0.5);
+        self.halve(&left, depth - 1, corners);
+        corners.push((middle, 0.0));
+        self.halve(&right, depth - 1, corners);
+    }
+}
+
+/// The control points of both parts of a curve, and the point where it is cut.
+fn halves(controls: &[DVec3], t: f64) -> (Vec<DVec3>, Vec<DVec3>, DVec2) {
+    let mut row = controls.to_vec();
+    let (mut left, mut right) = (Vec::with_capacity(row.len()), Vec::with_capacity(row.len()));
+    while let (Some(&first), Some(&last)) = (row.first(), row.last()) {
+        left.push(first);
+        right.push(last);
+        row = row
+            .windows(2)
+            .map(|pair| pair[0].lerp(pair[1], t))
+            .collect();
+    }
+    right.reverse();
+    let middle = right.first().copied().unwrap_or(DVec3::Z);
+    (left, right, middle.truncate() / middle.z)
+}
+
+/// The greatest radius of an ellipse that is told by conjugate axes: the root of the greater
+/// eigenvalue of a aᵀ + b bᵀ.
+fn longest_axis([a, b]: [DVec2; 2]) -> f64 {
+    let sum = a.length_squared() + b.length_squared();
+    let area = a.perp_dot(b);
+    let root = (sum * sum - 4.0 * area * area).max(0.0).sqrt();
+    (0.5 * (sum + root)).sqrt()
+}
+
+fn bounded(count: f64) -> usize {
+    count.clamp(1.0, 1e5) as usize
+}
+
+/// Points whose bounds are those of a contour.
+pub(super) fn loop_bounds(corners: &Loop) -> Vec<DVec2> {
+    let mut points = Vec::with_capacity(corners.len());
+    for (k, &(point, bulge)) in corners.iter().enumerate() {
+        points.push(point);
+        if bulge != 0.0 {
+            points.extend(arc_extremes(
+                point,
+                corners[(k + 1) % corners.len()].0,
+                bulge,
+            ));
+        }
+    }
+    points
+}
+
+pub(super) fn loop_path(corners: &Loop, offset: DVec2) -> Path {
+    let first = corners.first().map_or(DVec2::ZERO, |(point, _)| *point);
+    let mut path = Path::from(first + offset);
+    for (k, &(_, bulge)) in corners.iter().enumerate() {
+        let next = corners[(k + 1) % corners.len()].0 + offset;
+        path = path.bulge_to(next, bulge);
+    }
+    path
+}
