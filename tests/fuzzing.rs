@@ -9,6 +9,7 @@ use crate::ROOT;
 use crate::judge::Random;
 use stereotomy::csg::{Color, Mesh, Mesher, Program, Solid};
 use stereotomy::io;
+use stereotomy::io::drawing::{Drawing, DrawingFormat, Section, SectionFrame, write_drawing_to};
 
 #[path = "../crates/fuzz/src/targets.rs"]
 mod targets;
@@ -40,6 +41,23 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
         "glb" => io::gltf::write_glb(&mesh, &mut out),
         "gltf" => io::gltf::write_gltf(&mesh, "m", &mut out, &mut Vec::new()),
         "threemf" => io::threemf::write_3mf(&mesh, &mut out),
+        "svg" | "dxf" => {
+            // A plate with a hole and an oblique one: lines, arcs and an ellipse.
+            let solid = Solid::cuboid([3.0, 2.0, 1.0])
+                - Solid::cylinder(0.3, 2.0)
+                - Solid::cylinder(0.3, 4.0)
+                    .rotate_x(0.5)
+                    .translate([0.9, 0.0, 0.0]);
+            let frame = SectionFrame::facing([0.0; 3], [0.0, 0.0, 1.0]).expect("a plane");
+            let section = Section::of(&solid, &frame, &Default::default()).expect("a section");
+            let mut drawing = Drawing::default();
+            drawing.outlines = section.outlines;
+            let format = match name {
+                "svg" => DrawingFormat::Svg,
+                _ => DrawingFormat::Dxf,
+            };
+            write_drawing_to(format, &drawing, &Default::default(), &mut out)
+        }
         "raster" => {
             // A matrix, two more, vertices and triangles: all of them small numbers.
             out.extend((0..400u32).map(|k| (40 + k * 37 % 200) as u8));
@@ -158,4 +176,4 @@ macro_rules! fuzzed {
     };
 }
 
-fuzzed! { stl ply off obj glb gltf threemf scene solid raster }
+fuzzed! { stl ply off obj glb gltf threemf svg dxf scene solid raster }

@@ -6,14 +6,16 @@ use std::time::Duration;
 use crate::csg::glam::{DMat4, DVec3};
 use crate::csg::{BoundaryOptions, Limits, Mesh, Mesher, Program};
 use crate::io::scene::ReadOptions;
-use crate::io::{Error, gltf, obj, off, ply, scene, stl, threemf};
+use crate::io::{
+    Error, ProfileOptions, ReadProfile, gltf, obj, off, ply, profile, scene, stl, threemf,
+};
 use crate::raster::{Camera, Part, RenderOptions, Scene, View, render};
 
 /// A target: its name, and what it does.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All of them.
-pub const ALL: [Target; 10] = [
+pub const ALL: [Target; 12] = [
     ("stl", |data| mesh(stl::read_stl(data))),
     ("ply", |data| mesh(ply::read_ply(data))),
     ("off", |data| mesh(off::read_off(data))),
@@ -25,6 +27,12 @@ pub const ALL: [Target; 10] = [
         mesh(gltf::read_gltf(data, |_| Ok(data.to_vec())));
     }),
     ("threemf", |data| mesh(threemf::read_3mf(data))),
+    ("svg", |data| {
+        flat(profile::read_svg(data, &ProfileOptions::default()))
+    }),
+    ("dxf", |data| {
+        flat(profile::read_dxf(data, &ProfileOptions::default()))
+    }),
     ("scene", |data| {
         let _ = scene::read_bytes(data, &ReadOptions::default());
     }),
@@ -47,6 +55,16 @@ fn mesh(read: Result<Mesh, Error>) {
         let check = mesh.check();
         assert_eq!(check.out_of_range_triangles, 0);
         assert_eq!(check.non_finite_vertices, 0);
+    }
+}
+
+/// What is read is at no fault, and has bounds.
+fn flat(read: Result<ReadProfile, Error>) {
+    if let Ok(read) = read {
+        assert_eq!(read.profile.fault(), None);
+        if let Ok(Some((low, high))) = read.profile.bounds(1.0) {
+            assert!(low.is_finite() && high.is_finite());
+        }
     }
 }
 

@@ -4,6 +4,7 @@ mod atomic;
 mod common;
 mod damaged_files;
 mod drawings;
+mod dxf_files;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;
 mod flat_files;
@@ -20,6 +21,7 @@ mod scene_read;
 mod scene_shapes;
 mod scene_text;
 mod scene_write;
+mod svg_files;
 mod threemf;
 mod untrusted_files;
 

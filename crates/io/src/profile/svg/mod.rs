@@ -295,12 +295,15 @@ impl<'a, 'input> Reader<'a, 'input> {
                         continue;
                     }
                     if contour.is_open {
-                        let wide = contour.outline.start.distance(contour.outline.end());
-                        let [x, y] = contour.outline.end().to_array();
-                        let problem = format!(
-                            "an open contour is closed by a straight side ({wide} units, from {x}, {y})"
-                        );
-                        self.warn(node, problem);
+                        let (from, to) = (contour.outline.end(), contour.outline.start);
+                        let wide = from.distance(to);
+                        let document = self.document;
+                        let place = || {
+                            let place = Self::place(document, node);
+                            format!("{place} ({wide} units from {}, {})", from.x, from.y)
+                        };
+                        let problem = "an open contour is closed by a straight side";
+                        self.warnings.add(place, problem.to_owned());
                     }
                     outlines.push(contour.outline.mapped(&map));
                 }
