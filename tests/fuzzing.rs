@@ -44,8 +44,8 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
         "svg" | "dxf" => {
             // A plate with a hole and an oblique one: lines, arcs and an ellipse.
             let solid = Solid::cuboid([3.0, 2.0, 1.0])
-                - Solid::cylinder(0.3, 2.0)
-                - Solid::cylinder(0.3, 4.0)
+                - Solid::cylinder(0.3, -1.0..1.0)
+                - Solid::cylinder(0.3, -2.0..2.0)
                     .rotate_x(0.5)
                     .translate([0.9, 0.0, 0.0]);
             let frame = SectionFrame::facing([0.0; 3], [0.0, 0.0, 1.0]).expect("a plane");

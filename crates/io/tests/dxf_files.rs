@@ -2,7 +2,9 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use crate::flat_files::{SQUARE, assert_area, assert_bounds, assert_warns, dxf_text, exact_area};
+use crate::flat_files::{
+    SQUARE, assert_area, assert_bounds, assert_warns, dxf_text, exact_area, volume,
+};
 use io::profile::read_dxf;
 use io::{ProfileOptions, ReadProfile};
 
@@ -50,7 +52,7 @@ fn entities_have_their_areas() {
     assert_area(&below, 2.25 * PI, "below");
     assert_bounds(&below.profile, [-8.0, 5.0], [-5.0, 8.0]);
     for (entities, wanted) in [
-        ("0 ELLIPSE 10 5 20 5 11 3 21 4 40 0.5 41 0 42 6.283185307179586", 12.5 * PI),
+        ("0 ELLIPSE 10 5 20 5 11 3 21 4 40 0.5 41 0 42 3.141592653589793 0 LINE 10 8 20 9 11 2 21 1", 6.25 * PI),
         ("0 ELLIPSE 10 5 20 5 11 4 21 0 40 0.5 41 0 42 3.141592653589793 0 LINE 10 1 20 5 11 9 21 5", 4.0 * PI),
         // A parabola, and half a circle as a rational spline.
         ("0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 1 10 0 20 0 10 5 20 10 10 10 20 0 0 LINE 10 0 20 0 11 10 21 0", 100.0 / 3.0),
@@ -268,4 +270,51 @@ fn damaged_dxf_is_an_error_with_its_line() {
         let error = read_dxf(text.as_bytes(), &ProfileOptions::default()).expect_err(says);
         assert!(error.to_string().contains(says), "{says}: {error}");
     }
+}
+
+#[test]
+fn whole_ellipses_that_cross_nothing_are_exact() {
+    let ellipse = |x: f64, long: f64| format!("0 ELLIPSE 10 {x} 20 5 11 {long} 21 0 40 0.5 ");
+    let area = |long: f64| 0.5 * PI * long * long;
+    let square = "0 LWPOLYLINE 70 1 10 -20 20 -20 10 20 20 -20 10 20 20 20 10 -20 20 20 ";
+    let small = "0 CIRCLE 10 0 20 5 40 0.25 ";
+    let slit = "0 LWPOLYLINE 70 1 10 -1 20 4.5 10 1 20 4.5 10 1 20 4.75 10 -1 20 4.75 ";
+    let round = PI / 16.0;
+    for (entities, wanted) in [
+        (ellipse(0.0, 4.0), area(4.0)),
+        (ellipse(0.0, 4.0) + &ellipse(10.0, 4.0), 2.0 * area(4.0)),
+        (
+            ellipse(0.0, 4.0) + &ellipse(0.0, 2.0),
+            area(4.0) - area(2.0),
+        ),
+        (
+            ellipse(0.0, 2.0) + &ellipse(0.0, 4.0),
+            area(4.0) - area(2.0),
+        ),
+        (square.to_owned() + &ellipse(0.0, 4.0), 1600.0 - area(4.0)),
+        (
+            ellipse(0.0, 4.0) + square + small,
+            1600.0 - area(4.0) + round,
+        ),
+        (
+            small.to_owned()
+                + &ellipse(0.0, 2.0)
+                + &ellipse(10.0, 4.0)
+                + &ellipse(0.0, 4.0)
+                + square
+                + slit,
+            1600.0 - 2.0 * area(4.0) + area(2.0) - round - 0.5,
+        ),
+    ] {
+        let read = dxf(&entities);
+        assert!(read.warnings.is_empty(), "{entities}: {:?}", read.warnings);
+        let found = volume(&read.profile);
+        assert!(
+            (found - wanted).abs() < 1e-9,
+            "{entities}: {found}, {wanted}"
+        );
+    }
+    // What crosses others is cut.
+    let read = dxf(&(ellipse(0.0, 4.0) + &ellipse(1.0, 4.0)));
+    assert_warns(&read, "chords");
 }

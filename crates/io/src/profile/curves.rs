@@ -225,6 +225,42 @@ pub(super) struct Cutting {
 }
 
 impl Cutting {
+    /// As chords within a tolerance.
+    pub(super) fn within(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            fineness: None,
+            of_svg: false,
+            sides: 0,
+            has_cut: false,
+        }
+    }
+
+    /// The corners of chords for all sides of a closed outline; `None` if there are too many.
+    pub(super) fn chords_of(&mut self, outline: &Outline) -> Option<Vec<DVec2>> {
+        let corners = self.contour(outline)?.unwrap_or_default();
+        let mut points = Vec::with_capacity(corners.len());
+        for (k, &(point, bulge)) in corners.iter().enumerate() {
+            let mut chords = Loop::new();
+            if bulge == 0.0 {
+                chords.push((point, 0.0));
+            } else {
+                let end = corners[(k + 1) % corners.len()].0;
+                let center = arc_center(point, end, bulge);
+                let axis = point - center;
+                let sweep = 4.0 * elementary::atan(bulge);
+                self.chords(
+                    point,
+                    (center, [axis, axis.perp()]),
+                    [0.0, sweep],
+                    &mut chords,
+                );
+            }
+            points.extend(chords.into_iter().map(|(point, _)| point));
+        }
+        Some(points)
+    }
+
     /// The outline as lines and arcs, closed; none where it encloses nothing. `None` if there
     /// are too many sides.
     pub(super) fn contour(&mut self, outline: &Outline) -> Option<Option<Loop>> {
@@ -257,13 +293,23 @@ impl Cutting {
     pub(super) fn disc(&mut self, map: &DAffine2) -> Option<Loop> {
         let fineness = self.fineness?;
         let [x, y] = [map.matrix2.x_axis, map.matrix2.y_axis];
-        // (OpenSCAD's radius is that before any map; the longer one is here what it comes to.)
-        let radius = x.length().max(y.length());
-        let count = bounded(fineness.fragments(radius).max(40.0));
+        // (OpenSCAD's radius is that before any map of SVG; the longer one is here what it comes to.)
+        let fragments = fineness.fragments(x.length().max(y.length()));
+        let count = bounded(if self.of_svg {
+            fragments.max(40.0)
+        } else {
+            fragments
+        });
         self.sides += count;
+        // (In SVG from y on, towards x.)
         let corner = |k: usize| {
-            let turn = csg::turn(k + 1, count);
-            (map.transform_point2(DVec2::new(turn.y, turn.x)), 0.0)
+            let turn = if self.of_svg {
+                let turn = csg::turn(k + 1, count);
+                DVec2::new(turn.y, turn.x)
+            } else {
+                csg::turn(k, count)
+            };
+            (map.transform_point2(turn), 0.0)
         };
         Some((0..count).map(corner).collect())
     }
@@ -384,6 +430,12 @@ impl Cutting {
     }
 }
 
+/// Whether conjugate axes are those of a circle, but for rounding.
+pub(super) fn is_circle([a, b]: [DVec2; 2]) -> bool {
+    let reach = ROUND * a.length();
+    b.abs_diff_eq(a.perp(), reach) || b.abs_diff_eq(-a.perp(), reach)
+}
+
 /// The control points of both parts of a curve, and the point where it is cut.
 fn halves(controls: &[DVec3], t: f64) -> (Vec<DVec3>, Vec<DVec3>, DVec2) {
     let mut row = controls.to_vec();
@@ -430,11 +482,11 @@ pub(super) fn loop_bounds(corners: &Loop) -> Vec<DVec2> {
     points
 }
 
-pub(super) fn loop_path(corners: &Loop, offset: DVec2) -> Path {
+pub(super) fn loop_path(corners: &Loop) -> Path {
     let first = corners.first().map_or(DVec2::ZERO, |(point, _)| *point);
-    let mut path = Path::from(first + offset);
+    let mut path = Path::from(first);
     for (k, &(_, bulge)) in corners.iter().enumerate() {
-        let next = corners[(k + 1) % corners.len()].0 + offset;
+        let next = corners[(k + 1) % corners.len()].0;
         path = path.bulge_to(next, bulge);
     }
     path

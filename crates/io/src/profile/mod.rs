@@ -1,7 +1,7 @@
 //! Flat shapes from drawings: SVG and DXF files as a [`Profile`].
 //!
 //! Lines stay lines and arcs arcs: circles, round corners, `A` commands with equal radii, bulges,
-//! `ARC`s. A whole ellipse of SVG is one too. Other curves (Bézier's, arcs of ellipses, splines, and
+//! `ARC`s. Whole ellipses are such, too, in DXF where they cross nothing. Other curves (Bézier's, arcs of ellipses, splines, and
 //! arcs under maps that scale unevenly) become chords within [`ProfileOptions::tolerance`], which a
 //! warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that
 //! a scene means the same:
@@ -16,6 +16,9 @@
 //! - Strokes are passed over: a `line` has no area. A contour that is not closed is closed by
 //!   a straight side, as fillings are by the standard, with a warning; OpenSCAD draws
 //!   its stroke instead. If it has `fill="none"` it is left out.
+//! - An `A` command whose radius is half the distance of its ends, but for what the decimals of the
+//!   path do not tell (2 units of the last, and 1e-5 of itself), is half a circle or ellipse; and so are two
+//!   that make a whole one (1e-2), as circles are often written.
 //! - What has `display: none`, or `visibility: hidden`, is left out. An element that is selected by
 //!   its `id`, or a layer of Inkscape's, is there even if what it is in is not displayed.
 //! - The result is in millimetres, with y up and the lower left corner of the page at the origin.
@@ -36,6 +39,8 @@
 //!   open. What is drawn twice counts once, with a warning.
 //! - A layer is that of the entity; of a block's contents, that of the `INSERT`, as in OpenSCAD.
 //!   Layers that are switched off are read.
+//!
+//! OpenSCAD passes over bulges, splines and the base points of blocks, which are read here.
 //!
 //! # Libraries
 //! `roxmltree` gives the tree that `use` looks up, with places for errors, and bounds entities;
@@ -256,8 +261,8 @@ fn malformed(format: DrawingFormat, place: String, problem: impl Into<String>) -
 pub fn read_svg(data: &[u8], options: &ProfileOptions) -> Result<ReadProfile, Error> {
     check(DrawingFormat::Svg, data, options)?;
     let mut warnings = Warnings::default();
-    let figures = svg::figures(data, options, &mut warnings)?;
-    finished(DrawingFormat::Svg, &figures, options, warnings)
+    let steps = svg::steps(data, options, &mut warnings)?;
+    finished(DrawingFormat::Svg, &steps, options, warnings)
 }
 
 /// Reads a DXF document as text, of any version.
@@ -267,8 +272,8 @@ pub fn read_svg(data: &[u8], options: &ProfileOptions) -> Result<ReadProfile, Er
 pub fn read_dxf(data: &[u8], options: &ProfileOptions) -> Result<ReadProfile, Error> {
     check(DrawingFormat::Dxf, data, options)?;
     let mut warnings = Warnings::default();
-    let figures = dxf::figures(data, options, &mut warnings)?;
-    finished(DrawingFormat::Dxf, &figures, options, warnings)
+    let steps = dxf::steps(data, options, &mut warnings)?;
+    finished(DrawingFormat::Dxf, &steps, options, warnings)
 }
 
 fn check(format: DrawingFormat, data: &[u8], options: &ProfileOptions) -> Result<(), Error> {
@@ -292,130 +297,93 @@ fn check(format: DrawingFormat, data: &[u8], options: &ProfileOptions) -> Result
 enum Figure {
     /// What contours enclose by the even-odd rule; what the file says of it, for warnings.
     Contours(Vec<Outline>, FillRule),
-    /// The image of the disc of radius 1.
-    Disc(DAffine2),
+    /// The image of the disc of radius 1, without what others make up.
+    Disc(DAffine2, Vec<Step>),
 }
 
-/// The union of figures.
-fn finished(
-    format: DrawingFormat,
-    figures: &[Figure],
-    options: &ProfileOptions,
-    mut warnings: Warnings,
-) -> Result<ReadProfile, Error> {
-    /// What is not told apart in comparing areas.
-    const SAME: f64 = 1e-6;
-    let whole = || "the drawing".to_owned();
-    let mut size = Bounds::default();
-    for figure in figures {
-        match figure {
-            Figure::Contours(outlines, _) => {
-                outlines
-                    .iter()
-                    .flat_map(Outline::hull)
-                    .for_each(|point| size.add(point));
-            }
-            Figure::Disc(map) => disc_bounds(map)
-                .into_iter()
-                .for_each(|point| size.add(point)),
+/// A figure that is added to those before it, or taken from them.
+struct Step {
+    figure: Figure,
+    is_hole: bool,
+}
+
+impl Step {
+    fn added(figure: Figure) -> Self {
+        Self {
+            figure,
+            is_hole: false,
         }
     }
-    let Some([low, high]) = size.0 else {
-        return Ok(ReadProfile {
-            profile: Profile::empty(),
-            warnings: warnings.told(),
-            sides: 0,
-        });
-    };
-    let side = (high - low).max_element();
-    if !(low.is_finite()
-        && high.is_finite()
-        && side < 1e100
-        && low.abs().max(high.abs()).max_element() < 1e100)
-    {
-        return Err(malformed(format, whole(), "its coordinates are too large"));
-    }
-    let mut cutting = Cutting {
-        tolerance: options.tolerance.unwrap_or(TOLERANCE * side),
-        fineness: options.fineness,
-        of_svg: format == DrawingFormat::Svg,
-        sides: 0,
-        has_cut: false,
-    };
-    let mut bounds = Bounds::default();
-    let mut parts: Vec<Part> = Vec::new();
-    for figure in figures {
-        match figure {
-            Figure::Contours(outlines, rule) => {
-                let loops = outlines.iter().map(|outline| cutting.contour(outline));
-                let loops = loops.collect::<Option<Vec<_>>>();
-                let Some(loops) = loops else {
-                    let problem =
-                        format!("it has more than {MOST_SIDES} sides: raise the tolerance");
-                    return Err(malformed(format, whole(), problem));
-                };
-                let loops: Vec<Loop> = loops.into_iter().flatten().collect();
-                loops
-                    .iter()
-                    .flat_map(loop_bounds)
-                    .for_each(|p| bounds.add(p));
-                if !loops.is_empty() {
-                    parts.push(Part::Loops(loops, *rule));
-                }
+}
+
+impl Figure {
+    /// Adds points whose hull holds it.
+    fn reach(&self, bounds: &mut Bounds) {
+        match self {
+            Self::Contours(outlines, _) => {
+                let points = outlines.iter().flat_map(Outline::hull);
+                points.for_each(|point| bounds.add(point));
             }
-            Figure::Disc(map) => {
+            // (What is taken from it is within.)
+            Self::Disc(map, _) => {
                 disc_bounds(map)
                     .into_iter()
                     .for_each(|point| bounds.add(point));
-                match cutting.disc(map) {
-                    Some(corners) => parts.push(Part::Loops(vec![corners], FillRule::EvenOdd)),
-                    None => parts.push(Part::Disc(*map)),
-                }
             }
         }
     }
+}
+
+fn whole() -> String {
+    "the drawing".to_owned()
+}
+
+/// What steps come to.
+fn finished(
+    format: DrawingFormat,
+    steps: &[Step],
+    options: &ProfileOptions,
+    mut warnings: Warnings,
+) -> Result<ReadProfile, Error> {
+    const LARGEST: f64 = 1e100;
+    let mut size = Bounds::default();
+    steps.iter().for_each(|step| step.figure.reach(&mut size));
+    let [low, high] = size.0.unwrap_or_default();
+    let side = (high - low).max_element();
+    // (Not a number is too large, too.)
+    if !(side < LARGEST && low.abs().max(high.abs()).max_element() < LARGEST) {
+        let problem = "its coordinates are too large";
+        return Err(malformed(format, whole(), problem));
+    }
+    let mut making = Making {
+        format,
+        side,
+        cutting: Cutting {
+            tolerance: options.tolerance.unwrap_or(TOLERANCE * side),
+            fineness: options.fineness,
+            of_svg: format == DrawingFormat::Svg,
+            sides: 0,
+            has_cut: false,
+        },
+        bounds: Bounds::default(),
+        warnings: &mut warnings,
+    };
+    let mut profile = making.made(steps)?;
+    let Making {
+        cutting, bounds, ..
+    } = making;
     if cutting.has_cut && cutting.fineness.is_none() {
         let within = cutting.tolerance;
-        warnings.add(
-            || "the drawing".to_owned(),
-            format!("curves that are not arcs of circles are taken for chords within {within:.1e}"),
-        );
+        let problem =
+            format!("curves that are not arcs of circles are taken for chords within {within:.1e}");
+        warnings.add(whole, problem);
     }
-    let middle = match bounds.0 {
-        Some([low, high]) if options.center => -low.midpoint(high),
-        _ => DVec2::ZERO,
-    };
-    let mut profiles = Vec::with_capacity(parts.len());
-    for part in &parts {
-        let profile = match part {
-            Part::Disc(map) => {
-                Profile::circle(1.0).affine(DAffine2::from_translation(middle) * *map)
-            }
-            Part::Loops(loops, rule) => {
-                let with = |rule| Profile::paths(loops.iter().map(|l| loop_path(l, middle)), rule);
-                let profile = with(FillRule::EvenOdd);
-                if *rule == FillRule::NonZero {
-                    let areas = [profile.area(1e-2 * side), with(*rule).area(1e-2 * side)];
-                    if let [Ok(filled), Ok(told)] = areas
-                        && (filled - told).abs() > SAME * told
-                    {
-                        let problem = "its contours overlap where the file's fill-rule, nonzero, fills them: \
-                                       they are read by the even-odd rule, as OpenSCAD does";
-                        warnings.add(whole, problem.to_owned());
-                    }
-                }
-                profile
-            }
-        };
-        if let Some(fault) = profile.fault() {
-            return Err(malformed(format, whole(), fault.to_string()));
-        }
-        profiles.push(profile);
+    if let Some([low, high]) = bounds.0.filter(|_| options.center) {
+        profile = profile.translate(-low.midpoint(high));
     }
-    let profile = match profiles.len() {
-        1 => profiles.remove(0),
-        _ => Profile::union(profiles),
-    };
+    if let Some(fault) = profile.fault() {
+        return Err(malformed(format, whole(), fault.to_string()));
+    }
     Ok(ReadProfile {
         profile,
         warnings: warnings.told(),
@@ -423,10 +391,87 @@ fn finished(
     })
 }
 
-/// A figure whose curves are cut.
-enum Part {
-    Loops(Vec<Loop>, FillRule),
-    Disc(DAffine2),
+/// What is needed to make a profile of steps.
+struct Making<'a> {
+    format: DrawingFormat,
+    /// The longer one of the drawing.
+    side: f64,
+    cutting: Cutting,
+    /// Of what is made.
+    bounds: Bounds,
+    warnings: &'a mut Warnings,
+}
+
+impl Making<'_> {
+    fn made(&mut self, steps: &[Step]) -> Result<Profile, Error> {
+        let mut profile = Profile::empty();
+        let mut added = Vec::new();
+        for step in steps {
+            let figure = self.figure(&step.figure)?;
+            if step.is_hole {
+                profile = Profile::union([profile].into_iter().chain(added.drain(..))) - figure;
+            } else {
+                added.push(figure);
+            }
+        }
+        Ok(match (profile == Profile::empty(), added.len()) {
+            (true, 1) => added.remove(0),
+            (true, _) => Profile::union(added),
+            (false, 0) => profile,
+            (false, _) => Profile::union([profile].into_iter().chain(added)),
+        })
+    }
+
+    fn figure(&mut self, figure: &Figure) -> Result<Profile, Error> {
+        match figure {
+            Figure::Contours(outlines, rule) => self.contours(outlines, *rule),
+            Figure::Disc(map, without) => {
+                let corners = disc_bounds(map).into_iter();
+                corners.for_each(|point| self.bounds.add(point));
+                let disc = match self.cutting.disc(map) {
+                    Some(corners) => Profile::paths([loop_path(&corners)], FillRule::EvenOdd),
+                    None => Profile::circle(1.0).affine(*map),
+                };
+                Ok(if without.is_empty() {
+                    disc
+                } else {
+                    disc - self.made(without)?
+                })
+            }
+        }
+    }
+
+    fn contours(&mut self, outlines: &[Outline], rule: FillRule) -> Result<Profile, Error> {
+        /// Of an area, what is not told apart.
+        const SAME: f64 = 1e-6;
+        let mut loops: Vec<Loop> = Vec::with_capacity(outlines.len());
+        for outline in outlines {
+            let Some(made) = self.cutting.contour(outline) else {
+                let problem = format!("it has more than {MOST_SIDES} sides: raise the tolerance");
+                return Err(malformed(self.format, whole(), problem));
+            };
+            loops.extend(made);
+        }
+        let points = loops.iter().flat_map(loop_bounds);
+        points.for_each(|point| self.bounds.add(point));
+        if loops.is_empty() {
+            return Ok(Profile::empty());
+        }
+        let with = |rule| Profile::paths(loops.iter().map(loop_path), rule);
+        let profile = with(FillRule::EvenOdd);
+        if rule == FillRule::NonZero {
+            let tolerance = 1e-2 * self.side;
+            let areas = [profile.area(tolerance), with(rule).area(tolerance)];
+            if let [Ok(filled), Ok(told)] = areas
+                && (filled - told).abs() > SAME * told
+            {
+                let problem = "its contours overlap where the file's fill-rule, nonzero, fills them: \
+                               they are read by the even-odd rule, as OpenSCAD does";
+                self.warnings.add(whole, problem.to_owned());
+            }
+        }
+        Ok(profile)
+    }
 }
 
 /// Opposite corners of the box around the image of the disc of radius 1.

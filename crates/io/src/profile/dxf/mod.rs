@@ -1,21 +1,22 @@
 //! Drawing exchange format, as text: group codes, entities, and contours of what meets.
 
 mod chains;
+mod ellipses;
 mod entities;
 mod spline;
 mod tags;
 
 use std::collections::HashMap;
 
-use csg::FillRule;
 use glam::{DAffine2, DVec2};
 
 use self::chains::contours;
+use self::ellipses::by_ellipses;
 use self::entities::{Content, Entity, Insert, Item};
 use self::tags::Tags;
 use super::curves::Outline;
 use super::warnings::Warnings;
-use super::{Figure, MOST_SIDES, ProfileOptions, malformed};
+use super::{MOST_SIDES, ProfileOptions, Step, malformed};
 use crate::Error;
 use crate::drawing::DrawingFormat;
 
@@ -33,12 +34,12 @@ struct Block {
     items: Vec<Item>,
 }
 
-/// One figure: of contours by the even-odd rule.
-pub(super) fn figures(
+/// What contours enclose by the even-odd rule.
+pub(super) fn steps(
     data: &[u8],
     options: &ProfileOptions,
     warnings: &mut Warnings,
-) -> Result<Vec<Figure>, Error> {
+) -> Result<Vec<Step>, Error> {
     if data.starts_with(b"AutoCAD Binary DXF") {
         return Err(fault(1, "it is a binary DXF file: save it as text (ASCII)"));
     }
@@ -82,7 +83,7 @@ pub(super) fn figures(
     }
     let Expanded { closed, open, .. } = drawing;
     let outlines = contours(closed, open, warnings);
-    Ok(vec![Figure::Contours(outlines, FillRule::EvenOdd)])
+    Ok(by_ellipses(outlines, 0))
 }
 
 /// The items of the entities' section, and the blocks by their names.

@@ -17,7 +17,7 @@ use self::page::View;
 use self::selection::{State, property};
 use super::curves::Outline;
 use super::warnings::Warnings;
-use super::{Figure, MOST_SIDES, ProfileOptions, malformed};
+use super::{Figure, MOST_SIDES, ProfileOptions, Step, malformed};
 use crate::Error;
 use crate::drawing::DrawingFormat;
 
@@ -29,11 +29,11 @@ const DEEPEST: usize = 128;
 const MOST_EXPANDED: usize = 1 << 28;
 
 /// The figures of a document, in its order.
-pub(super) fn figures(
+pub(super) fn steps(
     data: &[u8],
     options: &ProfileOptions,
     warnings: &mut Warnings,
-) -> Result<Vec<Figure>, Error> {
+) -> Result<Vec<Step>, Error> {
     let bad = |place: String, problem: String| malformed(DrawingFormat::Svg, place, problem);
     let text = std::str::from_utf8(data).map_err(|e| {
         let line = 1 + data[..e.valid_up_to()]
@@ -74,7 +74,7 @@ pub(super) fn figures(
         using: Vec::new(),
         budget: MOST_SIDES,
         reference: DVec2::ZERO,
-        figures: Vec::new(),
+        steps: Vec::new(),
         has_match: false,
     };
     if !reader.is_known(root) || root.tag_name().name() != "svg" {
@@ -102,7 +102,7 @@ pub(super) fn figures(
             format!("no element has the {wanted}"),
         );
     }
-    Ok(reader.figures)
+    Ok(reader.steps)
 }
 
 struct Reader<'a, 'input> {
@@ -116,7 +116,7 @@ struct Reader<'a, 'input> {
     budget: usize,
     /// What percentages are of.
     reference: DVec2,
-    figures: Vec<Figure>,
+    steps: Vec<Step>,
     has_match: bool,
 }
 
@@ -286,7 +286,10 @@ impl<'a, 'input> Reader<'a, 'input> {
                     "its transform is not finite or has no inverse: it is left out",
                 );
             }
-            Shape::Disc(own) => self.figures.push(Figure::Disc(map * own)),
+            Shape::Disc(own) => {
+                let disc = Figure::Disc(map * own, Vec::new());
+                self.steps.push(Step::added(disc));
+            }
             Shape::Contours(contours) => {
                 let mut outlines: Vec<Outline> = Vec::with_capacity(contours.len());
                 for contour in contours {
@@ -314,7 +317,8 @@ impl<'a, 'input> Reader<'a, 'input> {
                 } else {
                     FillRule::NonZero
                 };
-                self.figures.push(Figure::Contours(outlines, rule));
+                self.steps
+                    .push(Step::added(Figure::Contours(outlines, rule)));
             }
         }
         Ok(())
