@@ -28,10 +28,10 @@ pub const ALL: [Target; 12] = [
     }),
     ("threemf", |data| mesh(threemf::read_3mf(data))),
     ("svg", |data| {
-        flat(profile::read_svg(data, &ProfileOptions::default()))
+        flat(profile::read_svg(data, &ProfileOptions::default()));
     }),
     ("dxf", |data| {
-        flat(profile::read_dxf(data, &ProfileOptions::default()))
+        flat(profile::read_dxf(data, &ProfileOptions::default()));
     }),
     ("scene", |data| {
         let _ = scene::read_bytes(data, &ReadOptions::default());
