@@ -191,7 +191,8 @@ impl<'a> Lexer<'a> {
 }
 
 /// What a string means: OpenSCAD writes quotes, backslashes, tabs and ends of
-/// lines with a backslash before them.
+/// lines with a backslash before them; its language has characters by their numbers, too, of two,
+/// four or six hexadecimal digits after `\x`, `\u` and `\U`.
 pub(super) fn unescaped(text: &str) -> String {
     let mut meant = String::with_capacity(text.len());
     let mut characters = text.chars();
@@ -201,6 +202,23 @@ pub(super) fn unescaped(text: &str) -> String {
                 Some('n') => meant.push('\n'),
                 Some('t') => meant.push('\t'),
                 Some('r') => meant.push('\r'),
+                Some(kind @ ('x' | 'u' | 'U')) => {
+                    let digits = match kind {
+                        'x' => 2,
+                        'u' => 4,
+                        _ => 6,
+                    };
+                    let rest = characters.as_str();
+                    let number = rest.get(..digits).filter(|digits| is_hexadecimal(digits));
+                    let number = number.and_then(|digits| u32::from_str_radix(digits, 16).ok());
+                    match number.and_then(char::from_u32) {
+                        Some(character) => {
+                            meant.push(character);
+                            characters = rest[digits..].chars();
+                        }
+                        None => meant.push(kind),
+                    }
+                }
                 Some(other) => meant.push(other),
                 None => {}
             },
@@ -208,6 +226,10 @@ pub(super) fn unescaped(text: &str) -> String {
         }
     }
     meant
+}
+
+fn is_hexadecimal(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 /// The length in bytes of the characters at the start that satisfy `is_in`.
@@ -260,6 +282,11 @@ mod tests {
     #[test]
     fn escapes_mean_what_they_stand_for() {
         assert_eq!(unescaped(r#"a\"b\\c\nd\te"#), "a\"b\\c\nd\te");
+        assert_eq!(unescaped(r"\x41\u00c4\U01F600z"), "A\u{c4}\u{1f600}z");
+        assert_eq!(
+            unescaped(r"\u00g4 \x4 \ud800 \u+123"),
+            "u00g4 x4 ud800 u+123"
+        );
     }
 
     #[test]
