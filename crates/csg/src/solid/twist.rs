@@ -113,12 +113,22 @@ impl Even {
             let grown = (DVec2::ONE - scale).abs().max_element();
             let bend = reach * radians.abs() * (widest * radians.abs() + 2.0 * grown);
             let least = (radians.abs() / MOST_TURN).max(1.0);
-            let steps = (3.0 * bend / (8.0 * half)).sqrt().max(least).ceil();
+            let curved = (3.0 * bend / (8.0 * half)).sqrt();
             // Four corners that are out of a plane by so much of a side's length are off their
             // mean by a quarter of that: at most two thirds.
             let warp = widest * radians.abs() + (scale.x - scale.y).abs();
-            let longest = 8.0 / 3.0 * half * steps / warp;
-            let pieces = |length: f64| (length / longest).ceil().max(1.0);
+            let warped = |length: f64| 3.0 / 8.0 * warp * length / half;
+            // Up to a ridge there are no pieces of sides: it would have corners on both sides of it
+            // that do not match.
+            let ends_in_ridge = scale.min_element() == 0.0 && scale.max_element() > 0.0;
+            let warp = if ends_in_ridge {
+                warped(longest(&contours))
+            } else {
+                // As many as make pieces as long as steps are high, if all is as high as wide.
+                warped(reach).sqrt()
+            };
+            let steps = curved.max(least).max(warp).ceil();
+            let pieces = |length: f64| (warped(length) / steps).ceil().max(1.0);
             let sides = |contour: &[DVec2]| -> Vec<(DVec2, DVec2, f64)> {
                 let next = contour.iter().cycle().skip(1);
                 let sides = contour.iter().zip(next);
@@ -159,6 +169,15 @@ impl Even {
             });
         }
     }
+}
+
+/// The length of the longest side.
+fn longest(contours: &[Vec<DVec2>]) -> f64 {
+    let sides = contours.iter().flat_map(|contour| {
+        let next = contour.iter().cycle().skip(1);
+        contour.iter().zip(next)
+    });
+    sides.fold(0.0, |most, (a, b)| a.distance(*b).max(most))
 }
 
 /// A profile with circles or arcs moved along z and scaled unevenly, by flat faces.
