@@ -101,46 +101,16 @@ struct Even {
 impl Even {
     fn new(profile: &Profile, radians: f64, scale: DVec2) -> Result<Self, NodeFault> {
         check(radians, scale)?;
-        // Half of it is for chords, half for flat faces.
-        let mut half = 0.5 * profile.tolerance_of(STRAY)?;
+        let mut deviation = profile.tolerance_of(STRAY)?;
         loop {
-            let contours = profile.contours(half)?;
-            let points = contours.iter().flatten();
-            let reach = points.fold(0.0, |most, point| point.length().max(most));
-            let widest = scale.max_element().max(1.0);
-            // A corner's path is off its chord by an eighth of its second derivative, along the
-            // whole way, times the step squared: at most a third.
-            let grown = (DVec2::ONE - scale).abs().max_element();
-            let bend = reach * radians.abs() * (widest * radians.abs() + 2.0 * grown);
-            let least = (radians.abs() / MOST_TURN).max(1.0);
-            let curved = (3.0 * bend / (8.0 * half)).sqrt();
-            // Four corners that are out of a plane by so much of a side's length are off their
-            // mean by a quarter of that: at most two thirds.
-            let warp = widest * radians.abs() + (scale.x - scale.y).abs();
-            let warped = |length: f64| 3.0 / 8.0 * warp * length / half;
-            // Up to a ridge there are no pieces of sides: it would have corners on both sides of it
-            // that do not match.
-            let ends_in_ridge = scale.min_element() == 0.0 && scale.max_element() > 0.0;
-            let warp = if ends_in_ridge {
-                warped(longest(&contours))
-            } else {
-                // As many as make pieces as long as steps are high, if all is as high as wide.
-                warped(reach).sqrt()
-            };
-            let steps = curved.max(least).max(warp).ceil();
-            let pieces = |length: f64| (warped(length) / steps).ceil().max(1.0);
-            let sides = |contour: &[DVec2]| -> Vec<(DVec2, DVec2, f64)> {
-                let next = contour.iter().cycle().skip(1);
-                let sides = contour.iter().zip(next);
-                sides
-                    .map(|(&from, &to)| (from, to, pieces(from.distance(to))))
-                    .collect()
-            };
-            let sides: Vec<Vec<(DVec2, DVec2, f64)>> =
-                contours.iter().map(|contour| sides(contour)).collect();
-            let faces = 2.0 * steps * sides.iter().flatten().map(|side| side.2).sum::<f64>();
-            if faces > MOST_FACES && half < reach {
-                half *= (faces / MOST_FACES).max(1.1);
+            // Half of it is for chords, half for flat faces.
+            let contours = profile.contours(0.5 * deviation)?;
+            let steps = Steps::within(0.5 * deviation, &contours, radians, scale);
+            let sides = contours.iter().flat_map(|contour| sides_of(contour));
+            let pieces = sides.map(|[from, to]| steps.pieces(from.distance(to)));
+            let faces = 2.0 * steps.count * pieces.sum::<f64>();
+            if faces > MOST_FACES && deviation < steps.reach {
+                deviation *= (faces / MOST_FACES).max(1.1);
                 continue;
             }
             // Of so many turns, or so many corners, that no chords help.
@@ -149,21 +119,20 @@ impl Even {
                     steps: MOST_FACES as usize,
                 });
             }
-            let divided = |side: &(DVec2, DVec2, f64)| {
-                let (from, to, pieces) = *side;
+            let divided = |[from, to]: [DVec2; 2]| {
+                let pieces = steps.pieces(from.distance(to));
                 (0..pieces as u32).map(move |k| from.lerp(to, f64::from(k) / pieces))
             };
-            let divide =
-                |contour: &Vec<(DVec2, DVec2, f64)>| contour.iter().flat_map(divided).collect();
+            let divide = |contour: &Vec<DVec2>| sides_of(contour).flat_map(divided).collect();
             return Ok(Self {
-                contours: sides.iter().map(divide).collect(),
+                contours: contours.iter().map(divide).collect(),
                 twist: Twist {
                     radians,
                     scale,
-                    steps: steps as usize,
+                    steps: steps.count as usize,
                 },
                 accuracy: TwistAccuracy {
-                    deviation: 2.0 * half,
+                    deviation,
                     faces: faces as usize,
                 },
             });
@@ -171,13 +140,60 @@ impl Even {
     }
 }
 
-/// The length of the longest side.
-fn longest(contours: &[Vec<DVec2>]) -> f64 {
-    let sides = contours.iter().flat_map(|contour| {
-        let next = contour.iter().cycle().skip(1);
-        contour.iter().zip(next)
-    });
-    sides.fold(0.0, |most, (a, b)| a.distance(*b).max(most))
+/// How finely the way and the sides are divided.
+struct Steps {
+    /// How far the farthest corner is from the axis.
+    reach: f64,
+    count: f64,
+    /// How many pieces a side of length 1 would be if there were one step.
+    pieces: f64,
+}
+
+impl Steps {
+    /// As few as flat faces within a distance take.
+    fn within(deviation: f64, contours: &[Vec<DVec2>], radians: f64, scale: DVec2) -> Self {
+        let points = contours.iter().flatten();
+        let reach = points.fold(0.0, |most, point| point.length().max(most));
+        let angle = radians.abs();
+        let widest = scale.max_element().max(1.0);
+        // A corner's path is off its chord by an eighth of its second derivative, along the
+        // whole way, times the step squared: at most a third.
+        let grown = (DVec2::ONE - scale).abs().max_element();
+        let bend = reach * angle * (widest * angle + 2.0 * grown);
+        let curved = (3.0 / 8.0 * bend / deviation).sqrt();
+        // Four corners that are out of a plane by so much of a side's length are off their
+        // mean by a quarter of that: at most two thirds.
+        let warp = widest * angle + (scale.x - scale.y).abs();
+        let pieces = 3.0 / 8.0 * warp / deviation;
+        // Up to a ridge there are no pieces of sides: it would have corners on both sides of it
+        // that do not match. Else as many steps as make pieces as long as these are high, if all is as
+        // high as wide.
+        let ends_in_ridge = scale.min_element() == 0.0 && scale.max_element() > 0.0;
+        let warped = if ends_in_ridge {
+            let sides = contours.iter().flat_map(|contour| sides_of(contour));
+            let lengths = sides.map(|[from, to]| from.distance(to));
+            pieces * lengths.fold(0.0, f64::max)
+        } else {
+            (pieces * reach).sqrt()
+        };
+        let least = (angle / MOST_TURN).max(1.0);
+        Self {
+            reach,
+            count: curved.max(warped).max(least).ceil(),
+            pieces,
+        }
+    }
+
+    /// How many pieces a side of some length is.
+    fn pieces(&self, length: f64) -> f64 {
+        (self.pieces * length / self.count).ceil().max(1.0)
+    }
+}
+
+/// The ends of each side of a polygon.
+fn sides_of(contour: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
+    let next = contour.iter().cycle().skip(1);
+    contour.iter().zip(next).map(|(&from, &to)| [from, to])
 }
 
 /// A profile with circles or arcs moved along z and scaled unevenly, by flat faces.
