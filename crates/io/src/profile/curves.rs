@@ -13,7 +13,7 @@ use crate::scene::Fineness;
 /// only rounding makes so.
 const ROUND: f64 = 1e-12;
 /// An arc is not one side beyond this: its centre would depend on rounding.
-const LONGEST: f64 = 1.5 * PI;
+pub(super) const LONGEST: f64 = 1.5 * PI;
 /// The most that a curve is halved: into 65,536 chords.
 const DEEPEST: u32 = 16;
 
@@ -97,10 +97,7 @@ impl Outline {
     /// The image under a map: arcs stay such where it keeps circles.
     pub(super) fn mapped(&self, map: &DAffine2) -> Self {
         let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-        let reach = ROUND * x.length();
-        let keeps_circles = [x.perp(), -x.perp()]
-            .iter()
-            .any(|across| y.abs_diff_eq(*across, reach));
+        let keeps_circles = is_circle([x, y]);
         let turn = map.matrix2.determinant().signum();
         let mut image = Self::from(map.transform_point2(self.start));
         let mut from = self.start;
@@ -332,14 +329,9 @@ impl Cutting {
                 from,
                 sweep,
             } => {
-                let reach = ROUND * a.length();
-                let turn = [(a.perp(), 1.0), (-a.perp(), -1.0)];
-                let turn = turn
-                    .into_iter()
-                    .find(|(across, _)| b.abs_diff_eq(*across, reach));
                 let axes = [*a, *b];
-                match turn {
-                    Some((_, turn)) if self.fineness.is_none() => {
+                match circle_turn(axes) {
+                    Some(turn) if self.fineness.is_none() => {
                         let parts = if sweep.abs() > LONGEST { 2 } else { 1 };
                         let part = sweep / f64::from(parts);
                         for k in 0..parts {
@@ -430,10 +422,29 @@ impl Cutting {
     }
 }
 
+/// (cos, sin) of an angle in degrees, exact at multiples of 90.
+pub(super) fn direction(degrees: f64) -> DVec2 {
+    let turned = degrees.rem_euclid(360.0);
+    match turned {
+        0.0 => DVec2::X,
+        90.0 => DVec2::Y,
+        180.0 => DVec2::NEG_X,
+        270.0 => DVec2::NEG_Y,
+        _ => elementary::direction(turned * (PI / 180.0)),
+    }
+}
+
 /// Whether conjugate axes are those of a circle, but for rounding.
-pub(super) fn is_circle([a, b]: [DVec2; 2]) -> bool {
+pub(super) fn is_circle(axes: [DVec2; 2]) -> bool {
+    circle_turn(axes).is_some()
+}
+
+/// Of conjugate axes of a circle, 1 if the second is counter-clockwise from the first, or else -1.
+fn circle_turn([a, b]: [DVec2; 2]) -> Option<f64> {
     let reach = ROUND * a.length();
-    b.abs_diff_eq(a.perp(), reach) || b.abs_diff_eq(-a.perp(), reach)
+    let turns = [1.0, -1.0].into_iter();
+    let mut same = turns.filter(|turn| b.abs_diff_eq(turn * a.perp(), reach));
+    same.next()
 }
 
 /// The control points of both parts of a curve, and the point where it is cut.

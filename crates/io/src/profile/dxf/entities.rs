@@ -1,11 +1,11 @@
 //! Entities: what their group codes say (Autodesk, *DXF Reference*).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use csg::elementary;
 use glam::{DAffine2, DMat2, DVec2};
 
-use super::super::curves::{Outline, Side};
+use super::super::curves::{Outline, Side, direction};
 use super::super::warnings::Warnings;
 use super::spline::Spline;
 use super::tags::{Tag, Tags};
@@ -426,16 +426,4 @@ fn polyline(corners: &[(DVec2, f64)], is_closed: bool) -> Option<Content> {
     } else {
         Content::Open(outline)
     })
-}
-
-/// (cos, sin) of an angle in degrees, exact at multiples of 90.
-fn direction(degrees: f64) -> DVec2 {
-    let turned = degrees.rem_euclid(360.0);
-    match turned {
-        0.0 => DVec2::X,
-        90.0 => DVec2::Y,
-        180.0 => DVec2::NEG_X,
-        270.0 => DVec2::NEG_Y,
-        _ => elementary::direction(turned * (PI / 180.0)),
-    }
 }

@@ -15,7 +15,7 @@ use svgtypes::{TransformListParser, TransformListToken};
 use self::elements::Shape;
 use self::page::View;
 use self::selection::{State, property};
-use super::curves::Outline;
+use super::curves::{Outline, direction};
 use super::warnings::Warnings;
 use super::{Figure, MOST_SIDES, ProfileOptions, Step, malformed};
 use crate::Error;
@@ -373,18 +373,6 @@ impl<'a, 'input> Reader<'a, 'input> {
                 .unwrap_or(self.reference[axis]);
         }
         Ok(moved * view.fitted(size))
-    }
-}
-
-/// (cos, sin) of an angle in degrees, exact at multiples of 90.
-fn direction(degrees: f64) -> DVec2 {
-    let turned = degrees.rem_euclid(360.0);
-    match turned {
-        0.0 => DVec2::X,
-        90.0 => DVec2::Y,
-        180.0 => DVec2::NEG_X,
-        270.0 => DVec2::NEG_Y,
-        _ => csg::elementary::direction(turned.to_radians()),
     }
 }
 

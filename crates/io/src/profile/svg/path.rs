@@ -6,8 +6,7 @@ use csg::elementary;
 use glam::DVec2;
 use svgtypes::{PathParser, PathSegment};
 
-use super::super::curves::{Outline, Side};
-use super::direction;
+use super::super::curves::{LONGEST, Outline, Side, direction};
 
 /// Of its radius, by how much that of half an ellipse may differ from half the distance of its ends, if
 /// the decimals do not tell them apart: of one alone, and of two that make a whole one.
@@ -223,7 +222,7 @@ impl Arc {
         let rest = ((1.0 - share) * (1.0 + share)).sqrt();
         let angle = 2.0 * elementary::atan2(share, rest);
         let sweep = sign * if is_large { TAU - angle } else { angle };
-        if radii.x == radii.y && sweep.abs() <= 1.5 * PI {
+        if radii.x == radii.y && sweep.abs() <= LONGEST {
             let bulge = elementary::tan(0.25 * sweep);
             outline.push(Side::Arc { bulge }, end);
             return;
