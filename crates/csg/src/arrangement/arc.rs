@@ -62,7 +62,8 @@ impl Arc<'_> {
 
     /// Adds where another surface meets the curve between two places.
     pub fn meet(&self, third: SurfaceId, range: [f64; 2], roots: &mut Roots) -> Meets {
-        self.scene.meet((self.id, self.curve), third, range, roots)
+        let own = (self.id, self.curve, self.surfaces);
+        self.scene.meet(own, third, range, roots)
     }
 
     /// On which side of a surface all of the given edge is that the curve runs along, if

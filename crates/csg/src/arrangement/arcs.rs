@@ -25,8 +25,10 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
+use super::triple::crossing_blur;
 use crate::numeric::tolerance::{SAME_ANGLE, SAME_DIRECTION};
 use crate::program::{Surface, SurfaceId};
+use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
 
 #[derive(Clone, Copy, Debug)]
@@ -311,6 +313,7 @@ impl ArcTracer {
             }
         }
         self.add_nodes(arc, range);
+        self.gather(arc);
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
         let crossings = self.events.iter().map(|event| (event.at, event.crossed()));
@@ -483,6 +486,42 @@ impl ArcTracer {
         }));
     }
 
+    /// Moves crossings at sines so small that rounding moves them by more than what is one
+    /// point to where the curve has an apex, or crosses another surface at a greater sine, if
+    /// they may as well be there.
+    fn gather(&mut self, arc: &Arc<'_>) {
+        let Arc { scene, curve, .. } = *arc;
+        // How far from where it was found an event may as well be.
+        let blur = |event: &Event| match event.ends {
+            Ends::Surface(position) if event.touched.is_none() => {
+                let third = scene.surface(arc.block.id(position));
+                let here = curve.at(event.at);
+                let normal = third.gradient(here).normalize_or_zero();
+                let along = curve.direction(event.at).normalize_or_zero();
+                let off = known_to(arc.surfaces, third, here);
+                crossing_blur(scene.rounding.max(off), normal.dot(along))
+            }
+            Ends::Node => 0.0,
+            _ => f64::INFINITY,
+        };
+        let blurs: SmallVec<[f64; 16]> = self.events.iter().map(blur).collect();
+        let is_blurred = |blur: f64| blur.is_finite() && blur > scene.weld;
+        for k in (0..blurs.len()).filter(|&k| is_blurred(blurs[k])) {
+            let here = curve.at(self.events[k].at);
+            let sharper = (0..blurs.len()).filter(|&other| {
+                blurs[other] < 0.5 * blurs[k]
+                    && curve.at(self.events[other].at).distance(here) <= blurs[k]
+            });
+            if let Some(best) = sharper.min_by(|&a, &b| blurs[a].total_cmp(&blurs[b])) {
+                let Event { at, point, .. } = self.events[best];
+                let known =
+                    point.unwrap_or_else(|| self.point_of(arc, &self.events[best], curve.at(at)));
+                self.events[k].at = at;
+                self.events[k].point = Some(known);
+            }
+        }
+    }
+
     /// Whether a curve lies in a surface that comes before the arc's first one, and
     /// does not matter on that, but may carry faces: then it is that one's to trace.
     fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
@@ -570,11 +609,15 @@ impl ArcTracer {
 
     /// Where an event is.
     fn point(&self, arc: &Arc<'_>, event: usize) -> DVec3 {
-        let place = self.places[event];
-        if let Some(point) = self.events[event].point {
+        self.point_of(arc, &self.events[event], self.places[event])
+    }
+
+    /// Where an event is, from next to it.
+    fn point_of(&self, arc: &Arc<'_>, event: &Event, place: DVec3) -> DVec3 {
+        if let Some(point) = event.point {
             return point;
         }
-        match self.events[event].ends {
+        match event.ends {
             Ends::Surface(position) => arc.crossing(place, arc.block.id(position)),
             Ends::Plane(index) => match self.planes[index] {
                 (plane, Some(owner)) => arc.cut(place, &plane, owner),

@@ -15,6 +15,7 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::triple::{contacts, crossings};
 use crate::program::{Surface, SurfaceId};
+use crate::surface::solve;
 
 impl Scene<'_> {
     /// The curves common to two surfaces, or to one and a seam of it, by any of them.
@@ -63,24 +64,50 @@ impl Scene<'_> {
         nodes
     }
 
+    /// How near to a surface a curve of two others runs along it between two places, and how near
+    /// it touches it: for [`Curve::meet`]. From what the curve is off its own surfaces, of which
+    /// there may be much where the numbers of one are large, no third one is told.
+    pub fn tolerances_beside(
+        &self,
+        third: &Surface,
+        (curve, own): (&Curve, [&Surface; 2]),
+        [start, end]: [f64; 2],
+    ) -> [f64; 2] {
+        const SHARES: [f64; 5] = [0.0, 0.2, 0.4, 0.6, 0.8];
+        /// As much again between these.
+        const MOST: f64 = 2.0;
+        let [on, touch] = self.tolerances();
+        let at = |share: f64| curve.at(start + share * (end - start));
+        let is_near = |at: DVec3| third.value(at).abs() <= self.near * third.gradient(at).length();
+        if !SHARES.iter().all(|&share| is_near(at(share))) {
+            return [on, touch];
+        }
+        let off = SHARES.map(|share| solve::known_to(own, third, at(share)));
+        let off = MOST * off.into_iter().fold(0.0, f64::max);
+        [on + off.min(self.near), touch]
+    }
+
     /// Where a surface meets a curve between two places, as [`Curve::meet`] finds it: where that
     /// takes long, it is found once for all of the curve in the scene.
     pub fn meet(
         &self,
-        (id, curve): (CurveId, &Curve),
+        (id, curve, own): (CurveId, &Curve, [&Surface; 2]),
         third: SurfaceId,
         range @ [start, end]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
-        let tolerances = self.tolerances();
         let surface = self.surface(third);
+        let meet = |range: [f64; 2], roots: &mut Roots| {
+            let tolerances = self.tolerances_beside(surface, (curve, own), range);
+            curve.meet(surface, range, tolerances, roots)
+        };
         if matches!(curve, Curve::Line { .. } | Curve::Ellipse { .. }) {
-            return curve.meet(surface, range, tolerances, roots);
+            return meet(range, roots);
         }
         let meeting = self.relations.meetings.get((id, third), || {
             let mut roots = Roots::default();
             let whole = curve.range(DVec3::ZERO, self.reach).unwrap_or(range);
-            let meets = curve.meet(surface, whole, tolerances, &mut roots);
+            let meets = meet(whole, &mut roots);
             Arc::new(Meeting { meets, roots })
         });
         let within = |places: &[f64]| {

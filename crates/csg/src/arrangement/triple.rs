@@ -135,9 +135,9 @@ impl Triple<'_> {
         self.third.value(at) / self.third.gradient(at).length()
     }
 
-    /// How far a place on the curve is from the surfaces whose curve it is.
+    /// How far off the curve is known to be at a place, or any of the three surfaces.
     fn off(&self, t: f64) -> f64 {
-        solve::residual(self.pair.into_iter(), self.curve.at(t))
+        solve::known_to(self.pair, self.third, self.curve.at(t))
     }
 
     /// Where the curve runs along the surface's tangent plane, from near it. The
@@ -325,6 +325,15 @@ pub(super) fn crossings(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[DVe
     points
 }
 
+/// How far from where a curve was found to cross a surface, at an angle of that sine, rounding
+/// lets it cross as well, along this curve or others of the three surfaces.
+pub(super) fn crossing_blur(rounding: f64, sine: f64) -> f64 {
+    /// How far rounding may part roots along one curve and along another, in what it may
+    /// part those along one.
+    const MARGIN: f64 = 16.0;
+    MARGIN * rounding / sine.abs()
+}
+
 /// Where a curve crosses a surface.
 struct Crossing {
     at: DVec3,
@@ -359,9 +368,6 @@ impl Triple<'_> {
     /// Adds where the curve crosses the third surface, also where roots cannot be told apart
     /// for sure: whether they are a contact is another question.
     fn add_crossings(&self, scene: &Scene<'_>, found: &mut SmallVec<[Crossing; 8]>) {
-        /// How far rounding may part roots along one curve and along another, in what it may
-        /// part those along one.
-        const MARGIN: f64 = 16.0;
         let Some((_, clusters)) = self.met(scene) else {
             return;
         };
@@ -373,7 +379,7 @@ impl Triple<'_> {
             let at = scene.common_to(&[a, b, self.third], self.curve.at(root));
             let [normal, along] = [self.third.gradient(at), self.curve.direction(root)];
             let sine = normal.normalize_or_zero().dot(along.normalize_or_zero());
-            let blur = MARGIN * scene.rounding / sine.abs();
+            let blur = crossing_blur(scene.rounding, sine);
             found.push(Crossing { at, blur });
         }
     }
@@ -383,7 +389,8 @@ impl Triple<'_> {
     fn met(&self, scene: &Scene<'_>) -> Option<(f64, SmallVec<[Cluster; 4]>)> {
         let range = self.curve.range(DVec3::ZERO, scene.reach)?;
         let mut roots = Roots::default();
-        let tolerances = scene.tolerances();
+        let own = (self.curve, self.pair);
+        let tolerances = scene.tolerances_beside(self.third, own, range);
         let meets = self.curve.meet(self.third, range, tolerances, &mut roots);
         let is_known = meets == Meets::Points && !roots.is_lost;
         is_known.then(|| {

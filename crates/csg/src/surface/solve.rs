@@ -59,6 +59,13 @@ pub(crate) fn blur(surface: &Surface, point: DVec3) -> f64 {
     surface.rounding_of_value(point) / surface.gradient(point).length()
 }
 
+/// From how far a surface is not told to be off a curve of two others at a point of that: what that
+/// point is off its own surfaces, and rounding lets it seem to be off any of the three.
+pub(crate) fn known_to(own: [&Surface; 2], third: &Surface, point: DVec3) -> f64 {
+    let blurred = own.iter().chain([&third]).map(|s| blur(s, point));
+    blurred.fold(residual(own.into_iter(), point), f64::max)
+}
+
 /// The same as [`common_point`], and where rounding moves one of the surfaces by more
 /// than `blur` nearer to them all than that.
 pub(crate) fn sharp_common_point(
