@@ -507,11 +507,16 @@ impl ArcTracer {
         let blurs: SmallVec<[f64; 16]> = self.events.iter().map(blur).collect();
         let is_blurred = |blur: f64| blur.is_finite() && blur > scene.weld;
         for k in (0..blurs.len()).filter(|&k| is_blurred(blurs[k])) {
-            let here = curve.at(self.events[k].at);
-            let sharper = (0..blurs.len()).filter(|&other| {
-                blurs[other] < 0.5 * blurs[k]
-                    && curve.at(self.events[other].at).distance(here) <= blurs[k]
-            });
+            let from = self.events[k].at;
+            let here = curve.at(from);
+            let reach = blurs[k].min(scene.touching_reach());
+            // Also on the way there: a curve may pass through a point twice.
+            let is_near = |at: f64| {
+                let between = [0.5 * (from + at), at].map(|at| curve.at(at).distance(here));
+                between[0].max(between[1]) <= reach
+            };
+            let sharper = (0..blurs.len())
+                .filter(|&other| blurs[other] < 0.5 * reach && is_near(self.events[other].at));
             if let Some(best) = sharper.min_by(|&a, &b| blurs[a].total_cmp(&blurs[b])) {
                 let Event { at, point, .. } = self.events[best];
                 let known =
