@@ -1,5 +1,7 @@
 //! Sections: what a plane meets of a solid, as a profile.
 
+mod trace;
+
 use glam::{DAffine2, DAffine3, DMat2, DVec2, DVec3};
 
 use crate::brep::{BoundaryOptions, Coedge, CurveShape, Face, HalfAxes, Loop};
@@ -7,11 +9,12 @@ use crate::elementary;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::mesher::Mesher;
-use crate::numeric::tolerance::{ON_FACE, ON_PLANE};
+use crate::numeric::tolerance::{MAPPED, NEAR, ON_FACE};
 use crate::program::Program;
 use crate::solid::Solid;
 use crate::solid::profile::{Contour, Corner, FillRule, Profile};
 use crate::surface::SurfaceShape;
+use trace::{Looked, Rounding};
 
 impl Solid {
     /// The section with the plane z = 0 of a frame (a rigid map from its
@@ -20,7 +23,7 @@ impl Solid {
     /// that stands on the plane has its base there.
     ///
     /// Lines, circles and whole ellipses are such ([`Solid::exact_section`]); with other curves
-    /// the section is a polygon that strays at most `tolerance`, for which both halves are meshed.
+    /// the section is a polygon that strays at most `tolerance`, for which a mesh is made.
     ///
     /// ```
     /// use csg::Solid;
@@ -36,21 +39,19 @@ impl Solid {
     /// What is wrong with the solid or the frame, a solid without end, a tolerance
     /// that is not positive.
     pub fn section(&self, frame: DAffine3, tolerance: f64) -> Result<Profile, Error> {
-        if let Some(section) = self.exact_section(frame, &BoundaryOptions::new())? {
+        let parts = self.cut_at(frame)?;
+        if let Some(section) = exact(&parts, &BoundaryOptions::new())? {
             return Ok(section);
         }
-        let local = self.affine(frame.inverse());
         let mesher = Mesher::new().tolerance(tolerance);
-        let mut halves = Vec::with_capacity(2);
-        for half in local.halves() {
-            halves.push(mesher.mesh(&Program::lower(&half)?)?.mesh);
-        }
-        Ok(Profile::union(halves.iter().map(Mesh::faces_in_plane)))
+        let mesh = |part: &Self| Ok(mesher.mesh(&Program::lower(part)?)?.mesh);
+        let meshes: Result<Vec<Mesh>, Error> = parts.iter().map(mesh).collect();
+        Ok(Profile::union(meshes?.iter().map(Mesh::faces_in_plane)))
     }
 
     /// The section as [`Solid::section`] makes it, of lines, circles and whole ellipses. `None`
-    /// if it has other curves, or if it cannot be told how surfaces meet. The boundary of both
-    /// halves is evaluated for it.
+    /// if it has other curves, or if it cannot be told how surfaces meet. The boundaries of
+    /// [`Solid::cut_at`] are evaluated for it.
     ///
     /// # Errors
     /// What is wrong with the solid or the frame, and as [`Program::boundary`] has.
@@ -59,41 +60,92 @@ impl Solid {
         frame: DAffine3,
         options: &BoundaryOptions,
     ) -> Result<Option<Profile>, Error> {
-        let local = self.affine(frame.inverse());
-        let mut faces = Vec::new();
-        for half in local.halves() {
-            let half = match Program::lower(&half)?.boundary(options) {
-                Ok(half) => half,
-                Err(Error::Undecided(_)) => return Ok(None),
-                Err(error) => return Err(error),
-            };
-            for face in half.faces().filter(is_in_plane) {
-                let Some(face) = flat(&face) else {
-                    return Ok(None);
-                };
-                faces.push(face);
-            }
-        }
-        // Both halves have most faces alike.
-        Ok(Some(Profile::union(faces).resolved()))
+        exact(&self.cut_at(frame)?, options)
     }
 
-    /// What is below and above the plane z = 0.
-    #[must_use]
-    pub fn halves(&self) -> [Self; 2] {
-        [DVec3::Z, -DVec3::Z].map(|normal| self & Self::half_space(normal, 0.0))
+    /// Solids, in the coordinates of a frame, whose faces in the plane z = 0
+    /// ([`Face::is_in_plane`]) are the section there: of what lies just below the plane first, and
+    /// then, if the solid may have a face in the plane, of what lies just above it. A face is in
+    /// the plane if it is so but for rounding, some 1e-14 of the largest coordinate.
+    ///
+    /// They are what surfaces leave in the plane, extended along z; of a solid with large polyhedra
+    /// the two halves, where faces are in the plane to [`NEAR`] of the size. No solid where the
+    /// plane does not meet it.
+    ///
+    /// # Errors
+    /// What is wrong with the solid or the frame, a solid without end.
+    pub fn cut_at(&self, frame: DAffine3) -> Result<Vec<Self>, Error> {
+        let local = self.affine(frame.inverse());
+        let program = Program::lower(&local)?;
+        if program.is_deep() {
+            let halves = [DVec3::Z, -DVec3::Z];
+            let halves = halves.map(|normal| &local & Self::half_space(normal, 0.0));
+            return Ok(halves.into());
+        }
+        let Some(bounds) = program.bounds()? else {
+            return Ok(Vec::new());
+        };
+        let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let size = bounds.size().truncate().max_element();
+        let rounding = Rounding {
+            off: MAPPED * far.max(frame.translation.abs().max_element()),
+            size,
+        };
+        if bounds.min.z > rounding.off || bounds.max.z < -rounding.off {
+            return Ok(Vec::new());
+        }
+        let margin = DVec2::splat(size);
+        let [low, high] = [
+            (bounds.min.truncate() - margin).extend(-size),
+            (bounds.max.truncate() + margin).extend(0.0),
+        ];
+        let slab = Self::cuboid_between(low, high);
+        let mut parts = Vec::with_capacity(2);
+        for looked in [Looked::Below, Looked::Above] {
+            let (part, has_plane) =
+                trace::extended(program.surfaces(), program.formula(), rounding, looked);
+            parts.extend(part.map(|part| part & &slab));
+            if !has_plane {
+                break;
+            }
+        }
+        Ok(parts)
     }
 }
 
-/// Whether a face lies in the plane z = 0 within rounding.
-fn is_in_plane(face: &Face<'_>) -> bool {
-    let SurfaceShape::Plane { point, normal } = face.surface().shape() else {
-        return false;
-    };
-    let points = face.points();
-    let far = points.iter().map(|p| p.abs().max_element());
-    let slack = ON_PLANE * far.fold(point.length(), f64::max);
-    normal.truncate().length() <= ON_PLANE && point.dot(normal).abs() <= slack
+/// The faces of solids in the plane z = 0.
+fn exact(parts: &[Solid], options: &BoundaryOptions) -> Result<Option<Profile>, Error> {
+    let mut faces = Vec::new();
+    for part in parts {
+        let part = match Program::lower(part)?.boundary(options) {
+            Ok(part) => part,
+            Err(Error::Undecided(_)) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        for face in part.faces().filter(Face::is_in_plane) {
+            let Some(face) = flat(&face) else {
+                return Ok(None);
+            };
+            faces.push(face);
+        }
+    }
+    // What is on both sides of the plane has most faces alike.
+    Ok(Some(Profile::union(faces).resolved()))
+}
+
+impl Face<'_> {
+    /// Whether it lies in the plane z = 0: to [`NEAR`] of the farthest coordinate, as planes that
+    /// are so near are one to a boundary.
+    #[must_use]
+    pub fn is_in_plane(&self) -> bool {
+        let SurfaceShape::Plane { point, normal } = self.surface().shape() else {
+            return false;
+        };
+        let points = self.points();
+        let far = points.iter().map(|p| p.abs().max_element());
+        let slack = NEAR * far.fold(point.length(), f64::max);
+        normal.truncate().length() <= NEAR && point.dot(normal).abs() <= slack
+    }
 }
 
 /// A face in the plane z = 0, if its edges are lines, circles and whole ellipses.

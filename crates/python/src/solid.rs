@@ -256,14 +256,14 @@ impl PySolid {
         if let Some(section) = exact.map_err(of_model)? {
             return Ok(PyProfile(section));
         }
-        let local = self.0.affine(frame.inverse());
-        let halves = wait(py, &follow, move || {
-            let halves = local.halves().into_iter();
-            let mesh = |half: Solid| mesher.mesh(&Program::lower(&half)?);
-            halves.map(mesh).collect::<Result<Vec<_>, _>>()
+        let solid = self.0.clone();
+        let parts = wait(py, &follow, move || {
+            let parts = solid.cut_at(frame)?.into_iter();
+            let mesh = |part: Solid| mesher.mesh(&Program::lower(&part)?);
+            parts.map(mesh).collect::<Result<Vec<_>, _>>()
         })?;
-        let halves = halves.map_err(of_model)?;
-        let meshes = halves.iter().map(|meshed| &meshed.mesh);
+        let parts = parts.map_err(of_model)?;
+        let meshes = parts.iter().map(|meshed| &meshed.mesh);
         Ok(PyProfile(Profile::union(meshes.map(Mesh::faces_in_plane))))
     }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use io::drawing::{Outline, Section, SectionFrame, Shape};
 use serde::Serialize;
 
-use super::figure::Figure;
+use super::figure::{Figure, at_most, short};
 use super::parse::{WrittenPlane, plane};
 use super::sheet::{SheetOptions, kinds};
 use crate::failure::{Failure, exit_codes};
@@ -57,6 +57,21 @@ pub(crate) fn run(
         eprintln!(
             "warning: the solid has a face in the plane: drawn is what lies just behind it, \
              which is not what lies just before it"
+        );
+    }
+    let unit = options.sheet.tell.unit.symbol();
+    if let Some(strays) = section.strays {
+        let strays = short(strays, 2);
+        eprintln!(
+            "warning: it could not be told how surfaces meet in the plane: drawn are polygons that \
+             stray by up to {strays} {unit}"
+        );
+    }
+    if let Some(moved) = section.moved {
+        let distance = at_most(moved.distance, 2);
+        eprintln!(
+            "warning: surfaces that nearly touch in the plane were moved by up to \
+             {distance} {unit}"
         );
     }
     let account = Account::of(&section, options.sheet.tell.unit);

@@ -1,8 +1,8 @@
 //! What a plane meets of a solid.
 
 use csg::brep::{Bounded, Coedge, CurveShape, Face};
-use csg::{BoundaryOptions, Brep, Program, Solid, SurfaceShape};
-use glam::{DVec2, DVec3};
+use csg::{BoundaryOptions, Brep, Mesher, Moved, Program, Solid};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::Drawing;
 use super::outline::{Outline, Piece, Shape};
@@ -45,6 +45,11 @@ impl SectionFrame {
         self.x.cross(self.y)
     }
 
+    /// From the plane's x and y, and what is before it, to the model.
+    fn map(&self) -> DAffine3 {
+        DAffine3::from_cols(self.x, self.y, self.normal(), self.origin)
+    }
+
     pub(super) fn flatten(&self, point: DVec3) -> DVec2 {
         self.turned(point - self.origin)
     }
@@ -70,11 +75,18 @@ pub struct Section {
     /// neither is nothing: the solid has a face in the plane, and drawn is what lies behind.
     /// (Of a solid that begins or ends at the plane it is its face there.)
     pub is_at_face: bool,
+    /// How far outlines may stray from the section: they are polygons, as it could not be told how
+    /// surfaces meet.
+    pub strays: Option<f64>,
+    /// What was done to surfaces that nearly coincide or touch, if anything was.
+    pub moved: Option<Moved>,
 }
 
 impl Section {
-    /// Cuts a solid at the plane of a frame. The boundary of the half behind it is evaluated
-    /// for it, as the options say.
+    /// Cuts a solid at the plane of a frame, by [`Solid::cut_at`]. The boundary of what lies just
+    /// behind it is evaluated for it, as the options say, and of what lies just before it if a
+    /// face may be in the plane. Where it cannot be told how surfaces meet, the outlines are
+    /// polygons by a mesh ([`Self::strays`]).
     ///
     /// ```
     /// use csg::Solid;
@@ -97,24 +109,67 @@ impl Section {
         frame: &SectionFrame,
         options: &BoundaryOptions,
     ) -> Result<Self, csg::Error> {
-        let normal = frame.normal();
-        let half = |normal| -> Result<Brep, csg::Error> {
-            let half = solid & Solid::half_space_through(frame.origin, normal);
-            Program::lower(&half)?.boundary(options)
-        };
-        let mut section = Self::cap(&half(normal)?, frame, normal);
-        let other = match half(-normal) {
-            Ok(before) => Self::cap(&before, frame, -normal),
-            // What was asked for is there.
-            Err(_) if !section.outlines.is_empty() => return Ok(section),
-            Err(error) => return Err(error),
-        };
-        let is_there = |section: &Self| !section.outlines.is_empty();
-        let is_at_face = is_there(&section) && is_there(&other) && !section.is_like(&other);
-        if section.outlines.is_empty() {
-            section = other;
+        let parts = solid.cut_at(frame.map())?;
+        let mut sections = Vec::with_capacity(parts.len());
+        for part in &parts {
+            let program = Program::lower(part)?;
+            let section = match program.boundary(options) {
+                Ok(boundary) => Self::cap(&boundary),
+                Err(csg::Error::Undecided(_)) => Self::by_mesh(&program)?,
+                // What was asked for is there.
+                Err(_) if sections.iter().any(Self::is_there) => break,
+                Err(error) => return Err(error),
+            };
+            sections.push(section);
         }
-        section.is_at_face = is_at_face;
+        let is_at_face = match &sections[..] {
+            [behind, before] => behind.is_there() && before.is_there() && !behind.is_like(before),
+            _ => false,
+        };
+        let section = sections.into_iter().find(Self::is_there);
+        Ok(Self {
+            is_at_face,
+            ..section.unwrap_or_default()
+        })
+    }
+
+    fn is_there(&self) -> bool {
+        !self.outlines.is_empty()
+    }
+
+    /// The faces in the plane z = 0 of a mesh, as polygons.
+    fn by_mesh(program: &Program) -> Result<Self, csg::Error> {
+        let size = program.bounds()?.map_or(0.0, |b| b.size().max_element());
+        if size == 0.0 {
+            return Ok(Self::default());
+        }
+        let tolerance = STRAYS * size;
+        let meshed = Mesher::new().tolerance(tolerance).mesh(program)?;
+        let mut section = Self {
+            strays: Some(tolerance),
+            ..Self::default()
+        };
+        let contours = meshed.mesh.faces_in_plane().contours(tolerance);
+        for contour in contours.unwrap_or_default() {
+            let next = contour.iter().cycle().skip(1);
+            let sides = || contour.iter().copied().zip(next.clone().copied());
+            let length: f64 = sides().map(|(from, to)| from.distance(to)).sum();
+            let area: f64 = 0.5 * sides().map(|(from, to)| from.perp_dot(to)).sum::<f64>();
+            section.parts += usize::from(area > 0.0);
+            section.area.value += area;
+            section.area.error += tolerance * length;
+            section.length.value += length;
+            let piece = |(from, to)| Piece {
+                from,
+                to,
+                shape: Shape::Line,
+            };
+            section.outlines.push(Outline {
+                pieces: sides().map(piece).collect(),
+            });
+        }
+        // What lengths of polygons that stray by so much may be off has no bound.
+        section.length.error = section.length.value;
         Ok(section)
     }
 
@@ -141,11 +196,14 @@ impl Section {
             && (0..2).all(|k| one[k].distance(other_corners[k]) <= SAME * size)
     }
 
-    /// The faces in the plane of a half of the solid, whose outward normal is given.
-    fn cap(half: &Brep, frame: &SectionFrame, normal: DVec3) -> Self {
-        let mut section = Self::default();
-        let turn = normal.dot(frame.normal()).signum();
-        for face in half.faces().filter(|face| is_in(face, frame, normal)) {
+    /// The faces of a solid in the plane z = 0.
+    fn cap(part: &Brep) -> Self {
+        let mut section = Self {
+            moved: part.moved(),
+            ..Self::default()
+        };
+        for face in part.faces().filter(Face::is_in_plane) {
+            let is_seen_from_behind = face.normal(DVec3::ZERO).z < 0.0;
             section.parts += 1;
             let area = face.area();
             section.area.value += area.value;
@@ -155,10 +213,10 @@ impl Section {
                     let length = coedge.edge().length();
                     section.length.value += length.value;
                     section.length.error += length.error;
-                    piece(&coedge, frame)
+                    piece(&coedge)
                 });
                 let mut pieces: Vec<Piece> = pieces.collect();
-                if turn < 0.0 {
+                if is_seen_from_behind {
                     pieces.reverse();
                     pieces.iter_mut().for_each(reverse);
                 }
@@ -172,20 +230,9 @@ impl Section {
 /// Measures of both halves' caps are one, of their size: rounding of another boundary.
 const SAME: f64 = 1e-9;
 
-/// Is a face's plane that of the section, by the sine of an angle and by distances, of the
-/// largest coordinate?
-const SAME_PLANE: f64 = 1e-11;
-
-/// Whether a face lies in the plane and faces the way of a normal.
-fn is_in(face: &Face<'_>, frame: &SectionFrame, normal: DVec3) -> bool {
-    let SurfaceShape::Plane { point, .. } = face.surface().shape() else {
-        return false;
-    };
-    let off = (point - frame.origin).dot(normal).abs();
-    let far = point.length().max(frame.origin.length());
-    let own = face.normal(point);
-    own.dot(normal) > 0.0 && own.cross(normal).length() < SAME_PLANE && off <= SAME_PLANE * far
-}
+/// How far polygons may stray from the section, of its size, where it cannot be told how surfaces
+/// meet: seen at no scale at which the whole is drawn.
+const STRAYS: f64 = 1e-5;
 
 /// The other way round.
 fn reverse(piece: &mut Piece) {
@@ -196,20 +243,20 @@ fn reverse(piece: &mut Piece) {
 }
 
 /// A coedge as it is drawn.
-fn piece(coedge: &Coedge<'_>, frame: &SectionFrame) -> Piece {
+fn piece(coedge: &Coedge<'_>) -> Piece {
     let edge = coedge.edge();
     let range = edge.range();
     let ends = match edge.vertices() {
         Some(vertices) => vertices.map(|vertex| vertex.point()),
         None => [edge.at(range[0]); 2],
     };
-    let [from, to] = ends.map(|end| frame.flatten(end));
+    let [from, to] = ends.map(DVec3::truncate);
     let curve = edge.curve();
     let shape = match (curve, curve.half_axes()) {
         (CurveShape::Ellipse { center, .. }, Some(axes)) => {
-            let [long, short] = [axes.long, axes.short].map(|axis| frame.turned(axis));
+            let [long, short] = [axes.long, axes.short].map(DVec3::truncate);
             Shape::Ellipse {
-                center: frame.flatten(center),
+                center: center.truncate(),
                 long,
                 short,
                 range: range.map(|t| t - axes.turn),
@@ -219,7 +266,7 @@ fn piece(coedge: &Coedge<'_>, frame: &SectionFrame) -> Piece {
         // Else a plane and a quadric meet in a line.
         _ => match conic::control(&curve, range) {
             Some([first, middle, last]) => Shape::Conic {
-                control: frame.flatten(middle.truncate() / middle.w),
+                control: middle.truncate().truncate() / middle.w,
                 weight: middle.w / (first.w * last.w).sqrt(),
             },
             None => Shape::Line,

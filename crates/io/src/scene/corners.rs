@@ -535,11 +535,12 @@ pub(super) fn section(solid: &Solid, allowance: &mut Allowance) -> Result<Profil
     if let Some(section) = exact.map_err(|e| e.to_string())? {
         return Ok(section);
     }
-    let mut halves = Vec::with_capacity(2);
-    for half in solid.halves() {
-        halves.push(mesh(&half, allowance)?.faces_in_plane());
+    let parts = solid.cut_at(DAffine3::IDENTITY);
+    let mut sections = Vec::with_capacity(2);
+    for part in parts.map_err(|e| e.to_string())? {
+        sections.push(mesh(&part, allowance)?.faces_in_plane());
     }
-    Ok(Profile::union(halves))
+    Ok(Profile::union(sections))
 }
 
 #[cfg(test)]
