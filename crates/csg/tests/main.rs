@@ -20,6 +20,7 @@ mod random;
 mod ready_made;
 #[path = "regions/main.rs"]
 mod regions;
+mod sections;
 mod shapes;
 mod slabs;
 mod theory;

@@ -108,6 +108,33 @@ fn sections_come_back_from_their_files() {
     }
 }
 
+/// Circles are written as thirds, whose centre does not depend on the last digit of their ends,
+/// and come back as circles: of the corners of what is read there are two, as far apart as can be.
+#[test]
+fn circles_of_sections_come_back_as_circles() {
+    for (center, radius) in [([0.0, 0.0], 7.0), ([20.0 / 7.0, -31.0 / 3.0], 10.0 / 9.0)] {
+        let bore = Profile::circle(radius).translate(center);
+        let solid = Solid::extrude(&(Profile::rectangle([60.0, 60.0]) - bore.clone()), 0.0..4.0);
+        let frame = SectionFrame::facing([0.0, 0.0, 2.0], [0.0, 0.0, 1.0]).expect("a plane");
+        let section = Section::of(&solid, &frame, &Default::default()).expect("a section");
+        let mut file = Vec::new();
+        let options = DrawingOptions::default();
+        write_drawing_to(DrawingFormat::Svg, &section.drawing(), &options, &mut file)
+            .expect("written");
+        let text = String::from_utf8(file.clone()).expect("text");
+        assert_eq!(text.matches('A').count(), 3, "{text}");
+        let read = read_svg(&file, &ProfileOptions::default()).expect("read");
+        assert!(read.warnings.is_empty(), "{:?}", read.warnings);
+        let plate = Solid::extrude(&read.profile, 0.0..4.0);
+        let program = csg::Program::lower(&plate).expect("a program");
+        let brep = program.boundary(&Default::default()).expect("a boundary");
+        // Six planes and one cylinder.
+        assert_eq!(brep.faces().len(), 7);
+        let wanted = 4.0 * (3600.0 - PI * radius * radius);
+        assert!((brep.measure().volume.value - wanted).abs() < 1e-8 * wanted);
+    }
+}
+
 #[test]
 fn scenes_extrude_drawings_exactly() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -34,7 +34,7 @@ fn sections_are_exact_and_come_in_every_format() {
     assert_eq!((&level["parts"], &level["holes"]), (&3.into(), &0.into()));
     assert_eq!((&level["lines"], &level["arcs"]), (&8.into(), &1.into()));
     let text = |name: &str| fs::read_to_string(folder.file(name)).expect("a file");
-    assert_eq!(text("cut.svg").matches('A').count(), 2);
+    assert_eq!(text("cut.svg").matches('A').count(), 3);
     assert!(text("cut.svg").contains("mm\""));
     assert_eq!(text("cut.dxf").matches("\nLWPOLYLINE\n").count(), 2);
     assert_eq!(text("cut.dxf").matches("\nCIRCLE\n").count(), 1);

@@ -7,9 +7,11 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::bounded::Bounded;
+use super::curve::HalfAxes;
 use super::data::{Brep, Patch, Stretch, range};
 use super::quadrature::{self, Integrals, Scale, Sum, along};
 use super::view::{Edge, Face};
+use crate::numeric::tolerance::VALUE;
 
 /// The measures of a solid, in the units of its model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,6 +182,14 @@ impl Edge<'_> {
     #[must_use]
     pub fn length(&self) -> Bounded {
         let [from, to] = self.range();
-        quadrature::length(|t| self.at_about(t), [from, to])
+        if let Some(HalfAxes {
+            long, short, turn, ..
+        }) = self.curve().half_axes()
+        {
+            let axes = [long, short].map(DVec3::length);
+            return quadrature::arc_length(axes, [from - turn, to - turn]);
+        }
+        let off = VALUE * self.size_of_solid();
+        quadrature::length(|t| self.at_about(t), [from, to], off)
     }
 }

@@ -268,33 +268,64 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
     }
 }
 
-/// The length of a curve between two places.
-pub(super) fn length(curve: impl Fn(f64) -> DVec3, places: [f64; 2]) -> Bounded {
-    let once = chord(&curve, places);
-    let mut sum = Bounded::default();
-    halve_length(&curve, places, once, 0, &mut sum);
-    sum
+/// The length of a curve between two places, whose points may be off by some length.
+pub(super) fn length(curve: impl Fn(f64) -> DVec3, places: [f64; 2], off: f64) -> Bounded {
+    Lengths::of(|stretch| chord(&curve, stretch), places, off)
 }
 
-fn halve_length(
-    curve: &impl Fn(f64) -> DVec3,
-    [from, to]: [f64; 2],
-    once: f64,
-    halvings: u32,
-    sum: &mut Bounded,
-) {
-    let middle = 0.5 * (from + to);
-    let halves = [[from, middle], [middle, to]];
-    let twice = halves.map(|half| chord(curve, half));
-    let length = twice[0] + twice[1];
-    let (change, noise) = ((length - once).abs(), INTEGRAL * length);
-    if change <= noise || halvings == MOST_HALVINGS {
-        sum.value += length;
-        sum.error += change + noise;
-        return;
+/// The length of an arc of an ellipse that is given by its half axes, from one angle to
+/// another, to all digits: the speed is known exactly, and its logarithm is steepest beside the ends
+/// of the long axis, in some (short / long) radians, so that a halving for each power of two in
+/// that is enough.
+pub(super) fn arc_length([long, short]: [f64; 2], places: [f64; 2]) -> Bounded {
+    let speed = |angle: f64| {
+        let (sin, cos) = elementary::sin_cos(angle);
+        elementary::hypot(long * sin, short * cos)
+    };
+    let rule = &*ALONG;
+    let stretch = |[from, to]: [f64; 2]| {
+        let terms = rule.nodes.iter().zip(&rule.weights);
+        let term = |(node, weight): (&f64, &f64)| weight * speed(from + node * (to - from));
+        (to - from).abs() * terms.map(term).sum::<f64>()
+    };
+    Lengths::of(stretch, places, 0.0)
+}
+
+/// Lengths of stretches of a curve that are summed up.
+struct Lengths<F> {
+    /// An estimate for a stretch.
+    stretch: F,
+    /// Halving tells no more than this.
+    least: f64,
+    sum: Bounded,
+}
+
+impl<F: Fn([f64; 2]) -> f64> Lengths<F> {
+    fn of(stretch: F, places: [f64; 2], off: f64) -> Bounded {
+        let once = stretch(places);
+        let mut lengths = Self {
+            stretch,
+            least: INTEGRAL * once + off,
+            sum: Bounded::default(),
+        };
+        lengths.halve(places, once, 0);
+        lengths.sum
     }
-    for (half, once) in halves.into_iter().zip(twice) {
-        halve_length(curve, half, once, halvings + 1, sum);
+
+    fn halve(&mut self, [from, to]: [f64; 2], once: f64, halvings: u32) {
+        let middle = 0.5 * (from + to);
+        let halves = [[from, middle], [middle, to]];
+        let twice = halves.map(|half| (self.stretch)(half));
+        let length = twice[0] + twice[1];
+        let change = (length - once).abs();
+        if change <= self.least || halvings == MOST_HALVINGS {
+            self.sum.value += length;
+            self.sum.error += change + INTEGRAL * length;
+            return;
+        }
+        for (half, once) in halves.into_iter().zip(twice) {
+            self.halve(half, once, halvings + 1);
+        }
     }
 }
 
@@ -389,6 +420,41 @@ mod tests {
                     assert!((slope - wanted).abs() < 1e-12, "{count} {power}");
                 }
             }
+        }
+    }
+
+    /// By the means of the arithmetic and the geometric kind (Gauss; NIST's library of functions,
+    /// 19.8.6), which double the digits with every step.
+    fn around(long: f64, short: f64) -> f64 {
+        let (mut a, mut g) = (long, short);
+        let (mut sum, mut power) = (long * long - 0.5 * (long * long - short * short), 0.5);
+        for _ in 0..40 {
+            let c = 0.5 * (a - g);
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
+            power *= 2.0;
+            sum -= power * c * c;
+        }
+        std::f64::consts::TAU / a * sum
+    }
+
+    #[test]
+    fn arcs_of_ellipses_are_as_long_as_they_are_however_flat() {
+        for short in [1.0, 0.3, 0.04, 1e-3, 1e-6] {
+            let axes = [603.0, 603.0 * short];
+            let wanted = around(axes[0], axes[1]);
+            let whole = arc_length(axes, [0.0, std::f64::consts::TAU]);
+            let off = (whole.value - wanted).abs();
+            assert!(
+                off <= whole.error + 1e-14 * wanted,
+                "{short}: {whole:?}, not {wanted}"
+            );
+            assert!(whole.error < 1e-12 * wanted, "{short}: {whole:?}");
+            // A short arc beside the end of the long axis.
+            let [one, rest] = [[-0.01, 0.02], [0.02, std::f64::consts::TAU - 0.01]];
+            let [one, rest] = [one, rest].map(|places| arc_length(axes, places));
+            let off = (one.value + rest.value - wanted).abs();
+            assert!(off < 1e-12 * wanted, "{short}: {one:?} {rest:?}");
+            assert!(one.error < 1e-12 * one.value, "{short}: {one:?}");
         }
     }
 }

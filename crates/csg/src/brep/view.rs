@@ -338,6 +338,11 @@ impl<'a> Edge<'a> {
         self.brep.curves[self.data().curve as usize].at(t)
     }
 
+    /// Of the whole solid, the longest side's order.
+    pub(super) fn size_of_solid(&self) -> f64 {
+        self.brep.size
+    }
+
     fn data(&self) -> &'a EdgeData {
         &self.brep.edges[self.id.index()]
     }

@@ -9,7 +9,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::numeric::eigen_symmetric;
-use crate::numeric::tolerance::{NO_VALUE, VALUE};
+use crate::numeric::tolerance::{NEAR, NO_VALUE, VALUE};
 use crate::program::{Formula, Operand, Operation, Surface};
 use crate::solid::Solid;
 
@@ -156,8 +156,14 @@ fn trace(surface: &Surface, rounding: Rounding, looked: Looked) -> (Trace, bool)
         {
             return (Trace::Constant(one < 0.0), false);
         }
-        [(one, s), (other, t)] if is_zero => {
-            // Two lines that cross, f = one (s - k t) (s + k t).
+        // A hyperbola parts from the two lines that it is beside by no more than it is from its
+        // centre, where it is nearest.
+        [(one, s), (other, t)]
+            if (one > 0.0) != (other > 0.0)
+                && (is_zero
+                    || at_center.abs() <= (NEAR * size).powi(2) * one.abs().min(other.abs())) =>
+        {
+            // f = one (s - k t) (s + k t).
             let k = (-other / one).sqrt();
             let sign = one.signum();
             let [a, b] = [sign * (s - k * t), s + k * t];

@@ -17,6 +17,9 @@ use crate::Error;
 const MARGIN: f64 = 0.02;
 const LINE: f64 = 0.002;
 
+/// Of half a turn: longer arcs are written as three, as their centre is told better by parts.
+const FLATTEST: f64 = 1.5;
+
 /// Writes outlines as one path, what they bound filled, and lines as another one, dashed ones
 /// as a third: circles and ellipses as arcs, parabolas and hyperbolas as quadratic Bézier curves.
 /// Sizes are lines and text. Width and height are those of the model; y, which
@@ -184,10 +187,12 @@ impl Pen<'_> {
                     let to = self.point(to);
                     format!("A{} {} {lean} {large} {sweep} {to}", radii[0], radii[1])
                 };
-                // An arc between two places that are one would be none.
-                if turn.abs() > 1.9 * std::f64::consts::PI {
-                    let [half, end] = [piece.at(0.5), piece.to].map(|to| arc(to, false));
-                    write!(path, "{half}{end}")
+                // An arc between two places that are one would be none, and the centre of half an
+                // ellipse depends on the last digits of its ends by their square root.
+                if turn.abs() > FLATTEST * std::f64::consts::PI {
+                    let ends = [piece.at(1.0 / 3.0), piece.at(2.0 / 3.0), piece.to];
+                    let thirds = ends.map(|to| arc(to, false));
+                    write!(path, "{}", thirds.concat())
                 } else {
                     write!(path, "{}", arc(piece.to, turn.abs() > std::f64::consts::PI))
                 }

@@ -63,6 +63,41 @@ impl Outline {
         self.sides.push((side, end));
     }
 
+    /// Three and more arcs that make a whole circle but for the decimals of their ends become two
+    /// halves of one, about the mean of their centres.
+    pub(super) fn join_circle(&mut self, slack: f64) {
+        let mut start = self.start;
+        let mut arcs = Vec::with_capacity(self.sides.len());
+        for (side, end) in &self.sides {
+            let Side::Arc { bulge } = *side else {
+                return;
+            };
+            let center = arc_center(start, *end, bulge);
+            let radius = 0.5 * (center.distance(start) + center.distance(*end));
+            arcs.push((center, radius, 4.0 * elementary::atan(bulge)));
+            start = *end;
+        }
+        let count = arcs.len() as f64;
+        let mean = |sum: f64| sum / count;
+        let center = arcs.iter().map(|arc| arc.0).sum::<DVec2>() / count;
+        let radius = mean(arcs.iter().map(|arc| arc.1).sum());
+        let turn: f64 = arcs.iter().map(|arc| arc.2).sum();
+        let is_one = arcs.iter().all(|(about, own, _)| {
+            about.distance(center) <= slack && (own - radius).abs() <= slack
+        });
+        // (The ends of a whole turn are as near as points are rounded.)
+        let is_whole =
+            (turn.abs() - TAU).abs() * radius <= slack && start.distance(self.start) <= slack;
+        if arcs.len() > 2 && is_one && is_whole {
+            let out = radius * (self.start - center).normalize_or(DVec2::X);
+            let half = Side::Arc {
+                bulge: turn.signum(),
+            };
+            self.start = center + out;
+            self.sides = vec![(half.clone(), center - out), (half, center + out)];
+        }
+    }
+
     /// A cubic Bézier curve.
     pub(super) fn cubic(&mut self, first: DVec2, second: DVec2, end: DVec2) {
         let controls = [self.end(), first, second, end].map(|point| point.extend(1.0));

@@ -48,7 +48,8 @@ pub(super) fn sub_paths(data: &str, most: usize) -> Result<Vec<SubPath>, String>
     let mut half: Option<(DVec2, Arc)> = None;
     let unit = last_decimal(data);
     let mut finish = |outline: Option<Outline>, is_closed: bool| {
-        if let Some(outline) = outline.filter(|outline| !outline.sides.is_empty()) {
+        if let Some(mut outline) = outline.filter(|outline| !outline.sides.is_empty()) {
+            outline.join_circle(2.0 * unit);
             paths.push(if is_closed {
                 SubPath::closed(outline)
             } else {
