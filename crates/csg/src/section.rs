@@ -23,7 +23,8 @@ impl Solid {
     /// that stands on the plane has its base there.
     ///
     /// Lines, circles and whole ellipses are such ([`Solid::exact_section`]); with other curves
-    /// the section is a polygon that strays at most `tolerance`, for which a mesh is made.
+    /// a part of the section is a polygon that strays at most `tolerance`, by a mesh if it cannot
+    /// be told how surfaces meet.
     ///
     /// ```
     /// use csg::Solid;
@@ -40,7 +41,7 @@ impl Solid {
     /// that is not positive.
     pub fn section(&self, frame: DAffine3, tolerance: f64) -> Result<Profile, Error> {
         let parts = self.cut_at(frame)?;
-        if let Some(section) = exact(&parts, &BoundaryOptions::new())? {
+        if let Some(section) = of_faces(&parts, &BoundaryOptions::new(), Some(tolerance))? {
             return Ok(section);
         }
         let mesher = Mesher::new().tolerance(tolerance);
@@ -60,7 +61,21 @@ impl Solid {
         frame: DAffine3,
         options: &BoundaryOptions,
     ) -> Result<Option<Profile>, Error> {
-        exact(&self.cut_at(frame)?, options)
+        of_faces(&self.cut_at(frame)?, options, None)
+    }
+
+    /// The same with other curves cut into chords that stray at most `tolerance` from them. `None`
+    /// if it cannot be told how surfaces meet.
+    ///
+    /// # Errors
+    /// As [`Solid::exact_section`]; [`Error::InvalidOption`] for a tolerance that is not positive.
+    pub fn chorded_section(
+        &self,
+        frame: DAffine3,
+        tolerance: f64,
+        options: &BoundaryOptions,
+    ) -> Result<Option<Profile>, Error> {
+        of_faces(&self.cut_at(frame)?, options, Some(tolerance))
     }
 
     /// Solids, in the coordinates of a frame, whose faces in the plane z = 0
@@ -68,7 +83,7 @@ impl Solid {
     /// then, if the solid may have a face in the plane, of what lies just above it. A face is in
     /// the plane if it is so but for rounding, some 1e-14 of the largest coordinate.
     ///
-    /// They are what surfaces leave in the plane, extended along z; of a solid with large polyhedra
+    /// They are what surfaces leave in the plane, extended across it; of a solid with large polyhedra
     /// the two halves, where faces are in the plane to [`NEAR`] of the size. No solid where the
     /// plane does not meet it.
     ///
@@ -113,8 +128,20 @@ impl Solid {
     }
 }
 
-/// The faces of solids in the plane z = 0.
-fn exact(parts: &[Solid], options: &BoundaryOptions) -> Result<Option<Profile>, Error> {
+/// The faces of solids in the plane z = 0, those with other curves than lines, circles and whole
+/// ellipses by chords to a tolerance; none if there is no tolerance, or no boundary.
+fn of_faces(
+    parts: &[Solid],
+    options: &BoundaryOptions,
+    tolerance: Option<f64>,
+) -> Result<Option<Profile>, Error> {
+    if let Some(tolerance) = tolerance
+        && !(tolerance > 0.0 && tolerance.is_finite())
+    {
+        return Err(Error::InvalidOption(format!(
+            "a section may stray by {tolerance}: give a tolerance above 0"
+        )));
+    }
     let mut faces = Vec::new();
     for part in parts {
         let part = match Program::lower(part)?.boundary(options) {
@@ -123,14 +150,59 @@ fn exact(parts: &[Solid], options: &BoundaryOptions) -> Result<Option<Profile>, 
             Err(error) => return Err(error),
         };
         for face in part.faces().filter(Face::is_in_plane) {
-            let Some(face) = flat(&face) else {
-                return Ok(None);
-            };
-            faces.push(face);
+            match (flat(&face), tolerance) {
+                (Some(face), _) => faces.push(face),
+                (None, Some(tolerance)) => faces.push(chorded(&face, tolerance)),
+                (None, None) => return Ok(None),
+            }
         }
     }
     // What is on both sides of the plane has most faces alike.
     Ok(Some(Profile::union(faces).resolved()))
+}
+
+/// A face in the plane z = 0 with chords for curves.
+fn chorded(face: &Face<'_>, tolerance: f64) -> Profile {
+    let around = |around: Loop<'_>| -> Vec<DVec2> {
+        let mut points = Vec::new();
+        for coedge in around.coedges() {
+            let edge = coedge.edge();
+            let mut range = edge.range();
+            if !coedge.is_forward() {
+                range.reverse();
+            }
+            let at = |t: f64| edge.at(t).truncate();
+            points.push(at(range[0]));
+            // (No closed curve is seen by its ends.)
+            let middle = 0.5 * (range[0] + range[1]);
+            chords(&at, [range[0], middle], tolerance, &mut points);
+            points.push(at(middle));
+            chords(&at, [middle, range[1]], tolerance, &mut points);
+        }
+        points
+    };
+    Profile::polygons_of(face.loops().map(around), FillRule::EvenOdd)
+}
+
+/// Adds points between the ends of a stretch of a conic: until half of the tolerance holds at
+/// quarters, between which it turns little.
+fn chords(
+    at: &impl Fn(f64) -> DVec2,
+    [from, to]: [f64; 2],
+    tolerance: f64,
+    points: &mut Vec<DVec2>,
+) {
+    let [start, end] = [at(from), at(to)];
+    let along = (end - start).normalize_or_zero();
+    let middle = 0.5 * (from + to);
+    let quarters = [0.5 * (from + middle), middle, 0.5 * (middle + to)];
+    let is_near = |t: f64| (at(t) - start).perp_dot(along).abs() <= 0.5 * tolerance;
+    if quarters.into_iter().all(is_near) || middle <= from.min(to) || middle >= from.max(to) {
+        return;
+    }
+    chords(at, [from, middle], tolerance, points);
+    points.push(at(middle));
+    chords(at, [middle, to], tolerance, points);
 }
 
 impl Face<'_> {

@@ -218,7 +218,6 @@ fn curved_faces_where_a_plane_touches_them() {
     let cone = Solid::frustum(5.0, 0.0, 0.0..10.0);
     assert_area("through the apex", &cone, across_y(0.0), 50.0, 1e-9);
     for y in [1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-4] {
-        // (A hyperbola that turns within rounding may be drawn as a polygon.)
         let section = cone.section(across_y(y), 1e-3).expect("a section");
         let found = section.area(1e-3).expect("an area");
         assert!((found - 50.0).abs() < 0.05, "beside it {y:e}: {found}");

@@ -252,8 +252,10 @@ impl PySolid {
             .cancel_token(follow.cancel.clone());
         let options = csg::BoundaryOptions::new().cancel_token(follow.cancel.clone());
         let solid = self.0.clone();
-        let exact = wait(py, &follow, move || solid.exact_section(frame, &options))?;
-        if let Some(section) = exact.map_err(of_model)? {
+        let section = wait(py, &follow, move || {
+            solid.chorded_section(frame, tolerance, &options)
+        })?;
+        if let Some(section) = section.map_err(of_model)? {
             return Ok(PyProfile(section));
         }
         let solid = self.0.clone();

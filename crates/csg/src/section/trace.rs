@@ -1,10 +1,10 @@
-//! What surfaces leave in the plane z = 0: lines and conics, each extended along z.
+//! What surfaces leave in the plane z = 0: lines and conics, each extended across it.
 //!
 //! Where a solid is cut next to a face, or to where a face begins to bend away, the plane and
 //! the surface are one but for rounding, and what they have in common is lost in that. In the
 //! plane alone nothing is: f(x, y, 0) is a conic whatever z does to f, and a plane beside it is
-//! on one side. So the section is that of the solid whose surfaces are these conics extended along z,
-//! all of which are at right angles to the plane.
+//! on one side. So the section is that of the solid whose surfaces go on from these conics at right
+//! angles to the plane: lines and ellipses along z, hyperbolas and parabolas around their axis.
 
 use glam::{DVec2, DVec3};
 
@@ -31,14 +31,14 @@ pub(super) enum Looked {
     Above,
 }
 
-/// A set of points that goes on along z for ever.
+/// A set of points as surfaces leave it in the plane.
 #[derive(Clone)]
 enum Trace {
     Constant(bool),
     Solid(Solid),
 }
 
-/// The solid that a formula over surfaces leaves in the plane, extended along z; none where it
+/// The solid that a formula over surfaces leaves in the plane, extended across it; none where it
 /// is empty. And whether one of the surfaces lies in the plane.
 pub(super) fn extended(
     surfaces: &[Surface],
@@ -173,7 +173,15 @@ fn trace(surface: &Surface, rounding: Rounding, looked: Looked) -> (Trace, bool)
             ])
         }
         _ => {
-            let coefficients = [xx, yy, 0.0, xy, 0.0, 0.0, slope.x, slope.y, 0.0, at_center];
+            // Hyperbolas and parabolas turn about the axis that they cross: those surfaces are
+            // at right angles to the plane, too, and have charts.
+            let zz = match bent[..] {
+                [(one, _), (other, _)] if (one > 0.0) == (other > 0.0) => 0.0,
+                [(one, _), _] if (one > 0.0) == (at_center > 0.0) => one,
+                [_, (other, _)] => other,
+                _ => bent[0].0,
+            };
+            let coefficients = [xx, yy, zz, xy, 0.0, 0.0, slope.x, slope.y, 0.0, at_center];
             Solid::quadric(coefficients).translate(DVec3::from((center, 0.0)))
         }
     };
