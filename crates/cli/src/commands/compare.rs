@@ -31,7 +31,7 @@ pub(crate) struct Options {
     /// one, too, and not only if they have the same points
     #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
     within: Option<f64>,
-    /// The tolerance of the meshes by which distances are found [default: a hundredth of
+    /// The tolerance of the meshes by which distances are found [default: a twentieth of
     /// --within, or a ten-thousandth of the longest side]
     #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -96,6 +96,10 @@ struct Witness {
     inside: &'static str,
 }
 
+/// Of the distance within which solids are equal, how far meshes may stray: what is nearer than
+/// nine tenths of it is told to be, from scenes, too.
+const OF_WITHIN: f64 = 0.05;
+
 /// Compares; whether they are equal.
 pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failure> {
     progress.stage("reading");
@@ -122,12 +126,21 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     } else {
         let tolerance = options
             .tolerance
-            .or(options.within.map(|within| 0.01 * within));
-        let sides = [
-            Boundary::of(&one, tolerance, options)?,
-            Boundary::of(&other, tolerance, options)?,
-        ];
-        distance(&sides)
+            .or(options.within.map(|within| OF_WITHIN * within));
+        let between = |tolerance: Option<f64>| -> Result<Option<Distance>, Failure> {
+            let sides = [
+                Boundary::of(&one, tolerance, options)?,
+                Boundary::of(&other, tolerance, options)?,
+            ];
+            Ok(distance(&sides))
+        };
+        let found = between(tolerance)?;
+        // How fine meshes have to be follows from the distance, if nothing is said of it.
+        let finer = found.as_ref().and_then(|found| finer(found, tolerance));
+        match finer {
+            Some(finer) => between(Some(finer))?,
+            None => found,
+        }
     };
     progress.end();
     let is_near = options
@@ -150,6 +163,18 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     }
     output::print(comparison.to_string().as_bytes())?;
     Ok(equal)
+}
+
+/// The tolerance of finer meshes, which tell a distance to a percent or two, where the bounds are
+/// farther apart and no tolerance was asked for: no finer than a hundredth of the first one.
+fn finer(found: &Distance, tolerance: Option<f64>) -> Option<f64> {
+    /// Of the distance.
+    const SHARE: f64 = 0.005;
+    const FINEST: f64 = 0.01;
+    let upper = found.upper?;
+    let open = upper - found.lower;
+    (tolerance.is_none() && open > 4.0 * SHARE * upper)
+        .then(|| (SHARE * upper).max(0.5 * FINEST * open))
 }
 
 /// A mesh of a solid's boundary, and how far they are apart, if that is known.

@@ -4,7 +4,10 @@
 //! distance to a single triangle, which is convex, is largest at a corner. So a triangle is
 //! nowhere farther from the other mesh than its middle is plus what lies around that, and no
 //! farther than its farthest corner is from the triangle nearest to the middle. Where both leave
-//! too much open the triangle is cut in four, the most open one first.
+//! too much open the triangle is cut, the most open one first: along the sides of the nearest
+//! triangle, as what is above that is told by its corners alone, and in four where those sides do
+//! not lead through it. So meshes of one face are cut about as often as their triangles overlap,
+//! however near to each other they are.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -12,8 +15,11 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use smallvec::SmallVec;
+
 use super::box_tree::{Bounds, BoxTree, Boxed, along_curve};
 use crate::mesh::Mesh;
+use crate::numeric::tolerance::ON_REFINED;
 
 /// The largest distance from points of one mesh to another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +36,8 @@ pub struct MeshDistance {
 struct Open {
     upper: f64,
     corners: [DVec3; 3],
+    /// The triangle of the other mesh that is nearest to its middle.
+    nearest: u32,
 }
 
 impl PartialEq for Open {
@@ -105,7 +113,7 @@ impl Mesh {
                 break widest.upper.max(search.lower);
             }
             cuts += 1;
-            for part in quarters(widest.corners) {
+            for part in target.parts(&widest) {
                 let mut look = target.look(part);
                 // A part is no farther than the whole.
                 look.open.upper = look.open.upper.min(widest.upper);
@@ -150,6 +158,43 @@ fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[a, p, r], [p, b, q], [r, q, c], [p, q, r]]
 }
 
+/// What of a convex polygon is behind a plane, and before it, whose normal is of unit length. What
+/// reaches across by rounding alone is on the side of the rest.
+fn cut(polygon: &[DVec3], point: DVec3, normal: DVec3) -> [SmallVec<[DVec3; 8]>; 2] {
+    let height = |corner: &DVec3| (*corner - point).dot(normal);
+    let far = polygon.iter().map(|corner| corner.abs().max_element());
+    let slack = ON_REFINED * far.fold(point.abs().max_element(), f64::max);
+    let heights: SmallVec<[f64; 8]> = polygon.iter().map(height).collect();
+    let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut sides: [SmallVec<[DVec3; 8]>; 2] = Default::default();
+    if most <= slack || least >= -slack {
+        sides[usize::from(most > slack)].extend_from_slice(polygon);
+        return sides;
+    }
+    for (k, &corner) in polygon.iter().enumerate() {
+        let next = (k + 1) % polygon.len();
+        let [here, there] = [heights[k], heights[next]];
+        if here <= 0.0 {
+            sides[0].push(corner);
+        }
+        if here >= 0.0 {
+            sides[1].push(corner);
+        }
+        if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
+            let on = corner.lerp(polygon[next], here / (here - there));
+            sides.iter_mut().for_each(|side| side.push(on));
+        }
+    }
+    sides
+}
+
+/// Adds the triangles of a convex polygon.
+fn fan(polygon: &[DVec3], triangles: &mut SmallVec<[[DVec3; 3]; 8]>) {
+    let pairs = polygon.windows(2).skip(1);
+    triangles.extend(pairs.map(|pair| [polygon[0], pair[0], pair[1]]));
+}
+
 /// The mesh that distances are taken to.
 struct Target<'a> {
     mesh: &'a Mesh,
@@ -179,13 +224,32 @@ impl<'a> Target<'a> {
             .unwrap_or((0, f64::INFINITY))
     }
 
+    /// What a triangle is cut into.
+    fn parts(&self, open: &Open) -> SmallVec<[[DVec3; 3]; 8]> {
+        let [a, b, c] = self.mesh.corners(open.nearest as usize);
+        let normal = (b - a).cross(c - a);
+        let mut parts = SmallVec::new();
+        let mut rest: SmallVec<[DVec3; 8]> = SmallVec::from_slice(&open.corners);
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let out = (to - from).cross(normal).normalize_or_zero();
+            let [inner, outer] = cut(&rest, from, out);
+            fan(&outer, &mut parts);
+            rest = inner;
+        }
+        if parts.is_empty() || rest.is_empty() {
+            return SmallVec::from_slice(&quarters(open.corners));
+        }
+        fan(&rest, &mut parts);
+        parts
+    }
+
     /// How far a triangle may be, at least and where.
     fn look(&self, corners: [DVec3; 3]) -> Look {
         let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let (nearest, distance_of_middle) = self.nearest(middle);
+        let (index, distance_of_middle) = self.nearest(middle);
         let around = corners.map(|corner| corner.distance(middle));
         let around = around.into_iter().fold(0.0, f64::max);
-        let nearest = self.mesh.corners(nearest as usize);
+        let nearest = self.mesh.corners(index as usize);
         let to_nearest = corners.map(|corner| distance(corner, nearest));
         let by_corners = to_nearest.into_iter().fold(0.0, f64::max);
         let (mut lower, mut place) = (distance_of_middle, middle);
@@ -197,7 +261,11 @@ impl<'a> Target<'a> {
         }
         let upper = by_corners.min(distance_of_middle + around).max(lower);
         Look {
-            open: Open { upper, corners },
+            open: Open {
+                upper,
+                corners,
+                nearest: index,
+            },
             lower,
             place,
         }
@@ -261,5 +329,43 @@ mod tests {
         let needle = [a, b, a.lerp(b, 0.3)];
         assert!((distance(a, needle)).abs() < 1e-15);
         assert!((distance(a + DVec3::Z, [a; 3]) - 1.0).abs() < 1e-15);
+    }
+
+    /// A square as a fan around a point of it, so that long triangles of two lie across each
+    /// other, and at another height around its middle.
+    fn square(around: [f64; 2], count: u32, dent: f64) -> Mesh {
+        let mut mesh = Mesh::default();
+        let [x, y] = around;
+        mesh.positions.push(DVec3::new(x, y, dent));
+        for k in 0..4 * count {
+            let share = f64::from(k % count) / f64::from(count);
+            let [x, y] = match k / count {
+                0 => [share, 0.0],
+                1 => [1.0, share],
+                2 => [1.0 - share, 1.0],
+                _ => [0.0, 1.0 - share],
+            };
+            mesh.positions.push(DVec3::new(x, y, 0.0));
+            let next = (k + 1) % (4 * count);
+            mesh.triangles.push([0, k + 1, next + 1]);
+        }
+        mesh
+    }
+
+    #[test]
+    fn meshes_of_one_face_are_as_near_as_they_are() {
+        let one = square([0.3, 0.4], 60, 0.0);
+        let other = square([0.8, 0.7], 50, 0.0);
+        let distance = one.distance_to(&other, 1e-9).expect("triangles");
+        assert!(distance.upper <= 1e-9, "{distance:?}");
+        for height in [1e-2, 1e-4, 1e-6] {
+            let dented = square([0.8, 0.7], 50, height);
+            let distance = dented.distance_to(&one, 1e-3 * height).expect("triangles");
+            let off = distance.upper - height;
+            assert!(
+                distance.lower <= height && (-1e-15..2e-3 * height).contains(&off),
+                "{height:e}: {distance:?}"
+            );
+        }
     }
 }
