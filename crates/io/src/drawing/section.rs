@@ -46,7 +46,7 @@ impl SectionFrame {
     }
 
     /// From the plane's x and y, and what is before it, to the model.
-    fn map(&self) -> DAffine3 {
+    pub(super) fn map(&self) -> DAffine3 {
         DAffine3::from_cols(self.x, self.y, self.normal(), self.origin)
     }
 

@@ -2,7 +2,7 @@
 //! hidden.
 
 use csg::brep::{Edge, Face};
-use csg::{BoundaryOptions, Brep, Program, Solid};
+use csg::{BoundaryOptions, Brep, Program, Solid, Surface};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -73,15 +73,24 @@ impl View {
         let mut curves: Vec<Seen> = Vec::new();
         let drawn = brep.edges().filter(|edge| is_drawn(edge, eye));
         curves.extend(drawn.filter_map(|edge| seen(&edge)).flatten());
-        for plane in polar_planes(&brep, eye, size) {
-            let half = |normal| -> Result<Brep, csg::Error> {
-                let half = solid & Solid::half_space_through(plane.point, normal);
-                Program::lower(&half)?.boundary(options)
-            };
-            let half = half(plane.normal).or_else(|_| half(-plane.normal))?;
-            let outlines = half.edges().filter(|edge| plane.has(edge, eye));
-            curves.extend(outlines.filter_map(|edge| seen(&edge)).flatten());
-        }
+        // The outlines are edges of the section there.
+        let planes = polar_planes(&brep, eye, size);
+        let outlines: Vec<Vec<Seen>> = planes
+            .par_iter()
+            .map(|plane| -> Result<Vec<Seen>, csg::Error> {
+                let Some(at) = SectionFrame::facing(plane.point, plane.normal) else {
+                    return Ok(Vec::new());
+                };
+                let mut outlines = Vec::new();
+                for part in solid.cut_at(at.map())? {
+                    let part = Program::lower(&part.affine(at.map()))?.boundary(options)?;
+                    let edges = part.edges().filter(|edge| plane.has(edge, eye));
+                    outlines.extend(edges.filter_map(|edge| seen(&edge)).flatten());
+                }
+                Ok(outlines)
+            })
+            .collect::<Result<_, _>>()?;
+        curves.extend(outlines.into_iter().flatten());
         let parts = parts(&curves, size);
         let sight = Sight {
             program: &program,
@@ -238,6 +247,7 @@ fn is_drawn(edge: &Edge<'_>, eye: DVec3) -> bool {
 
 /// A plane that meets a quadric where its normals are across the view.
 struct PolarPlane {
+    surfaces: Vec<Surface>,
     point: DVec3,
     normal: DVec3,
     /// How far points of the solid may be off by rounding.
@@ -256,8 +266,9 @@ fn polar_planes(brep: &Brep, eye: DVec3, size: f64) -> Vec<PolarPlane> {
         let Some(plane) = PolarPlane::of(&face, eye, size) else {
             continue;
         };
-        if !planes.iter().any(|known| known.is_same(&plane)) {
-            planes.push(plane);
+        match planes.iter_mut().find(|known| known.is_same(&plane)) {
+            Some(known) => known.surfaces.extend(plane.surfaces),
+            None => planes.push(plane),
         }
     }
     planes
@@ -279,6 +290,7 @@ impl PolarPlane {
         }
         let point = about - value / (length * length) * normal;
         Some(Self {
+            surfaces: vec![surface],
             point,
             normal: normal / length,
             near: NEAR * size,
@@ -290,19 +302,21 @@ impl PolarPlane {
             && (self.point - other.point).dot(self.normal).abs() < self.near
     }
 
-    /// Whether an edge of a half of the solid lies in the plane, and on a curved face whose
-    /// normals are across the view there.
+    /// Whether an edge of a section lies in the plane, and on one of the surfaces where its
+    /// normals are across the view.
     fn has(&self, edge: &Edge<'_>, eye: DVec3) -> bool {
         let [from, to] = edge.range();
         let points = LOOKED_AT.map(|share| edge.at(from + share * (to - from)));
-        let is_on = |point: &DVec3| (*point - self.point).dot(self.normal).abs() <= self.near;
-        let is_outline = |face: Face<'_>| {
-            !face.surface().is_plane()
-                && points
-                    .iter()
-                    .all(|point| face.normal(*point).dot(eye).abs() < SAME_DIRECTION)
+        let is_in = |point: &DVec3| (*point - self.point).dot(self.normal).abs() <= self.near;
+        let is_outline = |surface: &Surface| {
+            points.iter().all(|&point| {
+                let gradient = surface.gradient(point);
+                let length = gradient.length();
+                surface.value(point).abs() <= self.near * length
+                    && gradient.dot(eye).abs() <= SAME_DIRECTION * length
+            })
         };
-        points.iter().all(is_on) && edge.faces().into_iter().any(is_outline)
+        points.iter().all(is_in) && self.surfaces.iter().any(is_outline)
     }
 }
 
