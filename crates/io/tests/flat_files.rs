@@ -126,7 +126,7 @@ fn circles_of_sections_come_back_as_circles() {
         let read = read_svg(&file, &ProfileOptions::default()).expect("read");
         assert!(read.warnings.is_empty(), "{:?}", read.warnings);
         let plate = Solid::extrude(&read.profile, 0.0..4.0);
-        let program = csg::Program::lower(&plate).expect("a program");
+        let program = Program::lower(&plate).expect("a program");
         let brep = program.boundary(&Default::default()).expect("a boundary");
         // Six planes and one cylinder.
         assert_eq!(brep.faces().len(), 7);

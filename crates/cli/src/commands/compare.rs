@@ -96,8 +96,8 @@ struct Witness {
     inside: &'static str,
 }
 
-/// Of the distance within which solids are equal, how far meshes may stray: what is nearer than
-/// nine tenths of it is told to be, from scenes, too.
+/// Of the distance within which solids are equal, how far meshes may stray at first: enough where
+/// the distance is not just that.
 const OF_WITHIN: f64 = 0.05;
 
 /// Compares; whether they are equal.
@@ -136,7 +136,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
         };
         let found = between(tolerance)?;
         // How fine meshes have to be follows from the distance, if nothing is said of it.
-        let finer = found.as_ref().and_then(|found| finer(found, tolerance));
+        let finer = found.as_ref().and_then(|found| finer(found, options));
         match finer {
             Some(finer) => between(Some(finer))?,
             None => found,
@@ -165,16 +165,20 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     Ok(equal)
 }
 
-/// The tolerance of finer meshes, which tell a distance to a percent or two, where the bounds are
-/// farther apart and no tolerance was asked for: no finer than a hundredth of the first one.
-fn finer(found: &Distance, tolerance: Option<f64>) -> Option<f64> {
+/// The tolerance of finer meshes, if none was asked for: where it is still open whether the solids
+/// are near enough, or else the distance is not told to a percent or two; no finer than a hundredth
+/// of what is open.
+fn finer(found: &Distance, options: &Options) -> Option<f64> {
     /// Of the distance.
-    const SHARE: f64 = 0.005;
+    const SHARE: f64 = 0.01;
     const FINEST: f64 = 0.01;
     let upper = found.upper?;
     let open = upper - found.lower;
-    (tolerance.is_none() && open > 4.0 * SHARE * upper)
-        .then(|| (SHARE * upper).max(0.5 * FINEST * open))
+    let is_open = match options.within {
+        Some(within) => found.lower <= within && within < upper,
+        None => open > 4.0 * SHARE * upper,
+    };
+    (options.tolerance.is_none() && is_open).then(|| (SHARE * upper).max(0.5 * FINEST * open))
 }
 
 /// A mesh of a solid's boundary, and how far they are apart, if that is known.
