@@ -3,6 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::random::Random;
 use csg::glam::DVec2;
 use csg::{
     BoundaryOptions, Error, Join, Mesher, NodeFault, Path, Profile, ProfileFault, Program, Solid,
@@ -265,5 +266,58 @@ fn turned_battlements_have_their_areas() {
             (volume.value - area).abs() <= volume.error.max(1e-12 * area),
             "{round}: {volume:?}, not {area}"
         );
+    }
+}
+
+/// Many lines are a polyhedron: alone, drawn together and with other shapes, which stay exact.
+#[test]
+fn fine_polygons_are_prisms() {
+    let mut random = Random(11);
+    for round in 0..6 {
+        let count = 60 + 10 * round;
+        let wave = 0.3 * random.unit();
+        let corner = |k: usize| {
+            let radius = 2.0 + wave * (0.5 + random.unit());
+            turn(k, count) * radius
+        };
+        let corners: Vec<DVec2> = (0..count).map(corner).collect();
+        let next = corners.iter().cycle().skip(1);
+        let area: f64 = corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum();
+        let area = 0.5 * area;
+        let outline = Profile::polygon(corners.iter().copied());
+        let hole = Profile::circle(0.5).translate([0.5, 0.0]);
+        let square = Profile::rectangle([1.0, 1.0]).rotate(random.unit());
+        let bored = &outline - &hole;
+        let framed = &outline - &square;
+        let bar = Profile::rectangle_between([0.0, -0.25], [5.0, 0.25]);
+        let handled = &outline | &bar;
+        let bar_within = (&outline & &bar).exact_area().expect("lines");
+        for (what, profile, area) in [
+            ("outline", &outline, area),
+            ("bored", &bored, area - 0.25 * PI),
+            ("framed", &framed, area - 1.0),
+            ("handled", &handled, area + 2.5 - bar_within),
+        ] {
+            let what = format!("{what} {round}");
+            for (solid, volume) in [
+                (Solid::extrude(profile, 1.0..3.0), 2.0 * area),
+                (
+                    Solid::extrude_scaled(profile, 0.0..3.0, [0.5, 0.5]),
+                    1.75 * area,
+                ),
+                (Solid::extrude_to_point(profile, 0.0..3.0, [0.0, 0.0]), area),
+            ] {
+                let boundary = Program::lower(&solid)
+                    .and_then(|program| program.boundary(&BoundaryOptions::new()))
+                    .unwrap_or_else(|e| panic!("{what}: {e}"));
+                let found = boundary.measure().volume;
+                let off = (found.value - volume).abs();
+                assert!(
+                    off <= found.error + 1e-12 * volume && found.error < 1e-9 * volume,
+                    "{what}: {found:?}, not {volume}"
+                );
+            }
+            assert_volume(&what, &Solid::extrude(profile, 1.0..3.0), 2.0 * area);
+        }
     }
 }

@@ -7,10 +7,11 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set};
+use super::polyhedron::FEW_FACES;
+use super::profile::{Leaf, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
-use super::twist::{extent, uneven};
-use crate::error::NodeFault;
+use super::twist::{extent, prism, uneven};
+use crate::error::{NodeFault, ProfileFault};
 use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
 /// Solids from profiles, in the xy plane.
@@ -52,7 +53,8 @@ impl Solid {
     }
 
     /// The profile moved along z, from `z.start` to `z.end`. Lines become
-    /// planes, circles and arcs cylinders.
+    /// planes, circles and arcs cylinders. Of more than 48 lines and nothing else it is a
+    /// polyhedron ([`Solid::polyhedron`]), whose cost is that of the faces near a cut.
     #[must_use]
     pub fn extrude(profile: &Profile, z: Range<f64>) -> Self {
         Self::made("extrude", extruded(profile, &z, DVec2::ONE))
@@ -89,7 +91,7 @@ fn extruded(
     z: &Range<f64>,
     scale: DVec2,
 ) -> Result<(Solid, [DVec3; 2]), NodeFault> {
-    let height = extent(z)?;
+    extent(z)?;
     for scale in scale.to_array() {
         if !(scale >= 0.0 && scale.is_finite()) {
             return Err(NodeFault::NotPositive {
@@ -103,7 +105,6 @@ fn extruded(
         return uneven(profile, z, scale);
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let set = plane_set(profile, Sagitta::of_length(tolerance), &|_| even)?;
     let Some((min, max)) = profile.bounds(tolerance)? else {
         return Ok((Solid::empty(), [DVec3::ZERO; 2]));
     };
@@ -111,10 +112,80 @@ fn extruded(
         (min.min(scale * min) - tolerance).extend(z.start),
         (max.max(scale * max) + tolerance).extend(z.end),
     ];
-    let solid = between(&set, z, |leaf| match *leaf {
-        Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
-        Leaf::Disc(map) => {
-            if even && scale.x != 1.0 {
+    let column = Column {
+        z,
+        scale,
+        sagitta: Sagitta::of_length(tolerance),
+        tolerance,
+    };
+    let solid = match column.prism(profile)? {
+        Some(prism) => prism,
+        None => between(z, column.of(profile)?),
+    };
+    Ok((solid, within))
+}
+
+/// What profiles become that are moved along z and scaled on the way, also beyond both ends.
+struct Column<'a> {
+    z: &'a Range<f64>,
+    scale: DVec2,
+    sagitta: Sagitta,
+    /// For chords, a length.
+    tolerance: f64,
+}
+
+impl Column<'_> {
+    /// A polyhedron between both ends, if the profile is of many lines and nothing else.
+    fn prism(&self, profile: &Profile) -> Result<Option<Solid>, ProfileFault> {
+        if !(self.is_even() && profile.is_straight()) {
+            return Ok(None);
+        }
+        let contours = profile.contours(self.tolerance)?;
+        let is_fine = contours.iter().map(Vec::len).sum::<usize>() > FEW_FACES;
+        Ok(is_fine
+            .then(|| prism(&contours, self.z, self.scale))
+            .flatten())
+    }
+
+    fn is_even(&self) -> bool {
+        self.scale.x == self.scale.y
+    }
+
+    /// Shapes of many lines as prisms, if there are such and they are not scaled, and else one
+    /// formula of half-spaces: cones and planes that are scaled have one apex in common, and corners
+    /// tell planes to rounding only.
+    fn of(&self, profile: &Profile) -> Result<Solid, ProfileFault> {
+        if self.scale != DVec2::ONE {
+            return self.of_half_spaces(profile);
+        }
+        let mut has_prisms = false;
+        let by_shapes = profile.by_shapes(|shape| {
+            let prism = self.prism(shape)?;
+            has_prisms |= prism.is_some();
+            Ok(match prism {
+                Some(prism) => prism,
+                None => self.of_half_spaces(shape)?,
+            })
+        })?;
+        if has_prisms {
+            Ok(by_shapes)
+        } else {
+            self.of_half_spaces(profile)
+        }
+    }
+
+    fn of_half_spaces(&self, profile: &Profile) -> Result<Solid, ProfileFault> {
+        let is_even = self.is_even();
+        let set = plane_set(profile, self.sagitta, &|_| is_even)?;
+        Ok(set.solid(|leaf| self.of_leaf(leaf)))
+    }
+
+    fn of_leaf(&self, leaf: &Leaf) -> Solid {
+        let Self { z, scale, .. } = *self;
+        let height = z.end - z.start;
+        match *leaf {
+            Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
+            Leaf::Disc(map) if self.is_even() && scale.x != 1.0 => {
                 let apex = z.start + height / (1.0 - scale.x);
                 cone(
                     map.matrix2.x_axis,
@@ -123,7 +194,8 @@ fn extruded(
                     z.start,
                     apex,
                 )
-            } else {
+            }
+            Leaf::Disc(map) => {
                 let map = DAffine3 {
                     matrix3: DMat3::from_cols(
                         map.matrix2.x_axis.extend(0.0),
@@ -135,18 +207,13 @@ fn extruded(
                 Solid::infinite_cylinder(1.0).affine(map)
             }
         }
-    });
-    Ok((solid, within))
+    }
 }
 
-/// What the leaves' solids make of a formula, between two heights.
-pub(super) fn between(
-    set: &PlaneSet,
-    z: &Range<f64>,
-    solid_of: impl FnMut(&Leaf) -> Solid,
-) -> Solid {
+/// What is of a solid between two heights.
+fn between(z: &Range<f64>, solid: Solid) -> Solid {
     Solid::intersection([
-        set.solid(solid_of),
+        solid,
         Solid::half_space_through(z.start * DVec3::Z, -DVec3::Z),
         Solid::half_space_through(z.end * DVec3::Z, DVec3::Z),
     ])

@@ -206,6 +206,18 @@ pub(super) fn uneven(
     in_steps(&even.contours, z, even.twist)
 }
 
+/// What polygons enclose, moved along z and scaled evenly, as a polyhedron; none if they meet
+/// so that it is none.
+pub(super) fn prism(contours: &[Vec<DVec2>], z: &Range<f64>, scale: DVec2) -> Option<Solid> {
+    let at = |(z, scale)| Level {
+        turn: DVec2::X,
+        scale,
+        z,
+    };
+    let levels = [(z.start, DVec2::ONE), (z.end, scale)].map(at);
+    polyhedron(contours, &levels, true)
+}
+
 /// By how much a step turns at most, in radians: sides of steps that turn further would pass near
 /// the axis.
 const MOST_TURN: f64 = 0.5;

@@ -34,6 +34,7 @@ use crate::elementary;
 use glam::{DAffine2, DMat2, DVec2};
 use serde::{Deserialize, Serialize};
 
+use super::tree::Solid;
 use crate::error::ProfileFault;
 
 pub use self::offset::Join;
@@ -283,6 +284,28 @@ impl Profile {
         let across = -2.0 * unit;
         let matrix = DMat2::IDENTITY + DMat2::from_cols(across * unit.x, across * unit.y);
         self.affine(DAffine2::from_mat2(matrix))
+    }
+
+    /// What solids that stand for its shapes, each a profile of its own, make together.
+    pub(super) fn by_shapes(
+        &self,
+        mut solid_of: impl FnMut(&Self) -> Result<Solid, ProfileFault>,
+    ) -> Result<Solid, ProfileFault> {
+        let solid = self.fold(
+            |shape, map| solid_of(&Self::shape(shape.clone(), *map)),
+            |combination, solids| {
+                Ok(match combination {
+                    Combination::Union => Solid::union(solids),
+                    Combination::Intersection => Solid::intersection(solids),
+                    Combination::Difference => {
+                        let mut solids = solids.into_iter();
+                        let first = solids.next().unwrap_or_else(Solid::empty);
+                        first - Solid::union(solids)
+                    }
+                })
+            },
+        )?;
+        Ok(solid.unwrap_or_else(Solid::empty))
     }
 
     /// Goes through the steps: the value of each leaf, then what becomes of
