@@ -230,7 +230,7 @@ fn corpus_is_read_back() {
     /// A larger one takes some seconds to be read.
     const FEW: usize = 40;
     /// The projection of three letters that are cut with each other: with circles it takes minutes to
-    /// be read, and with facets the reader refuses it.
+    /// be read.
     const TOO_MUCH_WORK: &str = "GEB.csg";
     let Some(folder) = std::env::var_os("STEREOTOMY_CORPUS") else {
         return;

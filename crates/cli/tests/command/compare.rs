@@ -58,6 +58,45 @@ fn differences_are_within_their_bounds() {
     );
 }
 
+/// Plates that differ by a bore's radius, and what is moved: the distance is known, and told to a
+/// tenth of it.
+#[test]
+fn distances_are_told_as_they_are() {
+    let folder = Folder::new();
+    let bored = |radius: f64| {
+        format!(
+            "difference() {{ cylinder(h = 4, r1 = 20, r2 = 20, center = true); \
+             cylinder(h = 9, r1 = {radius}, r2 = {radius}, center = true); }}"
+        )
+    };
+    let moved = |what: &str, by: f64| {
+        format!(
+            "multmatrix([[1, 0, 0, {by}], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {{ {what} }}"
+        )
+    };
+    let (ball, cube) = ("sphere(r = 3);", "cube(size = [3, 2, 1], center = true);");
+    for (one, other, distance) in [
+        (bored(8.0), bored(8.01), 0.01),
+        (bored(8.0), bored(8.5), 0.5),
+        (ball.into(), moved(ball, 0.02), 0.02),
+        (cube.into(), moved(cube, 0.1), 0.1),
+    ] {
+        fs::write(folder.file("one.csg"), &one).expect("a file");
+        fs::write(folder.file("other.csg"), &other).expect("a file");
+        let json = compared(&folder, "one.csg other.csg", 1);
+        let [lower, upper] =
+            ["lower", "upper"].map(|end| json["distance"][end].as_f64().expect("a number"));
+        assert!(
+            lower <= distance && distance <= upper && upper - lower <= 0.1 * distance,
+            "{distance}: {json}"
+        );
+    }
+    // A plate and its own mesh, whose long triangles lie across those of another one.
+    fs::write(folder.file("one.csg"), bored(8.0)).expect("a file");
+    succeeded(&folder.run("mesh one.csg -o one.stl --tolerance 0.01 -q"));
+    compared(&folder, "one.csg one.stl --within 0.015", 0);
+}
+
 #[test]
 fn equal_solids_are_equal_however_they_are_written() {
     let folder = Folder::new();
