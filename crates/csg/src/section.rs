@@ -84,7 +84,7 @@ impl Solid {
     /// the plane if it is so but for rounding, some 1e-14 of the largest coordinate.
     ///
     /// They are what surfaces leave in the plane, extended across it; of a solid with large polyhedra
-    /// the two halves, where faces are in the plane to [`NEAR`] of the size. No solid where the
+    /// the two halves, where faces are in the plane to 1e-9 of the size. No solid where the
     /// plane does not meet it.
     ///
     /// # Errors
@@ -206,7 +206,7 @@ fn chords(
 }
 
 impl Face<'_> {
-    /// Whether it lies in the plane z = 0: to [`NEAR`] of the farthest coordinate, as planes that
+    /// Whether it lies in the plane z = 0: to 1e-9 of the farthest coordinate, as planes that
     /// are so near are one to a boundary.
     #[must_use]
     pub fn is_in_plane(&self) -> bool {
