@@ -166,19 +166,17 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
 }
 
 /// The tolerance of finer meshes, if none was asked for: where it is still open whether the solids
-/// are near enough, or else the distance is not told to a percent or two; no finer than a hundredth
-/// of what is open.
+/// are near enough, or else the distance is not told to a few percent.
 fn finer(found: &Distance, options: &Options) -> Option<f64> {
     /// Of the distance.
     const SHARE: f64 = 0.01;
-    const FINEST: f64 = 0.01;
     let upper = found.upper?;
     let open = upper - found.lower;
     let is_open = match options.within {
         Some(within) => found.lower <= within && within < upper,
         None => open > 4.0 * SHARE * upper,
     };
-    (options.tolerance.is_none() && is_open).then(|| (SHARE * upper).max(0.5 * FINEST * open))
+    (options.tolerance.is_none() && is_open).then_some(SHARE * upper)
 }
 
 /// A mesh of a solid's boundary, and how far they are apart, if that is known.

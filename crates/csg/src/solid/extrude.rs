@@ -115,7 +115,6 @@ fn extruded(
     let column = Column {
         z,
         scale,
-        sagitta: Sagitta::of_length(tolerance),
         tolerance,
     };
     let solid = match column.prism(profile)? {
@@ -129,7 +128,6 @@ fn extruded(
 struct Column<'a> {
     z: &'a Range<f64>,
     scale: DVec2,
-    sagitta: Sagitta,
     /// For chords, a length.
     tolerance: f64,
 }
@@ -176,7 +174,7 @@ impl Column<'_> {
 
     fn of_half_spaces(&self, profile: &Profile) -> Result<Solid, ProfileFault> {
         let is_even = self.is_even();
-        let set = plane_set(profile, self.sagitta, &|_| is_even)?;
+        let set = plane_set(profile, Sagitta::of_length(self.tolerance), &|_| is_even)?;
         Ok(set.solid(|leaf| self.of_leaf(leaf)))
     }
 
