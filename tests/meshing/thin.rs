@@ -474,3 +474,27 @@ fn channels_as_high_as_their_slab_part_it() {
         }
     }
 }
+
+/// Terraces no wider than the tolerance: their edges run side by side, and are cut into few more
+/// chords than each of them would be alone.
+#[test]
+fn narrow_terraces_take_few_chords() {
+    let (width, radius, tolerance, count) = (0.01, 11.0, 0.01, 40);
+    let steps = (1..=count).map(|k| {
+        let height = width * f64::from(k);
+        Solid::cylinder(radius - height, 0.0..height)
+    });
+    let solid = Solid::union(steps);
+    for solid in [solid.clone(), turned(&solid)] {
+        let program = Program::lower(&solid).expect("valid");
+        let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+        let Meshed { mesh, report, .. } = meshed.expect("bounded");
+        assert_eq!(report.fallbacks, []);
+        assert!(report.is_proven());
+        // A strip of two triangles for each chord on each of both faces of a step.
+        let chords = (PI / (1.0 - tolerance / radius).acos()).ceil();
+        let alone = 4.0 * chords * f64::from(count);
+        let triangles = mesh.triangles.len() as f64;
+        assert!(triangles < 2.5 * alone, "{triangles}, not {alone}");
+    }
+}

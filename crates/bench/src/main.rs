@@ -14,6 +14,7 @@ mod files;
 mod imports;
 #[path = "../../../tests/judge/mod.rs"]
 mod judge;
+mod many;
 mod measure;
 mod memory;
 mod peers;
@@ -55,6 +56,8 @@ enum Question {
     Memory(memory::Options),
     /// How long from a file to a picture, by a process just started?
     Cold(cold::Options),
+    /// How long do scenes of many primitives take?
+    Many(many::Options),
     /// How long does it take to read large meshes as solids, and to cut them?
     Imports(imports::Options),
 }
@@ -70,6 +73,7 @@ fn main() {
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
         Question::Cold(options) => cold::run(&options),
+        Question::Many(options) => many::run(&options),
         Question::Imports(options) => imports::run(&options),
     }
 }

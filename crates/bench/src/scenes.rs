@@ -192,7 +192,7 @@ fn flange() -> Field {
 }
 
 /// All spheres of a solid whose spheres are only moved.
-fn balls_of(solid: &Solid) -> Vec<Field> {
+pub fn balls_of(solid: &Solid) -> Vec<Field> {
     let mut balls = Vec::new();
     let mut pending = vec![(solid.clone(), DVec3::ZERO)];
     while let Some((solid, offset)) = pending.pop() {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::arrangement;
+use crate::arrangement::{self, Chords};
 use crate::error::Error;
 use crate::numeric::tolerance::ON_FACE;
 use crate::program::{Bounds, Program, Settled, Surface};
@@ -52,10 +52,10 @@ impl Settling {
     /// Those of meshes to a tolerance, each with the series of chords that curves are cut into
     /// at first. Where that is by shorter ones the boundary is the same as before. What an author
     /// rounded coarser than the tolerance allows for is moved by more of it then.
-    pub fn with_chords() -> impl Iterator<Item = (Self, &'static [f64])> {
+    pub fn with_chords() -> impl Iterator<Item = (Self, &'static Chords)> {
         let (nearest, farther) = Self::ALL.split_at(2);
-        let long = |&way: &Self| -> (Self, &'static [f64]) { (way, &arrangement::LONG_CHORDS) };
-        let shorter: [&[f64]; 2] = [&arrangement::SHORT_CHORDS, &arrangement::SHORTEST_CHORDS];
+        let long = |&way: &Self| -> (Self, &'static Chords) { (way, &Chords::LONG) };
+        let shorter = [&Chords::SHORT, &Chords::SHORTEST];
         let again = nearest
             .iter()
             .flat_map(move |&way| shorter.map(|chords| (way, chords)));

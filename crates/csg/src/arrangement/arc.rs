@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::block::Block;
+use super::chords::Chord;
 use super::contacts::Contact;
 use super::curve::{Curve, Meets};
 use super::ids::Position;
@@ -237,19 +238,39 @@ impl Arc<'_> {
         }
     }
 
+    /// Whether a chord may go on past a side of the block: it would from one to the other of the
+    /// nearest sides of larger blocks, `span` apart, whether there are such or not. So curves side
+    /// by side are cut by the same planes, as they were before, and keep their order.
+    pub fn goes_on(&self, at: f64, span: f64, stray: f64) -> bool {
+        /// Of the angle between its halves. Tunes counts only.
+        const LEAST_COSINE: f64 = 0.95;
+        /// In which places grow where the curve's speed is found.
+        const STEP: f64 = 1e-6;
+        if stray == 0.0 || self.curve.is_line() {
+            return false;
+        }
+        let speed = self.curve.at(at - STEP).distance(self.curve.at(at + STEP)) / (2.0 * STEP);
+        let step = 0.5 * span / speed;
+        let [before, here, after] = [at - step, at, at + step].map(|at| self.curve.at(at));
+        let (back, on) = (here - before, after - here);
+        let chord = after - before;
+        let sag = back.cross(chord).length() / chord.length();
+        sag <= stray && back.dot(on) >= LEAST_COSINE * back.length() * on.length()
+    }
+
     /// Adds the chords of a stretch.
     pub fn emit(
         &self,
         wedges: &Wedges,
-        [from, to]: [Place; 2],
-        turn: f64,
+        [(from, goes_back), (to, goes_on)]: [(Place, bool); 2],
+        chord: Chord,
         pieces: &mut Vec<Piece>,
     ) {
         if wedges.is_empty() {
             return;
         }
         let size = 0.5 * (self.block.high - self.block.low).max_element();
-        let chords = self.curve.chords(from.0, to.0, turn, size);
+        let chords = self.curve.chords(from.0, to.0, chord.turn, size);
         let mut before = from;
         for k in 1..=chords {
             let here = if k == chords {
@@ -259,7 +280,8 @@ impl Arc<'_> {
                 let t = from.0 + share * (to.0 - from.0);
                 (t, self.point(self.curve.at(t), None))
             };
-            emit(wedges, self.id, [before, here], pieces);
+            let goes_on = [k == 1 && goes_back, k == chords && goes_on];
+            emit(wedges, self.id, [before, here], goes_on, pieces);
             before = here;
         }
     }

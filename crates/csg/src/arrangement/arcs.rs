@@ -12,6 +12,7 @@ use smallvec::SmallVec;
 
 use super::arc::{Arc, Ends};
 use super::block::Block;
+use super::chords::Chord;
 use super::contacts::Contact;
 use super::curve::{Branch, Meets};
 use super::edges::along;
@@ -30,6 +31,15 @@ use crate::numeric::tolerance::{SAME_ANGLE, SAME_DIRECTION};
 use crate::program::{Surface, SurfaceId};
 use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
+
+/// What a plane is that is no surface of the solid.
+#[derive(Clone, Copy, Debug)]
+enum Cutting {
+    /// A side of the block, with its span.
+    Side(f64),
+    /// A seam or the divider of a surface.
+    Seam(SurfaceId),
+}
 
 #[derive(Clone, Copy, Debug)]
 struct Event {
@@ -64,8 +74,8 @@ pub(super) struct ArcTracer {
     lines: Tracer,
     sectors: Sectors,
     events: Vec<Event>,
-    /// The planes of these that are no surfaces of the solid, and of which one they are seams.
-    planes: Vec<(Surface, Option<SurfaceId>)>,
+    /// The planes of these that are no surfaces of the solid.
+    planes: Vec<(Surface, Cutting)>,
     /// The points of the curve at all events.
     places: Vec<DVec3>,
     roots: Roots,
@@ -91,14 +101,13 @@ fn at_apex(scene: &Scene<'_>, block: &Block, cone: &Surface) -> Option<Contact> 
 }
 
 impl ArcTracer {
-    /// Appends all pieces of edges in a block, chords that turn by no more than
-    /// about `turn`, and contacts. Undecided where curves are not known in closed
-    /// form, or so near to other surfaces that it cannot be told what meets along them.
+    /// Appends all pieces of edges in a block, curves as chords, and contacts. Undecided where curves
+    /// are not known in closed form, or so near to other surfaces that it cannot be told what meets along them.
     pub fn trace(
         &mut self,
         scene: &Scene<'_>,
         block: &Block,
-        turn: f64,
+        chord: Chord,
         traced: &mut Traced,
     ) -> Result<(), Stop> {
         let mut ids = block.cell.ids();
@@ -142,7 +151,7 @@ impl ArcTracer {
                             nodes: &[],
                             edge: Some(edge),
                         };
-                        self.trace_arc(&arc, turn, traced)?;
+                        self.trace_arc(&arc, chord, traced)?;
                     }
                     continue;
                 }
@@ -174,7 +183,7 @@ impl ArcTracer {
                         nodes,
                         edge: None,
                     };
-                    self.trace_arc(&arc, turn, traced)?;
+                    self.trace_arc(&arc, chord, traced)?;
                 }
             }
         }
@@ -182,7 +191,7 @@ impl ArcTracer {
         Ok(())
     }
 
-    fn trace_arc(&mut self, arc: &Arc<'_>, turn: f64, traced: &mut Traced) -> Result<(), Stop> {
+    fn trace_arc(&mut self, arc: &Arc<'_>, chord: Chord, traced: &mut Traced) -> Result<(), Stop> {
         let Arc { scene, curve, .. } = *arc;
         let Some([start, end]) = arc.range() else {
             return Ok(());
@@ -200,7 +209,7 @@ impl ArcTracer {
         let begin = || arc.point(curve.at(start), None);
         self.signs.clone_from(&self.sectors.inside);
         let mut open = Wedges::new();
-        let mut from = (start, DVec3::NAN);
+        let mut from = ((start, DVec3::NAN), false);
         for stretch in 0..=self.events.len() {
             let before = stretch.checked_sub(1).map(|k| self.events[k]);
             if let Some(crossed) = before.and_then(|event| event.crossed()) {
@@ -219,7 +228,7 @@ impl ArcTracer {
             let Some(event) = before else {
                 open = wedges;
                 if !open.is_empty() {
-                    from.1 = begin();
+                    from.0.1 = begin();
                 }
                 continue;
             };
@@ -229,12 +238,13 @@ impl ArcTracer {
             let same = self.at_same_place(scene.weld, stretch - 1);
             if wedges != open || event.touches() || same.len() > 1 {
                 let here = (event.at, self.point(arc, stretch - 1));
-                arc.emit(&open, [from, here], turn, &mut traced.pieces);
+                let goes_on = same.len() == 1 && self.goes_on(arc, &event, chord.stray);
+                arc.emit(&open, [from, (here, goes_on)], chord, &mut traced.pieces);
                 let others = self.surfaces_of(same);
                 if event.touched.is_some() || others.len() > 1 {
                     traced.contacts.push(arc.contact(&others, here.1));
                 }
-                (open, from) = (wedges, here);
+                (open, from) = (wedges, (here, goes_on));
             }
         }
         if !open.is_empty() {
@@ -243,7 +253,12 @@ impl ArcTracer {
             } else {
                 arc.point(curve.at(end), None)
             };
-            arc.emit(&open, [from, (end, last)], turn, &mut traced.pieces);
+            arc.emit(
+                &open,
+                [from, ((end, last), false)],
+                chord,
+                &mut traced.pieces,
+            );
         }
         Ok(())
     }
@@ -298,18 +313,18 @@ impl ArcTracer {
             return Ok(false);
         }
         let bounds = curve.bounds(range);
-        for side in block.sides() {
+        for (side, span) in block.sides() {
             let axis = side.linear.max_position();
             let at = side.anchor[axis];
             if bounds.min[axis] <= at + scene.near && bounds.max[axis] >= at - scene.near {
-                self.cut(arc, (&side, None), range);
+                self.cut(arc, (&side, Cutting::Side(span)), range);
             }
         }
         for k in 0..self.through.len() {
             let owner = block.id(self.through[k]);
             let frame = scene.frame(owner);
             for plane in frame.into_iter().flat_map(Frame::planes) {
-                self.cut(arc, (plane, Some(owner)), range);
+                self.cut(arc, (plane, Cutting::Seam(owner)), range);
             }
         }
         self.add_nodes(arc, range);
@@ -549,18 +564,13 @@ impl ArcTracer {
     }
 
     /// Adds where a curve crosses a plane that is no surface of the solid.
-    fn cut(
-        &mut self,
-        arc: &Arc<'_>,
-        (plane, owner): (&Surface, Option<SurfaceId>),
-        range: [f64; 2],
-    ) {
+    fn cut(&mut self, arc: &Arc<'_>, (plane, cutting): (&Surface, Cutting), range: [f64; 2]) {
         self.roots.clear();
         let tolerances = arc.scene.tolerances();
         let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
         if meets == Meets::Points && !self.roots.simple.is_empty() {
             let ends = Ends::Plane(self.planes.len());
-            self.planes.push((*plane, owner));
+            self.planes.push((*plane, cutting));
             let places = self.roots.simple.iter();
             self.events.extend(places.map(|&at| Event {
                 at,
@@ -612,6 +622,17 @@ impl ArcTracer {
         true
     }
 
+    /// Whether nothing but a side of the block is at an event, past which a chord may go on.
+    fn goes_on(&self, arc: &Arc<'_>, event: &Event, stray: f64) -> bool {
+        match event.ends {
+            Ends::Plane(index) => match self.planes[index].1 {
+                Cutting::Side(span) => arc.goes_on(event.at, span, stray),
+                Cutting::Seam(_) => false,
+            },
+            _ => false,
+        }
+    }
+
     /// Where an event is.
     fn point(&self, arc: &Arc<'_>, event: usize) -> DVec3 {
         self.point_of(arc, &self.events[event], self.places[event])
@@ -625,8 +646,8 @@ impl ArcTracer {
         match event.ends {
             Ends::Surface(position) => arc.crossing(place, arc.block.id(position)),
             Ends::Plane(index) => match self.planes[index] {
-                (plane, Some(owner)) => arc.cut(place, &plane, owner),
-                (plane, None) => arc.point(place, Some(&plane)),
+                (plane, Cutting::Seam(owner)) => arc.cut(place, &plane, owner),
+                (plane, Cutting::Side(_)) => arc.point(place, Some(&plane)),
             },
             Ends::Touch => arc.point(place, None),
             Ends::Node => arc.node(place),

@@ -40,6 +40,8 @@ pub(super) struct HalfEdge {
     pub curve: CurveId,
     /// Where on that it starts and ends, but for rounding; along lines it may go on.
     pub places: [f64; 2],
+    /// Whether it starts where it may as well go on backwards.
+    pub goes_back: bool,
 }
 
 /// Whether it is the look of one surface that changes between two faces.
@@ -78,7 +80,8 @@ impl Boundary {
             let halves = [0, 1].map(|k| HalfEdgeId(all.half_edges.len() as u32 + k));
             let [start, end] = piece.places;
             let ways = [(from, [start, end]), (to, [end, start])];
-            for (k, (side, (from, places))) in piece.sides.iter().zip(ways).enumerate() {
+            let ways = piece.sides.iter().zip(ways).zip(piece.goes_on);
+            for (k, ((side, (from, places)), goes_back)) in ways.enumerate() {
                 let face = *face_of.entry(*side).or_insert_with(|| {
                     all.faces.push(*side);
                     FaceId(all.faces.len() as u32 - 1)
@@ -92,6 +95,7 @@ impl Boundary {
                     is_removed: false,
                     curve: piece.curve,
                     places,
+                    goes_back,
                 });
             }
         }
@@ -279,9 +283,9 @@ impl Boundary {
             let opposite = self.at(around).previous;
             if self.at(opposite).twin == half_edge
                 && leaving[from.index()] == 2
-                && self.goes_straight(scene, half_edge)
+                && (self.goes_on(half_edge) || self.goes_straight(scene, half_edge))
             {
-                // Two edges and two faces meet here, in one line.
+                // Two edges and two faces meet here, in one line or curve.
                 self.lengthen(previous, half_edge);
                 self.lengthen(opposite, around);
                 self.join(previous, next);
@@ -301,8 +305,20 @@ impl Boundary {
         let HalfEdge { curve, places, .. } = *self.at(next);
         let joined = self.at_mut(half_edge);
         if joined.curve == curve {
-            joined.places[1] = places[1];
+            // (There may be a turn between the two.)
+            joined.places[1] += places[1] - places[0];
         }
+    }
+
+    /// Whether an edge may be one with that before it along the same curve.
+    fn goes_on(&self, half_edge: HalfEdgeId) -> bool {
+        let HalfEdge { previous, twin, .. } = *self.at(half_edge);
+        let [before, around] = [previous, self.at(twin).next].map(|half| self.at(half));
+        let here = self.at(half_edge);
+        here.goes_back
+            && around.goes_back
+            && before.curve == here.curve
+            && before.from != self.at(twin).from
     }
 
     /// Whether a face of two corners is one between two curves, wider than rounding.
@@ -413,6 +429,7 @@ impl Boundary {
             self.half_edges.push(HalfEdge {
                 from: middle,
                 places: [place, whole.places[1]],
+                goes_back: false,
                 ..whole
             });
             self.at_mut(half).places[1] = place;

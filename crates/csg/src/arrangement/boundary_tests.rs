@@ -50,6 +50,7 @@ fn piece([from, to]: [DVec3; 2], sides: [Side; 2]) -> Piece {
         sides,
         curve: CurveId::first_of(sides.map(|side| side.plane)),
         places: [0.0; 2],
+        goes_on: [false; 2],
     }
 }
 

@@ -108,7 +108,7 @@ impl Cutter<'_> {
                     vain: 0,
                     is_told: true,
                 };
-                self.descend(Block { low, high, cell }, way)?;
+                self.descend(Block::new([low, high], cell), way)?;
             }
         }
         Ok((self.blocks, self.counts))
@@ -167,7 +167,7 @@ impl Cutter<'_> {
                 vain: 0,
                 is_told: false,
             };
-            return self.descend(Block { low, high, cell }, way);
+            return self.descend(Block::new([low, high], cell), way);
         };
         let (axis, at) = coordinate(&surfaces[*cut as usize]);
         let at = at + beyond;
@@ -232,25 +232,16 @@ impl Cutter<'_> {
             self.blocks.push(block);
             return self.control.spend(0, bytes as u64);
         }
-        let middle = 0.5 * (block.low + block.high);
         for octant in 0..8 {
-            let (mut low, mut high) = (block.low, block.high);
-            for axis in 0..3 {
-                if octant >> axis & 1 == 0 {
-                    high[axis] = middle[axis];
-                } else {
-                    low[axis] = middle[axis];
-                }
-            }
-            let mut cell = Cell::default();
-            self.prune(&block.cell, low, high, &mut cell);
-            let is_vain = 8 * cell.surfaces.len() > 7 * planes;
-            let part = Way {
+            let mut part = block.octant(octant);
+            self.prune(&block.cell, part.low, part.high, &mut part.cell);
+            let is_vain = 8 * part.cell.surfaces.len() > 7 * planes;
+            let way = Way {
                 cuts: cuts + 1,
                 vain: if is_vain { vain + 1 } else { 0 },
                 is_told: is_told && cuts < CUTS_TOLD,
             };
-            self.descend(Block { low, high, cell }, part)?;
+            self.descend(part, way)?;
         }
         Ok(())
     }

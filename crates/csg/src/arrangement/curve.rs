@@ -280,6 +280,10 @@ impl Curve {
     }
 
     /// Whether it closes on itself.
+    pub fn is_line(&self) -> bool {
+        matches!(self, Self::Line { .. })
+    }
+
     pub fn is_closed(&self) -> bool {
         match self {
             Self::Ellipse { .. } => true,

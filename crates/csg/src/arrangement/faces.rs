@@ -44,7 +44,7 @@ impl Faces {
                 self.blocks.push(Block::default());
             }
             let part = &mut self.blocks[index];
-            (part.low, part.high) = (block.low, block.high);
+            (part.low, part.high, part.spans) = (block.low, block.high, block.spans);
             let center = 0.5 * (low + high);
             let pruner = &mut self.pruner;
             let whole = &block.cell;

@@ -281,7 +281,7 @@ impl Tracer {
                 {
                     let ids = [pair[0], pair[1], crossing].map(|position| block.id(position));
                     let here = (t, scene.common_point(ids));
-                    emit(&open, curve, [from, here], pieces);
+                    emit(&open, curve, [from, here], [false; 2], pieces);
                     (open, from) = (wedges, here);
                 }
             }
@@ -290,7 +290,7 @@ impl Tracer {
             return false;
         }
         let last = (line.end, line.at(line.end));
-        emit(&open, curve, [from, last], pieces);
+        emit(&open, curve, [from, last], [false; 2], pieces);
         true
     }
 

@@ -42,6 +42,7 @@ mod boundary;
 #[cfg(test)]
 mod boundary_tests;
 mod cells;
+mod chords;
 mod common;
 mod conic;
 mod contacts;
@@ -83,6 +84,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 pub(crate) use self::boundary::Borders;
+pub(crate) use self::chords::Chords;
 pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
 pub(crate) use self::frame::Frame;
@@ -97,6 +99,7 @@ use self::assemble::assemble;
 use self::block::Block;
 use self::boundary::Boundary;
 use self::cells::cut;
+use self::chords::Chord;
 use self::contacts::Contact;
 use self::lines::Tracer;
 use self::relations::Relations;
@@ -109,16 +112,6 @@ use crate::program::{Origin, Program, Surface, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
 use crate::undecided::{Stop, Undecided};
-
-/// By how much chords turn at most, in radians; less where faces cannot be cut
-/// into triangles so.
-pub(crate) const LONG_CHORDS: [f64; 3] = [0.53, 0.2, 0.06];
-
-/// The same where faces are so narrow that long chords are in each other's way.
-pub(crate) const SHORT_CHORDS: [f64; 2] = [0.1, 0.03];
-
-/// And where these are, too.
-pub(crate) const SHORTEST_CHORDS: [f64; 2] = [0.03, 0.01];
 
 /// Surfaces that are nowhere farther apart than this share of the scene bound walls or
 /// gaps that the stages of the evaluation are not asked to tell from none: a curve on the
@@ -168,8 +161,7 @@ pub(crate) fn rounding(center: DVec3, size: f64) -> f64 {
 /// with as few triangles as its faces' corners and holes permit; else one whose
 /// vertices are on their surfaces, of the right topology, to be refined.
 ///
-/// Chords of curves turn by no more than about the first of `turns` that will
-/// do.
+/// Curves are cut into chords for a mesh to a tolerance.
 ///
 /// The inner error says what could not be told, and where: surfaces may meet at so
 /// small angles, or so nearly in one point, that rounding leaves contours open, or
@@ -177,17 +169,16 @@ pub(crate) fn rounding(center: DVec3, size: f64) -> f64 {
 /// surfaces are curved one for every three of them in a block.
 pub(crate) fn mesh(
     task: &Task<'_>,
-    turns: &[f64],
+    (chords, tolerance): (&Chords, f64),
     report: &mut Report,
 ) -> Result<Result<Evaluated, Undecided>, Error> {
     in_blocks(task, report, |scene, blocks, report| {
-        let is_polyhedral = is_polyhedral(task.program);
-        let evaluated = with_chords(scene, is_polyhedral, turns, |turn| {
+        let evaluated = chords.first_of(scene, tolerance, |chord| {
             let Linked {
                 mut boundary,
                 contacts,
                 ..
-            } = linked(scene, blocks, turn, report)?;
+            } = linked(scene, blocks, chord, report)?;
             let start = Instant::now();
             boundary.split_double_edges(scene)?;
             let mesh = assemble(scene, task, &mut boundary, &contacts)?;
@@ -196,7 +187,7 @@ pub(crate) fn mesh(
             let borders = boundary.borders();
             Ok(Evaluated { mesh, borders })
         })?;
-        if is_polyhedral {
+        if is_polyhedral(task.program) {
             let (deviation, farthest) = deviation(scene, &evaluated.mesh);
             report.deviation = Some(deviation);
             report.farthest = Some(farthest + task.origin);
@@ -213,10 +204,8 @@ pub(crate) fn arrangement(
     report: &mut Report,
 ) -> Result<Result<Arrangement, Undecided>, Error> {
     in_blocks(task, report, |scene, blocks, report| {
-        let is_polyhedral = is_polyhedral(task.program);
-        let Linked { boundary, .. } = with_chords(scene, is_polyhedral, &LONG_CHORDS, |turn| {
-            linked(scene, blocks, turn, report)
-        })?;
+        let Linked { boundary, .. } =
+            Chords::LONG.first_of(scene, 0.0, |chord| linked(scene, blocks, chord, report))?;
         Ok(Arrangement::new(scene, &boundary))
     })
 }
@@ -274,51 +263,30 @@ fn in_blocks<T>(
     }
 }
 
-/// What comes of the first chords that will do; of planes alone there are none.
-fn with_chords<T>(
-    scene: &Scene<'_>,
-    is_polyhedral: bool,
-    turns: &[f64],
-    mut evaluate: impl FnMut(Option<f64>) -> Result<T, Stop>,
-) -> Result<T, Stop> {
-    if is_polyhedral {
-        return evaluate(None);
-    }
-    let mut undecided = Stop::Halted;
-    for &turn in turns {
-        scene.go_on()?;
-        match evaluate(Some(turn)) {
-            Err(stop @ Stop::Undecided(_)) => undecided = stop,
-            result => return result,
-        }
-    }
-    Err(undecided)
-}
-
 /// The contours of all faces, and where other faces touch them.
 struct Linked {
     boundary: Boundary,
     contacts: Vec<Contact>,
 }
 
-/// Finds the pieces of edges in blocks, curves as chords that turn by no more than
-/// `turn`, if there are any, and links them to contours.
+/// Finds the pieces of edges in blocks, curves, if there are any, as chords, and links them to
+/// contours.
 fn linked(
     scene: &Scene<'_>,
     blocks: &[Block],
-    turn: Option<f64>,
+    chord: Option<Chord>,
     report: &mut Report,
 ) -> Result<Linked, Stop> {
     let start = Instant::now();
-    let traced = match turn {
+    let traced = match chord {
         None => trace(scene, blocks, Tracer::default, |tracer, block, traced| {
             tracer.trace(scene, block, &mut traced.pieces)
         }),
-        Some(turn) => trace(
+        Some(chord) => trace(
             scene,
             blocks,
             ArcTracer::default,
-            |tracer, block, traced| tracer.trace(scene, block, turn, traced),
+            |tracer, block, traced| tracer.trace(scene, block, chord, traced),
         ),
     };
     let Traced {

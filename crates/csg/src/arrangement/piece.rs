@@ -87,4 +87,6 @@ pub(super) struct Piece {
     pub curve: CurveId,
     /// Where on the curve it begins and ends, but for rounding.
     pub places: [f64; 2],
+    /// Whether nothing but a block's side ends it there, and it may as well go on.
+    pub goes_on: [bool; 2],
 }

@@ -42,6 +42,7 @@ pub(super) fn emit(
     wedges: &Wedges,
     curve: CurveId,
     [from, to]: [Place; 2],
+    goes_on: [bool; 2],
     pieces: &mut Vec<Piece>,
 ) {
     pieces.extend(wedges.iter().map(|&sides| Piece {
@@ -50,6 +51,7 @@ pub(super) fn emit(
         sides,
         curve,
         places: [from.0, to.0],
+        goes_on,
     }));
 }
 

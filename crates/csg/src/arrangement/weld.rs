@@ -186,6 +186,7 @@ mod tests {
                     sides: [side(index), side(2)],
                     curve: CurveId::first_of([index, 2].map(SurfaceId)),
                     places: [0.0; 2],
+                    goes_on: [false; 2],
                 };
                 [piece(0.0, first), piece(first, 0.5)]
             };

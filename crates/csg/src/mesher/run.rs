@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::options::{Mesher, Method};
 use crate::adapt;
-use crate::arrangement::{self, Borders, Evaluated};
+use crate::arrangement::{self, Borders, Chords, Evaluated};
 use crate::control::Control;
 use crate::draft;
 use crate::error::Error;
@@ -240,7 +240,7 @@ impl<'a> Run<'a> {
                 continue;
             };
             let task = Task::new(settled.program(self.program), loose, 0.0, &control);
-            let mut mesh = match arrangement::mesh(&task, &[], &mut attempt)? {
+            let mut mesh = match arrangement::mesh(&task, (&Chords::LONG, 0.0), &mut attempt)? {
                 Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => continue,
                 Ok(Evaluated { mesh, .. }) => mesh,
                 Err(undecided) => {
@@ -423,7 +423,7 @@ impl<'a> Run<'a> {
         let mut best: Option<(Mesh, Report)> = None;
         // Shorter chords tell no more.
         let mut untold: Vec<Settling> = Vec::new();
-        for (settling, turns) in Settling::with_chords() {
+        for (settling, chords) in Settling::with_chords() {
             if untold.contains(&settling) {
                 continue;
             }
@@ -444,7 +444,8 @@ impl<'a> Run<'a> {
             // Together with the moves it is what was asked for.
             let goal = goal.less(settled.distance());
             attempt.method = "boundary";
-            let made = arrangement::mesh(&task, turns, &mut attempt).and_then(|evaluated| {
+            let chords = (chords, goal.tolerance);
+            let made = arrangement::mesh(&task, chords, &mut attempt).and_then(|evaluated| {
                 let Evaluated { mut mesh, borders } = match evaluated {
                     Ok(evaluated) if settling.has_lost(evaluated.mesh.triangles.is_empty()) => {
                         return Ok(None);

@@ -378,13 +378,19 @@ impl<'a> Line<'a> {
         self.fill([at, to], halvings + 1, points);
     }
 
-    /// Whether a foot is needed: not so on a straight line, and mostly not next to a vertex.
+    /// Whether a foot is needed: not so on a straight line, where a chord that stays keeps off by half
+    /// of the gap, and mostly not next to a vertex.
     fn is_needed(&self, foot: &Foot) -> bool {
         if self.sag <= SAME * self.precision {
             return false;
         }
         let chord = (foot.place as usize).min(self.points.len() - 2);
         let ends = [self.points[chord], self.points[chord + 1]];
+        let [p, q] = ends.map(|end| end.at);
+        let off = (foot.at - p).reject_from_normalized((q - p).normalize_or_zero());
+        if ends.iter().all(|end| end.is_fixed) && off.length() <= 0.5 * foot.gap {
+            return false;
+        }
         let mut fixed = ends.iter().filter(|point| point.is_fixed);
         fixed.all(|point| {
             let is_far = point.at.distance(foot.at) > BESIDE_FIXED * self.chord(foot.place);
