@@ -12,6 +12,8 @@
 //! whole ellipsoid of revolution is put together again here, and cut at one meridian; so are
 //! paraboloids and hyperboloids of two sheets, of revolution, around a pole, if no edge is nearer to
 //! their axis than 1 mm.
+//!
+//! Where a shell touches itself its vertices at one place are one in the file.
 
 mod cap;
 mod curves;

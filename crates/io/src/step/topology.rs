@@ -12,10 +12,12 @@ use crate::Error;
 /// What was written of a boundary so far.
 #[derive(Debug, Default)]
 pub(super) struct Topology {
-    /// By the number of the vertex, edge or face.
-    vertices: FxHashMap<usize, Id>,
+    /// By the number of the edge or face.
     edges: FxHashMap<usize, Id>,
     pub faces: FxHashMap<usize, Id>,
+    /// Of the shell that is being written those at each place: where it touches itself there are
+    /// several in one.
+    vertices: FxHashMap<[u64; 3], Id>,
     /// A millimetre in the model's unit.
     millimetre: f64,
 }
@@ -45,6 +47,7 @@ impl Topology {
                 written.push(id);
                 continue;
             }
+            self.vertices.clear();
             for cap in cap::caps(shell, self.millimetre) {
                 let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
                 let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
@@ -144,8 +147,11 @@ impl Topology {
     }
 
     fn vertex(&mut self, to: &mut Entities, vertex: &Vertex<'_>) -> Id {
-        *self.vertices.entry(vertex.id().index()).or_insert_with(|| {
-            let point = to.point(vertex.point());
+        let at = vertex.point();
+        // (Zeros differ in their signs.)
+        let place = at.to_array().map(|x| (x + 0.0).to_bits());
+        *self.vertices.entry(place).or_insert_with(|| {
+            let point = to.point(at);
             to.add(format_args!("VERTEX_POINT('',{point})"))
         })
     }
