@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::surfaces::Written;
 use super::text::{Entities, Flag, Id, List, Quoted};
-use super::{cap, curves, spheroid, surfaces};
+use super::{cap, curves, spheroid, surfaces, zone};
 use crate::Error;
 
 /// What was written of a boundary so far.
@@ -52,6 +52,13 @@ impl Topology {
                 let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
                 let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
                 let all = cap.faces.iter().map(|face| (face.id().index(), id));
+                self.faces.extend(all);
+                faces.push(id);
+            }
+            for zone in zone::zones(shell, self.millimetre) {
+                let surface = surfaces::write_zone(to, &zone.faces[0], zone.axis);
+                let id = self.face(to, &zone.faces[0], surface, &zone.loops, tolerance)?;
+                let all = zone.faces.iter().map(|face| (face.id().index(), id));
                 self.faces.extend(all);
                 faces.push(id);
             }
