@@ -137,3 +137,46 @@ fn number_vertices(all: &mut Arrangement) {
     }
     all.points = points;
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{BoundaryOptions, Program, Solid};
+
+    /// Shells, their handles, bodies and edges of a solid, with slits and without, whose volume does
+    /// not depend on them.
+    fn counts(solid: &Solid) -> [[usize; 4]; 2] {
+        let program = Program::lower(solid).expect("valid");
+        let [slit, whole] = [
+            BoundaryOptions::new(),
+            BoundaryOptions::new().cut_at_seams(),
+        ]
+        .map(|options| program.boundary(&options).expect("a boundary"));
+        let [one, other] = [&slit, &whole].map(|brep| brep.measure().volume);
+        let off = (one.value - other.value).abs();
+        assert!(off <= one.error + other.error, "{one:?} {other:?}");
+        let inner: f64 = whole.shells().map(|shell| shell.volume().value).sum();
+        assert!((inner - other.value).abs() <= 1e-12 * other.value);
+        [slit, whole].map(|brep| {
+            let handles = brep.shells().map(|shell| shell.genus()).sum();
+            let (shells, bodies) = (brep.shells().len(), brep.bodies().len());
+            [shells, handles, bodies, brep.faces().len()]
+        })
+    }
+
+    #[test]
+    fn faces_go_on_where_others_touch_them() {
+        // The flat end of a hole touches the bore: it is parted there, or whole.
+        let pipe = Solid::cylinder(3.0, -9.0..9.0) - Solid::cylinder(2.0, -10.0..10.0);
+        let hole = Solid::cylinder(1.0, 2.0..6.0).rotate_x(-0.5 * std::f64::consts::PI);
+        assert_eq!(counts(&(pipe - hole)), [[1, 2, 1, 7], [1, 1, 1, 6]]);
+        // A void that touches the top along a line, with corners off it, is a shell of its own.
+        let block = Solid::cuboid([4.0, 4.0, 2.0]);
+        let rod = Solid::cuboid([2.0, 1.0, 1.0]).rotate_x(0.25 * std::f64::consts::PI);
+        let rod = rod.translate([0.0, 0.0, 1.0 - 0.5f64.sqrt()]);
+        assert_eq!(counts(&(&block - rod)), [[1, 0, 1, 12], [2, 0, 1, 12]]);
+        // One with all corners on faces is not.
+        let prism = Solid::cuboid([0.6, 0.8, 1.0]);
+        let round = Solid::cylinder(0.5, -2.0..2.0);
+        assert_eq!(counts(&(round - prism)), [[1, 3, 1, 9], [1, 3, 1, 9]]);
+    }
+}
