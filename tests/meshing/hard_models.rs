@@ -112,7 +112,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 66] = [
+const MODELS: [&str; 68] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -120,6 +120,7 @@ const MODELS: [&str; 66] = [
     "ball-inscribed-in-a-cylinder",
     "ball-on-plate",
     "ball-through-edges",
+    "blind-hole-touches-a-bore",
     "block-of-cubes",
     "bubble-below-face",
     "capsule",
@@ -135,6 +136,7 @@ const MODELS: [&str; 66] = [
     "contact-on-a-ruling",
     "contact-parted-by-rounding",
     "corners-on-a-cone",
+    "counterbore-cuts-a-bore",
     "crossing-pipes",
     "cubes-sharing-a-corner",
     "cubes-sharing-an-edge",

@@ -13,7 +13,8 @@ pub mod exit_codes {
     pub const USAGE: u8 = 2;
     /// The input cannot be read, or is not what its name says.
     pub const INPUT: u8 = 3;
-    /// The model is faulty: a bad argument of a node, or no bounds.
+    /// The model is faulty: a bad argument of a node, no bounds, or nothing that could be written or
+    /// drawn. (What is empty is measured and compared all the same.)
     pub const MODEL: u8 = 4;
     /// The output cannot be written.
     pub const OUTPUT: u8 = 5;
@@ -31,7 +32,7 @@ Exit codes:
   1  what was compared differs
   2  the command line does not make sense, or an option is out of range
   3  the input cannot be read, or is not what its name says
-  4  the model is faulty: a bad argument of a node, or no bounds
+  4  the model is faulty: a bad argument of a node, no bounds, or nothing to write or draw
   5  the output cannot be written
   6  the model is too large for this program, or for the limits given
 130  stopped by Ctrl-C";
@@ -80,8 +81,26 @@ impl Failure {
     }
 
     pub(crate) fn output(name: &str, cause: impl Into<Box<dyn Error>>) -> Self {
-        Self::new(exit_codes::OUTPUT, format!("cannot write {name}"), cause)
+        let cause = cause.into();
+        let code = if is_of_nothing(&*cause) {
+            exit_codes::MODEL
+        } else {
+            exit_codes::OUTPUT
+        };
+        Self::new(code, format!("cannot write {name}"), cause)
     }
+}
+
+/// Whether an error says that there is nothing to write.
+fn is_of_nothing(error: &(dyn Error + 'static)) -> bool {
+    let mut error = error.downcast_ref::<io::Error>();
+    while let Some(io::Error::InFile { source, .. }) = error {
+        error = Some(source);
+    }
+    matches!(
+        error,
+        Some(io::Error::EmptyMesh | io::Error::EmptySolid | io::Error::EmptyDrawing)
+    )
 }
 
 impl From<csg::Error> for Failure {

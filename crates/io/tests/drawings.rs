@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::python;
 use csg::glam::{DVec2, DVec3};
-use csg::{LengthUnit, Solid};
+use csg::{BoundaryOptions, LengthUnit, Solid};
 use io::drawing::{
     Drawing, DrawingFormat, DrawingOptions, Outline, Piece, Section, SectionFrame, Shape, View,
     write_drawing, write_drawing_to,
@@ -177,6 +177,37 @@ fn sections_have_the_area_of_their_outlines_and_true_shapes() {
 }
 
 /// The box of an outline is that of its points.
+/// Two rods a hair apart are one where surfaces may be moved, which measures count, and polygons where
+/// they may not. The area is that of two discs, to the third power of the distance.
+#[test]
+fn sections_that_nearly_touch_are_within_their_errors() {
+    let frame = SectionFrame::facing([0.0, 0.0, 0.3], [0.0, 0.0, 1.0]).expect("a plane");
+    let rod = Solid::cylinder(1.0, -1.0..1.0);
+    for distance in [1e-9, 1e-10, 1e-11] {
+        let both = &rod | rod.translate([distance, 0.0, 0.0]);
+        let moved = Section::of(&both, &frame, &BoundaryOptions::new()).expect("a section");
+        let as_is = BoundaryOptions::new().most_moved(0.0);
+        let polygons = Section::of(&both, &frame, &as_is).expect("a section");
+        for section in [&moved, &polygons] {
+            let (area, length) = (section.area, section.length);
+            let off = (area.value - PI - 2.0 * distance).abs();
+            assert!(off <= area.error, "{distance}: {off} {area:?}");
+            let off = (length.value - 2.0 * PI - 2.0 * distance).abs();
+            assert!(off <= length.error, "{distance}: {off} {length:?}");
+            assert_eq!((section.parts, section.outlines.len()), (1, 1));
+        }
+        // A circle is drawn, off by less than anyone would see.
+        assert_eq!(shapes(&moved), ["circle"], "{distance}");
+        assert!(moved.moved.is_none() && moved.strays.is_none(), "{moved:?}");
+        assert!(moved.area.error < 7.0 * distance, "{:?}", moved.area);
+        let strays = polygons.strays.expect("polygons");
+        assert!(polygons.area.error < 7.0 * strays, "{:?}", polygons.area);
+        let farthest = polygons.outlines[0].pieces.iter();
+        let farthest = farthest.map(|piece| (piece.from.length() - 1.0).abs());
+        assert!(farthest.fold(0.0, f64::max) <= strays + distance);
+    }
+}
+
 #[test]
 fn boxes_hold_outlines() {
     for (name, section, ..) in cases() {

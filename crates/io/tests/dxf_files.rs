@@ -275,6 +275,8 @@ fn damaged_dxf_is_an_error_with_its_line() {
 #[test]
 fn whole_ellipses_that_cross_nothing_are_exact() {
     let ellipse = |x: f64, long: f64| format!("0 ELLIPSE 10 {x} 20 5 11 {long} 21 0 40 0.5 ");
+    let half = |from: f64, to: f64| ellipse(0.0, 4.0) + &format!("41 {from} 42 {to} ");
+    let halves = half(0.5, PI) + &half(PI, 2.0 * PI + 0.5);
     let area = |long: f64| 0.5 * PI * long * long;
     let square = "0 LWPOLYLINE 70 1 10 -20 20 -20 10 20 20 -20 10 20 20 20 10 -20 20 20 ";
     let small = "0 CIRCLE 10 0 20 5 40 0.25 ";
@@ -282,6 +284,7 @@ fn whole_ellipses_that_cross_nothing_are_exact() {
     let round = PI / 16.0;
     for (entities, wanted) in [
         (ellipse(0.0, 4.0), area(4.0)),
+        (halves, area(4.0)),
         (ellipse(0.0, 4.0) + &ellipse(10.0, 4.0), 2.0 * area(4.0)),
         (
             ellipse(0.0, 4.0) + &ellipse(0.0, 2.0),

@@ -142,6 +142,12 @@ fn transforms_nest_and_keep_circles() {
         r#"<ellipse cx="50" cy="50" rx="20" ry="10"/>"#,
         r#"<circle transform="translate(50 50) scale(20 10)" r="1"/>"#,
         r#"<circle transform="translate(50 50) skewX(30)" r="14.142135623730951"/>"#,
+        r#"<path d="M30 50a20 10 0 0 1 40 0a20 10 0 0 1-40 0z"/>"#,
+        r#"<path d="M30 50A20 10 0 1 0 70 50A20 10 0 1 0 30 50"/>"#,
+        r#"<path d="M50 40A20 10 0 0 1 70 50 20 10 0 0 1 50 60 20 10 0 0 1 30 50 20 10 0 0 1 50 40z"/>"#,
+        r#"<path transform="translate(50 50) scale(2 1)" d="M-10 0a10 10 0 1 0 20 0a10 10 0 1 0-20 0"/>"#,
+        r#"<rect x="30" y="40" width="40" height="20" rx="20" ry="10"/>"#,
+        r#"<rect transform="translate(30 40) scale(2 1)" width="20" height="20" rx="10"/>"#,
     ];
     for content in ellipses {
         let read = svg(content);
@@ -149,6 +155,40 @@ fn transforms_nest_and_keep_circles() {
         let found = volume(&read.profile);
         assert!((found - 200.0 * PI).abs() < 1e-9, "{content}: {found}");
     }
+    // So do those in each other, and in other contours; not those that cross.
+    let half = "a20 10 0 0 1 40 0a20 10 0 0 1-40 0z";
+    for (d, wanted) in [
+        (
+            format!("M30 50{half} M40 50a10 5 0 0 0 20 0a10 5 0 0 0-20 0z"),
+            150.0 * PI,
+        ),
+        (
+            format!("M10 20v60h80v-60z M30 50{half}"),
+            4800.0 - 200.0 * PI,
+        ),
+        (
+            format!("M0 50{half} M50 50{half} M48 20h4v2h-4z"),
+            400.0 * PI + 8.0,
+        ),
+    ] {
+        let read = svg(&format!(r#"<path fill-rule="evenodd" d="{d}"/>"#));
+        assert!(read.warnings.is_empty(), "{d}: {:?}", read.warnings);
+        let found = volume(&read.profile);
+        assert!((found - wanted).abs() < 1e-8, "{d}: {found}");
+    }
+    let crossing = format!("M30 50{half} M40 50{half}");
+    assert_warns(
+        &svg(&format!(r#"<path fill-rule="evenodd" d="{crossing}"/>"#)),
+        "chords within",
+    );
+    // What the file's own rule would fill is still told.
+    let same_way = format!("M30 50{half} M40 50a10 5 0 0 1 20 0a10 5 0 0 1-20 0z");
+    assert_warns(&svg(&format!(r#"<path d="{same_way}"/>"#)), "nonzero");
+    // An element with a hole leaves what was before it.
+    let read = svg(&format!(
+        r#"<rect width="100" height="100"/><path d="M10 20v60h80v-60z M30 50{half}" fill-rule="evenodd"/>"#
+    ));
+    assert!((volume(&read.profile) - 1e4).abs() < 1e-8);
     // Arcs do not, within the tolerance.
     for (content, wanted) in [
         (

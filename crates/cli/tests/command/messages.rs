@@ -35,8 +35,11 @@ fn failures_have_a_cause_a_hint_and_a_code() {
             5,
             "no/such/folder",
         ),
-        ("mesh nothing.csg -o out.glb", 5, "empty"),
+        ("mesh nothing.csg -o out.glb", 4, "empty"),
+        ("mesh nothing.csg -o out.step", 4, "empty"),
         ("render nothing.csg -o out.png", 4, "empty"),
+        ("section nothing.csg --plane z=0 -o out.svg", 4, "empty"),
+        ("drawing nothing.csg --view top -o out.svg", 4, "empty"),
     ] {
         let message = failed(&folder.run(command), code);
         assert!(message.contains(words), "{command}: {message}");

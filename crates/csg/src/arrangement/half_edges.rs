@@ -57,7 +57,7 @@ impl Arrangement {
         &self.faces[self.at(half_edge).face.index()]
     }
 
-    pub fn halves(&self) -> impl Iterator<Item = HalfEdgeId> + Clone {
+    pub fn halves(&self) -> impl Iterator<Item = HalfEdgeId> + Clone + use<> {
         HalfEdgeId::all(self.half_edges.len())
     }
 

@@ -10,6 +10,7 @@ use super::data::{
 use super::loops::{Links, Loops};
 use super::patches::{Curves, Region, regions};
 use super::seams::Seams;
+use super::slits;
 use crate::arrangement::{Arrangement, CurveId, HalfEdgeId};
 use crate::numeric::Groups;
 use crate::undecided::{Undecided, Why};
@@ -32,12 +33,23 @@ fn is_edge(all: &Arrangement, half: HalfEdgeId, seams: Option<&Seams>) -> bool {
 /// Adds the boundary of an arrangement to an empty one.
 pub(super) fn build(
     mut brep: Brep,
-    all: Arrangement,
+    mut all: Arrangement,
     cut_at_seams: bool,
 ) -> Result<Brep, Undecided> {
     let curves = curves(&all)?;
     let regions = regions(&all, &brep.surfaces, &curves)?;
     let seams = cut_at_seams.then(|| Seams::new(&all, &brep.surfaces));
+    if cut_at_seams {
+        let is_edge: Vec<bool> = all
+            .halves()
+            .map(|half| is_edge(&all, half, seams.as_ref()))
+            .collect();
+        let is_edge = |half: HalfEdgeId| is_edge[half.index()];
+        let face_of = faces_of(&all, &regions, is_edge);
+        let face_of = |half: HalfEdgeId| is_edge(half).then(|| face_of[half.index()]);
+        let region_of = regions_of(&all, &regions);
+        slits::close(&mut all, &curves, brep.size, &region_of, face_of);
+    }
     let is_edge = |half| is_edge(&all, half, seams.as_ref());
     let faces = Faces::new(&all, regions, is_edge)?;
     let links = Links::new(&all, is_edge);
@@ -118,6 +130,34 @@ fn curves(all: &Arrangement) -> Result<Curves, Undecided> {
     Ok(curves)
 }
 
+/// For each half-edge its region.
+fn regions_of(all: &Arrangement, regions: &[Region]) -> Vec<u32> {
+    let mut region_of = vec![NONE; all.half_edges.len()];
+    for (index, region) in (0u32..).zip(regions) {
+        for &half in region.contours.iter().flatten() {
+            region_of[half.index()] = index;
+        }
+    }
+    region_of
+}
+
+/// For each half-edge its face, named by one of its regions.
+fn faces_of(
+    all: &Arrangement,
+    regions: &[Region],
+    is_edge: impl Fn(HalfEdgeId) -> bool,
+) -> Vec<u32> {
+    let mut of_half = regions_of(all, regions);
+    let mut faces = Groups::new(regions.len());
+    for half in all.halves().filter(|&half| !is_edge(half)) {
+        faces.join([half, all.at(half).twin].map(|half| of_half[half.index()]));
+    }
+    for region in &mut of_half {
+        *region = faces.first(*region);
+    }
+    of_half
+}
+
 /// The parts of patches put together to faces, and these to shells.
 struct Faces {
     /// In the order of shells and faces.
@@ -136,12 +176,7 @@ impl Faces {
         regions: Vec<Region>,
         is_edge: impl Fn(HalfEdgeId) -> bool,
     ) -> Result<Self, Undecided> {
-        let mut region_of = vec![NONE; all.half_edges.len()];
-        for (index, region) in (0u32..).zip(&regions) {
-            for &half in region.contours.iter().flatten() {
-                region_of[half.index()] = index;
-            }
-        }
+        let region_of = regions_of(all, &regions);
         let mut faces = Groups::new(regions.len());
         let mut shells = Groups::new(regions.len());
         for half in all.halves() {

@@ -64,6 +64,10 @@ impl BoundaryOptions {
     /// then. Others are cut so that each is seen whole from one direction
     /// ([`crate::brep::Face::view`]): an ellipsoid has eight faces, and as many a
     /// sphere that others cut.
+    ///
+    /// Faces that others touch from within along a curve are not slit there but go on, and the others
+    /// meet in an edge: a void that touches its body in curves alone is a shell of its own, unless all
+    /// of its vertices are on the body.
     pub fn cut_at_seams(mut self) -> Self {
         self.cut_at_seams = true;
         self

@@ -35,6 +35,7 @@ mod measure;
 mod patches;
 mod quadrature;
 mod seams;
+mod slits;
 mod view;
 
 pub use self::bounded::Bounded;

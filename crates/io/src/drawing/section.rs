@@ -78,7 +78,9 @@ pub struct Section {
     /// How far outlines may stray from the section: they are polygons, as it could not be told how
     /// surfaces meet.
     pub strays: Option<f64>,
-    /// What was done to surfaces that nearly coincide or touch, if anything was.
+    /// What was done to surfaces that nearly coincide or touch, if it may change what is drawn: moves of
+    /// no more than 1e-9 of the section's size are not told, as faces are in the plane to no more
+    /// either. [`Self::area`] and [`Self::length`] count them.
     pub moved: Option<Moved>,
 }
 
@@ -127,9 +129,14 @@ impl Section {
             _ => false,
         };
         let section = sections.into_iter().find(Self::is_there);
+        let section = section.unwrap_or_default();
+        let size = section
+            .bounds()
+            .map_or(0.0, |[low, high]| (high - low).max_element());
         Ok(Self {
             is_at_face,
-            ..section.unwrap_or_default()
+            moved: section.moved.filter(|moved| moved.distance > SAME * size),
+            ..section
         })
     }
 
@@ -185,15 +192,18 @@ impl Section {
             let larger = one.value.abs().max(other.value.abs());
             (one.value - other.value).abs() <= one.error + other.error + SAME * larger
         };
-        let corners = |section: &Self| {
-            let bounds = section.outlines.iter().map(Outline::bounds);
-            bounds.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
-        };
-        let [one, other_corners] = [corners(self), corners(other)].map(Option::unwrap_or_default);
+        let [one, other_corners] =
+            [self, other].map(|section| section.bounds().unwrap_or_default());
         let size = (one[1] - one[0]).max_element();
         same(self.area, other.area)
             && same(self.length, other.length)
             && (0..2).all(|k| one[k].distance(other_corners[k]) <= SAME * size)
+    }
+
+    /// The corners of a box around all outlines.
+    fn bounds(&self) -> Option<[DVec2; 2]> {
+        let bounds = self.outlines.iter().map(Outline::bounds);
+        bounds.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
     }
 
     /// The faces of a solid in the plane z = 0.
@@ -202,6 +212,8 @@ impl Section {
             moved: part.moved(),
             ..Self::default()
         };
+        // Over the sine of the angle in which a surface meets the plane.
+        let mut flattest = 1.0f64;
         for face in part.faces().filter(Face::is_in_plane) {
             let is_seen_from_behind = face.normal(DVec3::ZERO).z < 0.0;
             section.parts += 1;
@@ -210,7 +222,10 @@ impl Section {
             section.area.error += area.error;
             for around in face.loops() {
                 let pieces = around.coedges().map(|coedge| {
-                    let length = coedge.edge().length();
+                    let edge = coedge.edge();
+                    let beside = coedge.twin().face().normal(edge.at(edge.range()[0]));
+                    flattest = flattest.max(beside.truncate().length_recip());
+                    let length = edge.length();
                     section.length.value += length.value;
                     section.length.error += length.error;
                     piece(&coedge)
@@ -223,11 +238,34 @@ impl Section {
                 section.outlines.push(Outline { pieces });
             }
         }
+        // Most surfaces run straight across the plane: an outline moves by as much as they do.
+        let moved = section.moved.map_or(0.0, |moved| moved.distance);
+        let off = moved * flattest;
+        section.area.error += off * section.length.value;
+        section.length.error += off * section.outlines.iter().map(stretch).sum::<f64>();
         section
     }
 }
 
-/// Measures of both halves' caps are one, of their size: rounding of another boundary.
+/// By how much an outline gets longer at most, of a small distance by which its pieces move: twice the
+/// tangent of half the angle at each corner, and along curves the angle by which they turn.
+fn stretch(outline: &Outline) -> f64 {
+    const CHORDS: u32 = 32;
+    let share = |k: u32| f64::from(k) / f64::from(CHORDS);
+    let chords = outline.pieces.iter().flat_map(|piece| {
+        let chord = move |k: u32| piece.at(share(k + 1)) - piece.at(share(k));
+        (0..CHORDS).map(chord)
+    });
+    let chords: Vec<DVec2> = chords.filter_map(DVec2::try_normalize).collect();
+    let next = chords.iter().cycle().skip(1);
+    let corners = chords.iter().zip(next);
+    corners
+        .map(|(one, next)| 2.0 * one.perp_dot(*next).abs() / (1.0 + one.dot(*next)))
+        .sum()
+}
+
+/// Measures of both halves' caps are one, of their size: rounding of another boundary. Planes are one
+/// to boundaries if they are as near.
 const SAME: f64 = 1e-9;
 
 /// How far polygons may stray from the section, of its size, where it cannot be told how surfaces

@@ -4,7 +4,7 @@ use csg::elementary;
 use std::f64::consts::{PI, TAU};
 
 use csg::Path;
-use glam::{DAffine2, DVec2, DVec3};
+use glam::{DAffine2, DMat2, DVec2, DVec3};
 
 use super::MOST_SIDES;
 use crate::scene::Fineness;
@@ -95,6 +95,65 @@ impl Outline {
             };
             self.start = center + out;
             self.sides = vec![(half.clone(), center - out), (half, center + out)];
+        }
+    }
+
+    /// Arcs that make a whole ellipse, but for how far their axes, centres and ends may be off, become
+    /// one, about the mean of their centres.
+    pub(super) fn join_ellipse(&mut self, slack: f64) {
+        let [
+            (
+                Side::Ellipse {
+                    center, axes, from, ..
+                },
+                _,
+            ),
+            _,
+            ..,
+        ] = self.sides[..]
+        else {
+            return;
+        };
+        let matrix = |[a, b]: [DVec2; 2]| DMat2::from_cols(a, b);
+        let back = matrix(axes).inverse();
+        let longest = longest_axis(axes);
+        let shortest = matrix(axes).determinant().abs() / longest;
+        let slack = slack + ROUND * (longest + center.length());
+        let (mut turn, mut centers) = (0.0, DVec2::ZERO);
+        for (side, _) in &self.sides {
+            let Side::Ellipse {
+                center: about,
+                axes,
+                sweep,
+                ..
+            } = *side
+            else {
+                return;
+            };
+            // One ellipse if the first one's circle is turned or mirrored between them.
+            let between = back * matrix(axes);
+            let off = (between.transpose() * between - DMat2::IDENTITY).to_cols_array();
+            let is_one = off
+                .into_iter()
+                .all(|off| off.abs() * shortest <= 2.0 * slack);
+            if !is_one || about.distance(center) > slack {
+                return;
+            }
+            turn += sweep * between.determinant().signum();
+            centers += about;
+        }
+        let is_whole = (turn.abs() - TAU).abs() * shortest <= slack;
+        if is_whole && self.end().distance(self.start) <= slack {
+            let center = centers / self.sides.len() as f64;
+            let sweep = TAU.copysign(turn);
+            self.start = on_ellipse(center, axes, from);
+            let whole = Side::Ellipse {
+                center,
+                axes,
+                from,
+                sweep,
+            };
+            self.sides = vec![(whole, self.start)];
         }
     }
 
@@ -246,6 +305,7 @@ fn on_ellipse(center: DVec2, [a, b]: [DVec2; 2], t: f64) -> DVec2 {
 pub(super) type Loop = Vec<(DVec2, f64)>;
 
 /// How curves are cut into chords.
+#[derive(Clone, Copy)]
 pub(super) struct Cutting {
     pub(super) tolerance: f64,
     /// As OpenSCAD does, and arcs too.

@@ -1,9 +1,10 @@
 //! Flat shapes from drawings: SVG and DXF files as a [`Profile`].
 //!
 //! Lines stay lines and arcs arcs: circles, round corners, `A` commands with equal radii, bulges,
-//! `ARC`s. Whole ellipses are such, too, in DXF where they cross nothing. Other curves (Bézier's, arcs of ellipses, splines, and
-//! arcs under maps that scale unevenly) become chords within [`ProfileOptions::tolerance`], which a
-//! warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that
+//! `ARC`s. Whole ellipses are such, too, where they cross no other contour of their element, or of the
+//! drawing in DXF: also circles under maps that scale unevenly, and arcs that close an ellipse. Other
+//! curves (Bézier's, arcs of an ellipse beside other sides, which a [`Profile`] does not hold, and splines)
+//! become chords within [`ProfileOptions::tolerance`], which a warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that
 //! a scene means the same:
 //!
 //! # SVG
@@ -49,6 +50,7 @@
 
 mod curves;
 mod dxf;
+mod ellipses;
 mod svg;
 mod warnings;
 
@@ -59,6 +61,7 @@ use csg::{FillRule, Profile};
 use glam::{DAffine2, DVec2};
 
 use self::curves::{Cutting, Loop, Outline, loop_bounds, loop_path};
+use self::ellipses::by_ellipses;
 use self::warnings::Warnings;
 use crate::contents::Contents;
 use crate::drawing::DrawingFormat;
@@ -442,35 +445,61 @@ impl Making<'_> {
     }
 
     fn contours(&mut self, outlines: &[Outline], rule: FillRule) -> Result<Profile, Error> {
-        /// Of an area, what is not told apart.
-        const SAME: f64 = 1e-6;
-        let mut loops: Vec<Loop> = Vec::with_capacity(outlines.len());
-        for outline in outlines {
-            let Some(made) = self.cutting.contour(outline) else {
-                let problem = format!("it has more than {MOST_SIDES} sides: raise the tolerance");
-                return Err(malformed(self.format, whole(), problem));
-            };
-            loops.extend(made);
+        // (OpenSCAD has other numbers for arcs of paths than for discs.)
+        if !self.cutting.of_svg || self.cutting.fineness.is_none() {
+            let steps = by_ellipses(outlines.to_vec(), 0);
+            if steps.len() > 1 {
+                let mut cutting = Cutting::within(self.cutting.tolerance);
+                let loops = self.loops(outlines, &mut cutting)?;
+                let profile = self.made(&steps)?;
+                self.check_rule(&loops, rule);
+                return Ok(profile);
+            }
         }
+        let mut cutting = self.cutting;
+        let loops = self.loops(outlines, &mut cutting)?;
+        self.cutting = cutting;
         let points = loops.iter().flat_map(loop_bounds);
         points.for_each(|point| self.bounds.add(point));
         if loops.is_empty() {
             return Ok(Profile::empty());
         }
-        let with = |rule| Profile::paths(loops.iter().map(loop_path), rule);
-        let profile = with(FillRule::EvenOdd);
-        if rule == FillRule::NonZero {
-            let tolerance = 1e-2 * self.side;
-            let areas = [profile.area(tolerance), with(rule).area(tolerance)];
-            if let [Ok(filled), Ok(told)] = areas
-                && (filled - told).abs() > SAME * told
-            {
-                let problem = "its contours overlap where the file's fill-rule, nonzero, fills them: \
-                               they are read by the even-odd rule, as OpenSCAD does";
-                self.warnings.add(whole, problem.to_owned());
-            }
+        self.check_rule(&loops, rule);
+        Ok(Profile::paths(
+            loops.iter().map(loop_path),
+            FillRule::EvenOdd,
+        ))
+    }
+
+    /// Outlines as lines and arcs, and chords for other curves.
+    fn loops(&self, outlines: &[Outline], cutting: &mut Cutting) -> Result<Vec<Loop>, Error> {
+        let mut loops: Vec<Loop> = Vec::with_capacity(outlines.len());
+        for outline in outlines {
+            let Some(made) = cutting.contour(outline) else {
+                let problem = format!("it has more than {MOST_SIDES} sides: raise the tolerance");
+                return Err(malformed(self.format, whole(), problem));
+            };
+            loops.extend(made);
         }
-        Ok(profile)
+        Ok(loops)
+    }
+
+    /// Warns where the file's rule fills more than the one by which all is read.
+    fn check_rule(&mut self, loops: &[Loop], rule: FillRule) {
+        /// Of an area, what is not told apart.
+        const SAME: f64 = 1e-6;
+        if rule == FillRule::EvenOdd {
+            return;
+        }
+        let tolerance = 1e-2 * self.side;
+        let area = |rule| Profile::paths(loops.iter().map(loop_path), rule).area(tolerance);
+        if let [Ok(filled), Ok(told)] = [area(FillRule::EvenOdd), area(rule)]
+            && (filled - told).abs() > SAME * told
+        {
+            let problem = "its contours overlap where the file's fill-rule, nonzero, fills them: \
+                           they are read by the even-odd rule, as OpenSCAD does";
+            self.warnings.add(whole, problem.to_owned());
+        }
     }
 }
 

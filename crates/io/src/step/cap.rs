@@ -64,12 +64,6 @@ fn caps_of<'a>(faces: &[Face<'a>], least: f64) -> Vec<Cap<'a>> {
 
 /// The cap around a pole.
 fn cap<'a>(faces: &[Face<'a>], (pole, axis): (DVec3, DVec3), least: f64) -> Option<Cap<'a>> {
-    let is_seam = |edge: &Edge<'_>| {
-        let [one, other] = edge.faces();
-        one.surface_index() == other.surface_index()
-            && one.is_along_gradient() == other.is_along_gradient()
-            && one.origin() == other.origin()
-    };
     let middle = |edge: &Edge<'_>| {
         let [from, to] = edge.range();
         edge.at(0.5 * (from + to)) - pole
@@ -89,20 +83,7 @@ fn cap<'a>(faces: &[Face<'a>], (pole, axis): (DVec3, DVec3), least: f64) -> Opti
     let [(first, _), _, _, _] = seams[..] else {
         return None;
     };
-    // All that is reached from there over seams.
-    let mut reached = vec![first.faces()[0]];
-    let mut is_reached: FxHashSet<usize> = [reached[0].id().index()].into_iter().collect();
-    let mut next = 0;
-    while let Some(face) = reached.get(next).copied() {
-        next += 1;
-        for edge in face.edges().filter(is_seam) {
-            for other in edge.faces() {
-                if is_reached.insert(other.id().index()) {
-                    reached.push(other);
-                }
-            }
-        }
-    }
+    let reached = over_seams(first.faces()[0]);
     let edges = || reached.iter().flat_map(Face::edges);
     let is_near = |edge: &Edge<'_>| {
         let [from, to] = edge.range();
@@ -136,8 +117,37 @@ fn cap<'a>(faces: &[Face<'a>], (pole, axis): (DVec3, DVec3), least: f64) -> Opti
 /// An edge ends at a pole that is nearer than this share of its length.
 const AT: f64 = 1e-9;
 
+/// Whether an edge lies within what is one face but for seams.
+pub(super) fn is_seam(edge: &Edge<'_>) -> bool {
+    let [one, other] = edge.faces();
+    one.surface_index() == other.surface_index()
+        && one.is_along_gradient() == other.is_along_gradient()
+        && one.origin() == other.origin()
+}
+
+/// All faces that are reached from one over seams, that first.
+pub(super) fn over_seams(face: Face<'_>) -> Vec<Face<'_>> {
+    let mut reached = vec![face];
+    let mut is_reached: FxHashSet<usize> = [face.id().index()].into_iter().collect();
+    let mut next = 0;
+    while let Some(face) = reached.get(next).copied() {
+        next += 1;
+        for edge in face.edges().filter(is_seam) {
+            for other in edge.faces() {
+                if is_reached.insert(other.id().index()) {
+                    reached.push(other);
+                }
+            }
+        }
+    }
+    reached
+}
+
 /// What is left of the loops around faces where they are cut at some of their edges only.
-fn loops<'a>(faces: &[Face<'a>], is_cut: impl Fn(&Edge<'_>) -> bool) -> Vec<Vec<Coedge<'a>>> {
+pub(super) fn loops<'a>(
+    faces: &[Face<'a>],
+    is_cut: impl Fn(&Edge<'_>) -> bool,
+) -> Vec<Vec<Coedge<'a>>> {
     let mut sides = Vec::new();
     let mut following: FxHashMap<CoedgeId, Coedge<'a>> = FxHashMap::default();
     for around in faces.iter().flat_map(Face::loops) {

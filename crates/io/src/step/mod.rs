@@ -11,7 +11,10 @@
 //! spheres at one meridian, others so that none closes on itself, and none has a pole inside. A
 //! whole ellipsoid of revolution is put together again here, and cut at one meridian; so are
 //! paraboloids and hyperboloids of two sheets, of revolution, around a pole, if no edge is nearer to
-//! their axis than 1 mm.
+//! their axis than 1 mm. Of a sphere what lies between circles around one axis, or beyond one, is a face
+//! without a seam.
+//!
+//! Where a shell touches itself its vertices at one place are one in the file.
 
 mod cap;
 mod curves;
@@ -20,6 +23,7 @@ mod spheroid;
 mod surfaces;
 mod text;
 mod topology;
+mod zone;
 
 use std::ffi::OsStr;
 use std::io::Write;

@@ -33,12 +33,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
         SurfaceShape::Sphere { center, radius } => {
             let meridian = face.meridian();
             let axes = meridian.unwrap_or_else(|| [view.any_orthonormal_vector(), -view]);
-            let placement = to.placement(center, axes);
-            let radius = Real(radius);
-            Written {
-                surface: to.share(format_args!("SPHERICAL_SURFACE('',{placement},{radius})")),
-                is_outward: is_away(face, |p| p - center),
-            }
+            sphere(to, face, (center, radius), axes)
         }
         SurfaceShape::Cylinder {
             point,
@@ -174,6 +169,30 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
         }
         _ => return None,
     })
+}
+
+/// Writes the sphere of faces around an axis.
+pub(super) fn write_zone(to: &mut Entities, face: &Face<'_>, axis: DVec3) -> Option<Written> {
+    let SurfaceShape::Sphere { center, radius } = face.surface().shape() else {
+        return None;
+    };
+    let axes = [axis, axis.any_orthonormal_vector()];
+    Some(sphere(to, face, (center, radius), axes))
+}
+
+/// A sphere by the directions of a pole and of the meridian where longitudes begin.
+fn sphere(
+    to: &mut Entities,
+    face: &Face<'_>,
+    (center, radius): (DVec3, f64),
+    axes: [DVec3; 2],
+) -> Written {
+    let placement = to.placement(center, axes);
+    let radius = Real(radius);
+    Written {
+        surface: to.share(format_args!("SPHERICAL_SURFACE('',{placement},{radius})")),
+        is_outward: is_away(face, |p| p - center),
+    }
 }
 
 /// Writes the surface of faces that have the pole of a paraboloid or a hyperboloid of two sheets, of

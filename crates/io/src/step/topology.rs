@@ -6,16 +6,18 @@ use rustc_hash::FxHashMap;
 
 use super::surfaces::Written;
 use super::text::{Entities, Flag, Id, List, Quoted};
-use super::{cap, curves, spheroid, surfaces};
+use super::{cap, curves, spheroid, surfaces, zone};
 use crate::Error;
 
 /// What was written of a boundary so far.
 #[derive(Debug, Default)]
 pub(super) struct Topology {
-    /// By the number of the vertex, edge or face.
-    vertices: FxHashMap<usize, Id>,
+    /// By the number of the edge or face.
     edges: FxHashMap<usize, Id>,
     pub faces: FxHashMap<usize, Id>,
+    /// Of the shell that is being written those at each place: where it touches itself there are
+    /// several in one.
+    vertices: FxHashMap<[u64; 3], Id>,
     /// A millimetre in the model's unit.
     millimetre: f64,
 }
@@ -45,10 +47,18 @@ impl Topology {
                 written.push(id);
                 continue;
             }
+            self.vertices.clear();
             for cap in cap::caps(shell, self.millimetre) {
                 let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
                 let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
                 let all = cap.faces.iter().map(|face| (face.id().index(), id));
+                self.faces.extend(all);
+                faces.push(id);
+            }
+            for zone in zone::zones(shell, self.millimetre) {
+                let surface = surfaces::write_zone(to, &zone.faces[0], zone.axis);
+                let id = self.face(to, &zone.faces[0], surface, &zone.loops, tolerance)?;
+                let all = zone.faces.iter().map(|face| (face.id().index(), id));
                 self.faces.extend(all);
                 faces.push(id);
             }
@@ -144,8 +154,11 @@ impl Topology {
     }
 
     fn vertex(&mut self, to: &mut Entities, vertex: &Vertex<'_>) -> Id {
-        *self.vertices.entry(vertex.id().index()).or_insert_with(|| {
-            let point = to.point(vertex.point());
+        let at = vertex.point();
+        // (Zeros differ in their signs.)
+        let place = at.to_array().map(|x| (x + 0.0).to_bits());
+        *self.vertices.entry(place).or_insert_with(|| {
+            let point = to.point(at);
             to.add(format_args!("VERTEX_POINT('',{point})"))
         })
     }

@@ -1,22 +1,21 @@
 //! Drawing exchange format, as text: group codes, entities, and contours of what meets.
 
 mod chains;
-mod ellipses;
 mod entities;
 mod spline;
 mod tags;
 
 use std::collections::HashMap;
 
+use csg::FillRule;
 use glam::{DAffine2, DVec2};
 
 use self::chains::contours;
-use self::ellipses::by_ellipses;
 use self::entities::{Content, Entity, Insert, Item};
 use self::tags::Tags;
 use super::curves::Outline;
 use super::warnings::Warnings;
-use super::{MOST_SIDES, ProfileOptions, Step, malformed};
+use super::{Figure, MOST_SIDES, ProfileOptions, Step, malformed};
 use crate::Error;
 use crate::drawing::DrawingFormat;
 
@@ -83,7 +82,8 @@ pub(super) fn steps(
     }
     let Expanded { closed, open, .. } = drawing;
     let outlines = contours(closed, open, warnings);
-    Ok(by_ellipses(outlines, 0))
+    let figure = Figure::Contours(outlines, FillRule::EvenOdd);
+    Ok(vec![Step::added(figure)])
 }
 
 /// The items of the entities' section, and the blocks by their names.

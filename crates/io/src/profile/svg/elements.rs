@@ -26,7 +26,9 @@ impl Reader<'_, '_> {
         match node.tag_name().name() {
             "path" => {
                 let data = node.attribute("d").unwrap_or("");
-                let paths = sub_paths(data, self.budget.min(MOST_SIDES));
+                // (OpenSCAD's chords are those of each arc.)
+                let joins = self.options.fineness.is_none();
+                let paths = sub_paths(data, self.budget.min(MOST_SIDES), joins);
                 let paths = paths.map_err(|problem| self.fault(node, &problem))?;
                 Ok(if paths.is_empty() {
                     Shape::Nothing
@@ -99,7 +101,10 @@ impl Reader<'_, '_> {
         let mut outline = Outline::from(low + radii * DVec2::X);
         for k in 0..4 {
             let (corner, come, go) = (corners[(k + 1) % 4], along[k], along[(k + 1) % 4]);
-            outline.push(Side::Line, corner - radii * come);
+            let from = corner - radii * come;
+            if outline.end() != from {
+                outline.push(Side::Line, from);
+            }
             let end = corner + radii * go;
             let side = if radii.x == radii.y {
                 Side::Arc { bulge: QUARTER }

@@ -37,8 +37,12 @@ impl SubPath {
     }
 }
 
-/// The sub-paths of some data, of so many sides at most.
-pub(super) fn sub_paths(data: &str, most: usize) -> Result<Vec<SubPath>, String> {
+/// The sub-paths of some data, of so many sides at most; arcs that close an ellipse are one if asked to.
+pub(super) fn sub_paths(
+    data: &str,
+    most: usize,
+    joins_ellipses: bool,
+) -> Result<Vec<SubPath>, String> {
     let mut paths: Vec<SubPath> = Vec::new();
     let mut outline: Option<Outline> = None;
     let mut at = DVec2::ZERO;
@@ -50,6 +54,9 @@ pub(super) fn sub_paths(data: &str, most: usize) -> Result<Vec<SubPath>, String>
     let mut finish = |outline: Option<Outline>, is_closed: bool| {
         if let Some(mut outline) = outline.filter(|outline| !outline.sides.is_empty()) {
             outline.join_circle(2.0 * unit);
+            if joins_ellipses {
+                outline.join_ellipse(2.0 * unit);
+            }
             paths.push(if is_closed {
                 SubPath::closed(outline)
             } else {

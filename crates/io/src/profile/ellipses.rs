@@ -7,8 +7,8 @@
 use csg::FillRule;
 use glam::{DAffine2, DMat2, DVec2};
 
-use super::super::curves::{Cutting, Outline, Side, is_circle};
-use super::super::{Figure, Step};
+use super::curves::{Cutting, Outline, Side, is_circle};
+use super::{Figure, Step};
 
 /// Of an ellipse's radii, how near others may come to it.
 const MARGIN: f64 = 1e-2;
@@ -22,6 +22,9 @@ const DEEPEST: usize = 16;
 /// What outlines enclose by the even-odd rule.
 pub(super) fn by_ellipses(mut outlines: Vec<Outline>, depth: usize) -> Vec<Step> {
     let mut ellipses = Vec::new();
+    outlines
+        .iter_mut()
+        .for_each(|outline| outline.join_ellipse(0.0));
     let count = outlines.iter().filter_map(ellipse).count();
     let sides: usize = outlines.iter().map(|outline| outline.sides.len()).sum();
     if depth < DEEPEST && count.saturating_mul(sides) <= MOST {
