@@ -107,6 +107,26 @@ proptest! {
         assert_same_as_loose(&turned(&pinched(strips(&rows, false), &pinches), turn));
     }
 
+    /// Boxes on a lattice that stand on, beside and in each other, some of them with corners moved
+    /// or made one with others': on what others stand triangles run through them, or not.
+    #[test]
+    fn boxes_that_stand_on_boxes(
+        boxes in prop::collection::vec((lattice_point(), prop::array::uniform3(1..3i32)), 2..6),
+        moves in prop::collection::vec((any::<prop::sample::Index>(), lattice_point()), 0..3),
+        pinches in prop::collection::vec(index_pair(), 0..3),
+    ) {
+        let mut mesh = Mesh::default();
+        for (low, size) in boxes {
+            let one = shapes::cuboid(low, low + DVec3::from_array(size.map(f64::from)));
+            mesh = shapes::joined(&mesh, &one);
+        }
+        for (vertex, by) in moves {
+            let vertex = vertex.index(mesh.positions.len());
+            mesh.positions[vertex] += by;
+        }
+        assert_same_as_loose(&pinched(mesh, &pinches));
+    }
+
     /// A ramp that winds about the axis several times: it may touch itself or run through
     /// itself where it does not rise enough.
     #[test]

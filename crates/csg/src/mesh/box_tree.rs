@@ -62,6 +62,19 @@ pub(crate) struct Boxed {
     /// What is in the box.
     pub index: u32,
     pub sheet: u32,
+    /// Across which axes it stands on planes, a bit each: what lies in such a plane, and has it on
+    /// one side, makes no pair with it.
+    pub stands: u8,
+}
+
+/// Whether boxes are told apart although they overlap: all of the one is in a plane across an axis, on
+/// which all of the other one stands.
+fn is_stood_on(plane: &Bounds, other: &Bounds, stands: u8) -> bool {
+    let stood_on = |axis: usize| {
+        let at = plane.low[axis];
+        at == plane.high[axis] && (other.low[axis] >= at || other.high[axis] <= at)
+    };
+    (0..3).any(|axis| stands >> axis & 1 == 1 && stood_on(axis))
 }
 
 /// Boxes in a leaf. Tunes speed only.
@@ -87,6 +100,8 @@ struct Node {
     bounds: Bounds,
     /// The only one below, or [`SEVERAL`].
     sheet: u32,
+    /// Across which axes all below stands.
+    stands: u8,
 }
 
 impl Node {
@@ -99,10 +114,12 @@ impl Node {
                 } else {
                     SEVERAL
                 },
+                stands: one.stands & other.stands,
             })
             .unwrap_or(Self {
                 bounds: Bounds::EMPTY,
                 sheet: SEVERAL,
+                stands: 0,
             })
     }
 }
@@ -117,6 +134,7 @@ impl BoxTree {
             nodes[leaves + leaf] = Node::join(boxes.iter().map(|entry| Node {
                 bounds: entry.bounds,
                 sheet: entry.sheet,
+                stands: entry.stands,
             }));
         }
         for node in (1..leaves).rev() {
@@ -126,11 +144,18 @@ impl BoxTree {
     }
 
     /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
-    /// the lower first; in ascending order.
+    /// the lower first; in ascending order. Of those of which one stands on a plane that the other
+    /// is in none.
     pub(super) fn pairs(&self, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
         let mut pairs = self.within(1, test);
         pairs.par_sort_unstable();
         pairs
+    }
+
+    /// Lets no box stand on planes.
+    pub(super) fn stand_on_nothing(&mut self) {
+        self.entries.iter_mut().for_each(|entry| entry.stands = 0);
+        self.nodes.iter_mut().for_each(|node| node.stands = 0);
     }
 
     /// Tells of all entries whose boxes overlap another one.
@@ -224,7 +249,11 @@ impl BoxTree {
     ) {
         let (one, other) = (&self.nodes[first], &self.nodes[second]);
         let is_one_sheet = one.sheet == other.sheet && one.sheet != SEVERAL;
-        if is_one_sheet || !one.bounds.overlaps(&other.bounds) {
+        if is_one_sheet
+            || !one.bounds.overlaps(&other.bounds)
+            || is_stood_on(&one.bounds, &other.bounds, other.stands)
+            || is_stood_on(&other.bounds, &one.bounds, one.stands)
+        {
             return;
         }
         if self.is_leaf(first) {
@@ -296,7 +325,11 @@ fn try_pair(
     test: &impl Fn(u32, u32) -> bool,
     pairs: &mut Vec<[u32; 2]>,
 ) {
-    if one.sheet != other.sheet && one.bounds.overlaps(&other.bounds) {
+    if one.sheet != other.sheet
+        && one.bounds.overlaps(&other.bounds)
+        && !is_stood_on(&one.bounds, &other.bounds, other.stands)
+        && !is_stood_on(&other.bounds, &one.bounds, one.stands)
+    {
         let pair = [one.index.min(other.index), one.index.max(other.index)];
         if test(pair[0], pair[1]) {
             pairs.push(pair);

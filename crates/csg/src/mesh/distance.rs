@@ -209,6 +209,7 @@ impl<'a> Target<'a> {
             bounds: bounds(index as usize),
             index,
             sheet: index,
+            stands: 0,
         });
         Self {
             mesh,

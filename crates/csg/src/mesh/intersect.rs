@@ -31,11 +31,21 @@ impl Mesh {
     #[must_use]
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
         // (As one task: else each step would wait for the pool's threads to wake up.)
-        rayon::scope(|_| {
-            let tree = BoxTree::new(in_sheets(self));
-            tree.pairs(&|first, second| run_through(self, [first, second]))
-        })
+        rayon::scope(|_| pairs_in(self).1)
     }
+}
+
+/// The triangles of a mesh, and the pairs that run through each other.
+pub(super) fn pairs_in(mesh: &Mesh) -> (BoxTree, Vec<[u32; 2]>) {
+    let test = |first, second| run_through(mesh, [first, second]);
+    let mut tree = BoxTree::new(in_sheets(mesh));
+    let mut pairs = tree.pairs(&test);
+    if !pairs.is_empty() {
+        // Where something runs through what others stand on these may, too.
+        tree.stand_on_nothing();
+        pairs = tree.pairs(&test);
+    }
+    (tree, pairs)
 }
 
 /// Whether two triangles of a mesh intersect in the sense of [`Mesh::self_intersections`]:

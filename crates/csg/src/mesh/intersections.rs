@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Mesh;
 use super::box_tree::{Bounds, BoxTree};
-use super::intersect::run_through;
-use super::sheets::{has_area, in_sheets};
+use super::intersect::{pairs_in, run_through};
+use super::sheets::has_area;
 
 /// The pairs of triangles of a mesh that run through each other, as
 /// [`Mesh::self_intersections`] tells, kept while the mesh changes: what did not change is not
@@ -25,8 +25,7 @@ pub(crate) struct Intersections {
 impl Intersections {
     /// Takes as long as [`Mesh::self_intersections`].
     pub(crate) fn of(mesh: Mesh) -> Self {
-        let tree = BoxTree::new(in_sheets(&mesh));
-        let pairs = tree.pairs(&|first, second| run_through(&mesh, [first, second]));
+        let (tree, pairs) = pairs_in(&mesh);
         Self {
             is_changed: vec![false; mesh.triangles.len()],
             tree: Arc::new(tree),

@@ -28,6 +28,8 @@ use crate::mesh::Mesh;
 #[derive(Default)]
 struct Part {
     triangles: Vec<u32>,
+    /// Of each in turn: see [`Boxed::stands`].
+    stands: Vec<u8>,
     sheets: Vec<Sheet>,
 }
 
@@ -53,26 +55,31 @@ pub(super) fn in_sheets(mesh: &Mesh) -> Vec<Boxed> {
             Grower::new(mesh, start..count.min(start + SIZE)).grow_all()
         })
         .collect();
-    let sheets: Vec<(&Sheet, &[u32])> = parts
+    let sheets: Vec<(&Sheet, _)> = parts
         .iter()
         .flat_map(|part| {
-            let triangles = |sheet: &Sheet| &part.triangles[sheet.range.clone()];
-            part.sheets
-                .iter()
-                .map(move |sheet| (sheet, triangles(sheet)))
+            part.sheets.iter().map(move |sheet| {
+                let range = sheet.range.clone();
+                let stands = part.stands[range.clone()].iter().copied();
+                (sheet, part.triangles[range].iter().copied().zip(stands))
+            })
         })
         .collect();
     let order = along_curve(sheets.iter().map(|(sheet, _)| sheet.bounds));
     let mut triangles = Vec::with_capacity(count);
     for (number, &sheet) in (0..).zip(&order) {
-        let (_, indices) = sheets[sheet as usize];
-        triangles.extend(indices.iter().map(|&index| (index, number)));
+        let (_, of_sheet) = &sheets[sheet as usize];
+        let of_sheet = of_sheet.clone();
+        triangles.extend(of_sheet.map(|(index, stands)| (index, stands, number)));
     }
-    let boxed = triangles.into_par_iter().map(|(index, sheet)| Boxed {
-        bounds: Bounds::around(&mesh.corners(index as usize)),
-        index,
-        sheet,
-    });
+    let boxed = triangles
+        .into_par_iter()
+        .map(|(index, stands, sheet)| Boxed {
+            bounds: Bounds::around(&mesh.corners(index as usize)),
+            index,
+            sheet,
+            stands,
+        });
     boxed.collect()
 }
 
@@ -240,13 +247,33 @@ impl<'a> Grower<'a> {
         }
         let order = along_curve(self.boxes.iter().copied());
         for &place in &order {
-            let triangle = self.start + triangles[place as usize] as usize;
-            self.part.triangles.push(triangle as u32);
+            let triangle = triangles[place as usize];
+            self.part.triangles.push(self.start as u32 + triangle);
+            self.part.stands.push(self.stands(triangle));
         }
         self.part.sheets.push(Sheet {
             bounds: Bounds::around_all(self.boxes.iter().copied()),
             range: start..start + triangles.len(),
         });
+    }
+
+    /// Across which axes a triangle stands on planes: it is in none, and beyond each of its sides
+    /// that are in one is a triangle that is. If such a side ran through what lies in the plane, that
+    /// one would, too.
+    fn stands(&self, triangle: u32) -> u8 {
+        let corners = self.corners_of(triangle);
+        let in_plane =
+            |[a, b, c]: [DVec3; 3], axis: usize| a[axis] == b[axis] && b[axis] == c[axis];
+        let stands = |axis: usize| {
+            let sides = [(0, 1), (1, 2), (2, 0)].into_iter().enumerate();
+            let mut in_one = sides.filter(|&(_, (k, l))| corners[k][axis] == corners[l][axis]);
+            !in_plane(corners, axis)
+                && in_one.all(|(side, _)| {
+                    let twin = self.twins[3 * triangle as usize + side];
+                    twin != NONE && in_plane(self.corners_of(twin / 3), axis)
+                })
+        };
+        (0..3).fold(0, |all, axis| all | u8::from(stands(axis)) << axis)
     }
 
     fn fits(&self, triangle: u32, facing: Facing) -> bool {

@@ -61,6 +61,7 @@ impl Shells {
                 bounds: bounds[sheet as usize],
                 index: sheet,
                 sheet,
+                stands: 0,
             });
             let first = first_of[sheet as usize] as u32;
             let (boxes, order) = &boxed[sheet as usize];
@@ -68,6 +69,7 @@ impl Shells {
                 bounds: boxes[k as usize],
                 index: first + k,
                 sheet,
+                stands: 0,
             }));
         }
         Self {

@@ -336,6 +336,7 @@ impl<'a> Others<'a> {
             bounds: boxes[index as usize],
             index,
             sheet: 0,
+            stands: 0,
         });
         Self {
             convex,
