@@ -2,6 +2,9 @@
 //! which two surfaces meet, and the seams along which faces are cut into
 //! patches.
 
+mod event;
+mod events;
+
 use crate::elementary;
 use std::f64::consts::TAU;
 use std::mem::take;
@@ -10,14 +13,14 @@ use std::ops::Range;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use self::event::{Cutting, Event};
 use super::arc::{Arc, Ends};
 use super::block::Block;
 use super::chords::Chord;
 use super::contacts::Contact;
-use super::curve::{Branch, Meets};
+use super::curve::Branch;
 use super::edges::along;
 use super::faces::Faces;
-use super::frame::Frame;
 use super::ids::Position;
 use super::intersection::Unknown;
 use super::lines::Tracer;
@@ -26,46 +29,9 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Sectors, Wedges};
 use super::traced::Traced;
-use super::triple::crossing_blur;
 use crate::numeric::tolerance::{SAME_ANGLE, SAME_DIRECTION};
 use crate::program::{Surface, SurfaceId};
-use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
-
-/// What a plane is that is no surface of the solid.
-#[derive(Clone, Copy, Debug)]
-enum Cutting {
-    /// A side of the block, with its span.
-    Side(f64),
-    /// A seam or the divider of a surface.
-    Seam(SurfaceId),
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Event {
-    at: f64,
-    ends: Ends,
-    /// The surface of the cell that the curve touches here.
-    touched: Option<Position>,
-    /// Where that is, if all surfaces there agree on it.
-    point: Option<DVec3>,
-}
-
-impl Event {
-    /// Whether edges may end here though the solid does not change along the
-    /// curve.
-    fn touches(&self) -> bool {
-        self.touched.is_some() || matches!(self.ends, Ends::Node)
-    }
-
-    /// The surface of the cell that the curve crosses here.
-    fn crossed(&self) -> Option<Position> {
-        match self.ends {
-            Ends::Surface(position) => Some(position),
-            _ => None,
-        }
-    }
-}
 
 /// Finds the edges in blocks. Holds scratch memory.
 #[derive(Default)]
@@ -261,324 +227,6 @@ impl ArcTracer {
             );
         }
         Ok(())
-    }
-
-    /// Finds what ends stretches of a curve, in order. False if the curve is
-    /// another pair's to trace: it is the first's of all surfaces through it that may
-    /// carry faces, and the next one's through it that matters there. Undecided if it runs
-    /// along a surface so closely that it cannot be told where it crosses.
-    fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Result<bool, Stop> {
-        let Arc {
-            scene,
-            block,
-            id,
-            curve,
-            ..
-        } = *arc;
-        let (first, second) = (id.first, id.second());
-        let in_order = scene.given.is_none() || id.is_seam();
-        self.events.clear();
-        self.planes.clear();
-        self.through.clear();
-        self.sectors.inside.clear();
-        let at_start = curve.at(range[0]);
-        if self.is_decided(arc, range, at_start) {
-            return Ok(false);
-        }
-        for (position, id) in block.surfaces() {
-            let surface = scene.surface(id);
-            if let Some(side) = arc.side_of_edge(id) {
-                self.sectors.inside.push(side);
-                continue;
-            }
-            self.roots.clear();
-            let is_through = id == first
-                || Some(id) == second
-                || arc.meet(id, range, &mut self.roots) == Meets::Curve;
-            if is_through {
-                let is_between = first < id && second.is_none_or(|second| id < second);
-                let is_before = || id < first && arc.carriers.binary_search(&id).is_ok();
-                if in_order && (is_between || is_before()) {
-                    return Ok(false);
-                }
-                self.through.push(position);
-            }
-            if self.roots.is_lost {
-                return Err(Stop::undecided(Why::Crossing, block.center()));
-            }
-            self.add_crossings(arc, position, range[1] - range[0]);
-            self.sectors.inside.push(surface.value(at_start) <= 0.0);
-        }
-        if !self.is_own(arc) {
-            return Ok(false);
-        }
-        let bounds = curve.bounds(range);
-        for (side, span) in block.sides() {
-            let axis = side.linear.max_position();
-            let at = side.anchor[axis];
-            if bounds.min[axis] <= at + scene.near && bounds.max[axis] >= at - scene.near {
-                self.cut(arc, (&side, Cutting::Side(span)), range);
-            }
-        }
-        for k in 0..self.through.len() {
-            let owner = block.id(self.through[k]);
-            let frame = scene.frame(owner);
-            for plane in frame.into_iter().flat_map(Frame::planes) {
-                self.cut(arc, (plane, Cutting::Seam(owner)), range);
-            }
-        }
-        self.add_nodes(arc, range);
-        self.gather(arc);
-        self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
-        self.sectors.crossings.clear();
-        let crossings = self.events.iter().map(|event| (event.at, event.crossed()));
-        self.sectors.crossings.extend(crossings);
-        Ok(true)
-    }
-
-    /// Whether the solid is constant around a curve as all of it is on one side of one other
-    /// surface. Tunes speed only: the same comes of looking at all surfaces.
-    fn is_decided(&mut self, arc: &Arc<'_>, range: [f64; 2], at_start: DVec3) -> bool {
-        if arc.edge.is_some() {
-            return false;
-        }
-        let scene = arc.scene;
-        let mut farthest: Option<(f64, SurfaceId)> = None;
-        for (&decides, (_, id)) in self.sectors.decides.iter().zip(arc.block.surfaces()) {
-            if decides.is_none() || id == arc.id.first || Some(id) == arc.id.second() {
-                continue;
-            }
-            let surface = scene.surface(id);
-            let value = surface.value(at_start);
-            let is_farther = farthest.is_none_or(|(known, _)| known < value.abs());
-            if decides == Some(value <= 0.0) && is_farther {
-                farthest = Some((value.abs(), id));
-            }
-        }
-        let Some((_, id)) = farthest else {
-            return false;
-        };
-        self.roots.clear();
-        let meets = arc.meet(id, range, &mut self.roots);
-        meets == Meets::Points && self.roots.is_empty()
-    }
-
-    /// Whether a curve beside polyhedra is the arc's pair's to trace.
-    fn is_own(&self, arc: &Arc<'_>) -> bool {
-        let Some(own) = arc.id.pair() else {
-            return true;
-        };
-        if arc.scene.given.is_none() || self.through.len() == 2 {
-            return true;
-        }
-        let through = self.through.iter().map(|&position| arc.block.id(position));
-        let through: SmallVec<[SurfaceId; 8]> = through.collect();
-        let carries = |id| arc.carriers.binary_search(&id).is_ok();
-        let first = arc.scene.first_of_through(&through, carries);
-        first.map_or(arc.edge.is_some(), |first| first == own)
-    }
-
-    /// Adds where the curve crosses and touches a surface of the cell, by the roots found.
-    fn add_crossings(&mut self, arc: &Arc<'_>, position: Position, range: f64) {
-        if self.roots.is_empty() {
-            return;
-        }
-        let scene = arc.scene;
-        let id = arc.block.id(position);
-        let triple = arc.with(scene.surface(id));
-        let event = |at: f64, crosses: bool| Event {
-            at,
-            ends: if crosses {
-                Ends::Surface(position)
-            } else {
-                Ends::Touch
-            },
-            touched: None,
-            point: None,
-        };
-        let [one, other] = arc.surfaces;
-        let on_edges = match arc.id.pair().filter(|_| arc.edge.is_none()) {
-            Some([own, _]) if one.is_plane() => scene.on_edges([own, id], other),
-            Some([_, own]) if other.is_plane() => scene.on_edges([own, id], one),
-            _ => SmallVec::new(),
-        };
-        let reach = scene.touching_reach();
-        let known = |at: f64| {
-            let here = arc.curve.at(at);
-            let distance = |p: &DVec3| p.distance(here);
-            let nearest = on_edges.iter().copied();
-            let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            nearest.filter(|point| distance(point) <= reach)
-        };
-        let event = |at: f64, crosses: bool| Event {
-            point: known(at),
-            ..event(at, crosses)
-        };
-        // Along the curve it is where it is best known, too: other surfaces may cross there.
-        let crossing = |at: f64| {
-            let slanting = arc.slanting_crossing(arc.curve.at(at), id);
-            let place = slanting.and_then(|point| arc.curve.place(point));
-            event(place.unwrap_or(at), true)
-        };
-        if let ([at], [], []) = (&self.roots.simple[..], &self.roots.touching[..], arc.nodes) {
-            self.events.push(crossing(*at));
-            return;
-        }
-        let clusters = triple.clusters(&mut self.roots, scene.rounding);
-        for cluster in &clusters {
-            if cluster.is_single_root() {
-                self.events.push(crossing(cluster.from));
-                continue;
-            }
-            let at = triple.place(cluster, range);
-            if cluster.crosses_at_node() {
-                let node = arc.node(arc.curve.at(at));
-                self.events.push(Event {
-                    point: Some(node),
-                    ..event(at, true)
-                });
-                continue;
-            }
-            // Seams are no surfaces of the solid.
-            let contact = arc.id.pair().and_then(|[first, second]| {
-                let surfaces = [one, other, triple.third];
-                let here = triple.around(cluster, at);
-                let contacts = scene.contacts([first, second, id]);
-                let mut contacts = contacts.iter().copied();
-                contacts.find(|contact| contact.is_same(scene, &surfaces, &here))
-            });
-            if contact.is_none() && !cluster.is_contact {
-                let roots = cluster.roots.iter();
-                self.events.extend(roots.map(|&at| crossing(at)));
-                continue;
-            }
-            let point = match contact {
-                Some(contact) => Some(contact.center),
-                None => arc.touched_on_seam(arc.curve.at(at), id),
-            };
-            let known = point.and_then(|point| arc.curve.place(point));
-            let is_within = |at: &f64| (cluster.from..=cluster.to).contains(at);
-            self.events.push(Event {
-                touched: Some(position),
-                point,
-                ..event(known.filter(is_within).unwrap_or(at), cluster.crosses())
-            });
-        }
-    }
-
-    /// Adds where the pair's curves pass through each other, and the nodes of others, and the
-    /// apexes, of all surfaces through the curve: there these turn over.
-    fn add_nodes(&mut self, arc: &Arc<'_>, [start, end]: [f64; 2]) {
-        let Arc {
-            scene,
-            curve,
-            nodes,
-            ..
-        } = *arc;
-        let is_near = |at: f64, point: DVec3| curve.at(at).distance(point) <= scene.near;
-        let through = self.through.iter().map(|&position| arc.block.id(position));
-        let through: SmallVec<[SurfaceId; 8]> = through.collect();
-        let mut points: SmallVec<[DVec3; 4]> = SmallVec::new();
-        points.extend(through.iter().filter_map(|&id| scene.surface(id).apex()));
-        if through.len() > 2 {
-            points.extend(scene.nodes(&through));
-        }
-        let nodes = nodes.iter().copied();
-        let mut places: SmallVec<[f64; 4]> =
-            nodes.filter(|at| (start..=end).contains(at)).collect();
-        for point in points {
-            let at = curve.place(point).filter(|at| start < *at && *at < end);
-            let is_known = || places.iter().any(|&place| is_near(place, point));
-            if let Some(at) = at.filter(|&at| is_near(at, point) && !is_known()) {
-                places.push(at);
-            }
-        }
-        self.events.extend(places.into_iter().map(|at| Event {
-            at,
-            ends: Ends::Node,
-            touched: None,
-            point: None,
-        }));
-    }
-
-    /// Moves crossings at sines so small that rounding moves them by more than what is one
-    /// point to where the curve has an apex, or crosses another surface at a greater sine, if
-    /// they may as well be there.
-    fn gather(&mut self, arc: &Arc<'_>) {
-        let Arc { scene, curve, .. } = *arc;
-        // How far from where it was found an event may as well be.
-        let blur = |event: &Event| match event.ends {
-            Ends::Surface(position) if event.touched.is_none() => {
-                let third = scene.surface(arc.block.id(position));
-                let here = curve.at(event.at);
-                let normal = third.gradient(here).normalize_or_zero();
-                let along = curve.direction(event.at).normalize_or_zero();
-                let off = known_to(arc.surfaces, third, here);
-                crossing_blur(scene.rounding.max(off), normal.dot(along))
-            }
-            Ends::Node => 0.0,
-            _ => f64::INFINITY,
-        };
-        let blurs: SmallVec<[f64; 16]> = self.events.iter().map(blur).collect();
-        let is_blurred = |blur: f64| blur.is_finite() && blur > scene.weld;
-        for k in (0..blurs.len()).filter(|&k| is_blurred(blurs[k])) {
-            let from = self.events[k].at;
-            let here = curve.at(from);
-            let reach = blurs[k].min(scene.touching_reach());
-            // Also on the way there: a curve may pass through a point twice.
-            let is_near = |at: f64| {
-                let between = [0.5 * (from + at), at].map(|at| curve.at(at).distance(here));
-                between[0].max(between[1]) <= reach
-            };
-            let sharper = (0..blurs.len())
-                .filter(|&other| blurs[other] < 0.5 * reach && is_near(self.events[other].at));
-            if let Some(best) = sharper.min_by(|&a, &b| blurs[a].total_cmp(&blurs[b])) {
-                let Event { at, point, .. } = self.events[best];
-                let known =
-                    point.unwrap_or_else(|| self.point_of(arc, &self.events[best], curve.at(at)));
-                self.events[k].at = at;
-                self.events[k].point = Some(known);
-            }
-        }
-    }
-
-    /// Whether a curve lies in a surface that comes before the arc's first one, and
-    /// does not matter on that, but may carry faces: then it is that one's to trace.
-    fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
-        let scene = arc.scene;
-        let first = arc.id.first;
-        let lesser = arc.carriers.iter().take_while(|&&id| id < first);
-        let mut others = lesser.filter(|&&id| arc.block.position_of(id).is_none());
-        let start = arc.curve.at(range[0]);
-        // Surfaces farther off are not through it for sure.
-        let clearly = 1e3 * scene.near;
-        others.any(|&id| {
-            let surface = scene.surface(id);
-            let slope = surface.gradient(start).length();
-            if surface.value(start).abs() > clearly * (slope + clearly) {
-                return false;
-            }
-            self.roots.clear();
-            arc.meet(id, range, &mut self.roots) == Meets::Curve
-        })
-    }
-
-    /// Adds where a curve crosses a plane that is no surface of the solid.
-    fn cut(&mut self, arc: &Arc<'_>, (plane, cutting): (&Surface, Cutting), range: [f64; 2]) {
-        self.roots.clear();
-        let tolerances = arc.scene.tolerances();
-        let meets = arc.curve.meet(plane, range, tolerances, &mut self.roots);
-        if meets == Meets::Points && !self.roots.simple.is_empty() {
-            let ends = Ends::Plane(self.planes.len());
-            self.planes.push((*plane, cutting));
-            let places = self.roots.simple.iter();
-            self.events.extend(places.map(|&at| Event {
-                at,
-                ends,
-                touched: None,
-                point: None,
-            }));
-        }
     }
 
     /// Finds the stretches on which the solid may change around the curve; false
