@@ -4,24 +4,9 @@ use glam::DVec3;
 
 use crate::arrangement::{self, Chords};
 use crate::error::Error;
-use crate::numeric::tolerance::ON_FACE;
+use crate::numeric::tolerance::{MISSED, ON_FACE, SEEN, SHARE_MISSED};
 use crate::program::{Bounds, Program, Settled, Surface};
 use crate::report::{Moved, Report};
-
-/// How far surfaces may be moved, of the tolerance: so little that what is left of it
-/// takes half a percent more triangles.
-pub(crate) const UNSEEN: f64 = 0.01;
-
-/// So many times as far surfaces may be moved where there is no other way: a tenth of the
-/// tolerance, for which what is left of it takes five percent more triangles.
-const SEEN: f64 = 10.0;
-
-/// What is missed by less, of the scene, may have been meant: numbers of six digits are off by up
-/// to five millionths of themselves.
-const MISSED: f64 = 5e-6;
-
-/// Of what surfaces may move, by how much they may miss: some are moved for several reasons.
-const SHARE: f64 = 0.5;
 
 /// What is done to surfaces, in the order in which it is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +85,7 @@ impl Prepared {
             Settling::Merged => merged()?,
             Settling::Aligned { times } => {
                 let most = times * unseen;
-                let within = (MISSED * size.max_element()).min(SHARE * most);
+                let within = (MISSED * size.max_element()).min(SHARE_MISSED * most);
                 let same = unresolved.min(most);
                 match program.aligned(ball, (within, same), most)? {
                     None => return Ok(None),

@@ -297,6 +297,29 @@ pub(crate) const PROFILE_CHORD: f64 = 1e-4;
 /// reported as wrong.
 pub(crate) const HELD: f64 = 1e-6;
 
+// Of moves of surfaces.
+
+/// How far may surfaces be moved, of the tolerance?
+///
+/// Decree: so little that what is left of the tolerance takes half a percent more triangles.
+pub(crate) const UNSEEN: f64 = 0.01;
+
+/// So many times as far, where there is no other way?
+///
+/// Decree: a tenth of the tolerance then, for which what is left of it takes five percent more
+/// triangles.
+pub(crate) const SEEN: f64 = 10.0;
+
+/// Was something meant that is missed by less, of the scene?
+///
+/// Above rounding: numbers of six digits are off by up to five millionths of themselves.
+pub(crate) const MISSED: f64 = 5e-6;
+
+/// By how much may something be missed, of what surfaces may move?
+///
+/// Decree: by half of it, as some are moved for several reasons.
+pub(crate) const SHARE_MISSED: f64 = 0.5;
+
 // Of boundaries.
 
 /// Does a curve pass through one point in one go, by its parameter where two pieces of it meet

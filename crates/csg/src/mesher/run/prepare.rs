@@ -5,9 +5,10 @@ use glam::DVec3;
 use super::Run;
 use crate::error::Error;
 use crate::mesher::options::DEFAULT_TOLERANCE;
+use crate::numeric::tolerance::UNSEEN;
 use crate::program::Bounds;
 use crate::report::Report;
-use crate::settling::{Prepared, Settling, UNSEEN};
+use crate::settling::{Prepared, Settling};
 
 impl Run<'_> {
     /// The program with its surfaces moved in one of the ways, and what that did to them
