@@ -15,6 +15,7 @@ use crate::mesher::Product;
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Account {
+    // (The mesh's own, and where the solid's is.)
     volume: Figure,
     area: f64,
     centroid: Option<[f64; 3]>,
@@ -239,7 +240,14 @@ impl ReportAccount {
 
 impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "volume      {}", self.volume)?;
+        let volume = short(self.volume.value(), 10);
+        match self.volume.error() {
+            Some(error) => {
+                let error = at_most(error, 2);
+                writeln!(f, "volume      {volume} (the solid's within {error})")?;
+            }
+            None => writeln!(f, "volume      {volume}")?,
+        }
         writeln!(f, "area        {}", short(self.area, 10))?;
         if let (Some(centroid), Some(bounds)) = (self.centroid, &self.bounds) {
             writeln!(f, "centroid    {}", bounds.told(centroid))?;

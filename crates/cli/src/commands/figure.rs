@@ -32,8 +32,13 @@ impl Figure {
         self.value == 0.0 && self.error().is_none() && self.upper.is_some()
     }
 
+    /// As it was made, of whatever it is a figure.
+    pub(crate) fn value(&self) -> f64 {
+        self.value
+    }
+
     /// As far as it is off, if that is known.
-    fn error(&self) -> Option<f64> {
+    pub(crate) fn error(&self) -> Option<f64> {
         Some(0.5 * (self.upper? - self.lower?)).filter(|error| *error > 0.0)
     }
 }

@@ -178,6 +178,14 @@ fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
     let text = folder.run("measure in.csg --tolerance 0.01");
     let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
     assert!(text.contains("deviation   at most 0.00"), "{text}");
+    // The mesh's volume, and within how much of that the solid's is.
+    let line = text.lines().find_map(|line| line.strip_prefix("volume"));
+    let told = line.and_then(|told| told.trim().split_once(" (the solid's within "));
+    let (volume, error) = told.expect("both");
+    let [volume, error] = [volume, error.trim_end_matches(')')].map(str::parse::<f64>);
+    let (volume, error) = (volume.expect("a number"), error.expect("a number"));
+    let off = (volume - DRILLED_VOLUME).abs();
+    assert!(1e-6 < off && off <= error && error < 0.5, "{text}");
 
     let drum = "cylinder(h = 1, r1 = 1, r2 = 1, center = true);";
     fs::write(folder.file("drum.csg"), drum).expect("a file");
