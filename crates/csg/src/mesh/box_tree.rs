@@ -144,8 +144,8 @@ impl BoxTree {
     }
 
     /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
-    /// the lower first; in ascending order. Of those of which one stands on a plane that the other
-    /// is in none.
+    /// the lower first; in ascending order; but for those of which one stands on a plane
+    /// that the other one is in.
     pub(super) fn pairs(&self, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
         let mut pairs = self.within(1, test);
         pairs.par_sort_unstable();
