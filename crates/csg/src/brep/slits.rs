@@ -142,7 +142,7 @@ fn number_vertices(all: &mut Arrangement) {
 mod tests {
     use crate::{BoundaryOptions, Program, Solid};
 
-    /// Shells, their handles, bodies and edges of a solid, with slits and without, whose volume does
+    /// Shells, their handles, bodies and faces of a solid, with slits and without, whose volume does
     /// not depend on them.
     fn counts(solid: &Solid) -> [[usize; 4]; 2] {
         let program = Program::lower(solid).expect("valid");
