@@ -73,6 +73,12 @@ fn flat_and_long_primitives_are_meshed_like_round_ones() {
                 Solid::frustum(thin, 0.0, 0.0..1.0),
                 PI * thin * thin / 3.0,
             ),
+            (
+                "cones back to back",
+                Solid::frustum(1.0, 0.0, 0.0..thin)
+                    | Solid::frustum(1.0, 0.0, 0.0..thin).rotate_x(PI),
+                2.0 / 3.0 * PI * thin,
+            ),
             ("sheet", Solid::cuboid([1.0, 1.0, thin]), thin),
         ];
         for (name, solid, volume) in cases {

@@ -1,12 +1,15 @@
 //! The ways to move surfaces before a boundary is evaluated, so that it can be.
 
+mod spread;
+
 use glam::DVec3;
 
 use crate::arrangement::{self, Chords};
 use crate::error::Error;
+use crate::mesh::Mesh;
 use crate::numeric::tolerance::{MISSED, ON_FACE, SEEN, SHARE_MISSED};
 use crate::program::{Bounds, Program, Settled, Surface};
-use crate::report::{Moved, Report};
+use crate::report::Moved;
 
 /// What is done to surfaces, in the order in which it is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +117,7 @@ impl Prepared {
                     Some(merged) => Settled {
                         merged: merged.merged,
                         moved: merged.moved + perturbed.moved,
+                        moves: sums(&merged.moves, &perturbed.moves),
                         ..perturbed
                     },
                     None => perturbed,
@@ -150,10 +154,18 @@ impl Prepared {
         self.moved().map_or(0.0, |settled| settled.moved)
     }
 
-    /// Counts how far surfaces were moved as deviation.
-    pub fn add_to(&self, report: &mut Report) {
-        if let Some(deviation) = &mut report.deviation {
-            *deviation += self.distance();
-        }
+    /// How far the boundary was moved of which this is a mesh, to first order, and where most:
+    /// its edges and corners by more than its surfaces, of which `surfaces` are those in the
+    /// mesh's frame.
+    pub fn moved_boundary(&self, mesh: &Mesh, surfaces: &[Surface]) -> (f64, DVec3) {
+        let Some(settled) = self.moved() else {
+            return (0.0, DVec3::ZERO);
+        };
+        let (distance, place) = spread::farthest(mesh, surfaces, &settled.moves);
+        (distance.max(settled.moved), place)
     }
+}
+
+fn sums(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }

@@ -37,6 +37,9 @@ const CHECK_BYTES: usize = 100;
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
 
+/// Of the tolerance: an edge that is moved farther with its surfaces breaks it.
+const MOST_MOVED: f64 = 0.5;
+
 /// Shares of the whole, about as long as they take: where a mesh of the right topology is
 /// there, where it keeps its tolerance, and where it no longer runs through itself.
 const SHAPED: f64 = 0.2;
@@ -248,7 +251,8 @@ impl<'a> Run<'a> {
                     continue;
                 }
             };
-            settled.add_to(&mut attempt);
+            let (moved, _) = settled.moved_boundary(&mesh, &task.surfaces);
+            attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
             self.check_size(&mesh, &control)?;
             move_by(&mut mesh.positions, task.origin);
             attempt.bounds = mesh.bounds().map(|(min, max)| Bounds { min, max });
@@ -442,7 +446,8 @@ impl<'a> Run<'a> {
                 None => task.with(&control),
             };
             // Together with the moves it is what was asked for.
-            let goal = goal.less(settled.distance());
+            let asked = &goal;
+            let goal = asked.less(settled.distance());
             attempt.method = "boundary";
             let chords = (chords, goal.tolerance);
             let made = arrangement::mesh(&task, chords, &mut attempt).and_then(|evaluated| {
@@ -456,8 +461,13 @@ impl<'a> Run<'a> {
                         return Ok(None);
                     }
                 };
+                let (moved, place) = settled.moved_boundary(&mesh, &task.surfaces);
+                let goal = asked.less(moved.min(MOST_MOVED * asked.tolerance));
                 self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
-                settled.add_to(&mut attempt);
+                attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
+                if moved > MOST_MOVED * asked.tolerance {
+                    attempt.add_fallback(Unkept::Far.describe(), place + task.origin);
+                }
                 Ok(Some(mesh))
             });
             let mesh = match made {

@@ -1,7 +1,8 @@
 //! The bounding box of a solid, from its program alone.
 //!
 //! 1. Boxes of literals (axis-aligned planes, ellipsoids, cylinders along an
-//!    axis) combine through the formula: a finite result encloses the solid.
+//!    axis), and of the corners of a few planes that all bound something
+//!    ([`mod@planes`]), combine through the formula: a finite result encloses the solid.
 //! 2. Otherwise infinity is searched: a point far away is s (±1, u, v) (or with
 //!    another axis first) with |u|, |v| <= 1, and f / s² of a quadric, f / s of
 //!    a plane, is a polynomial of second degree in u, v and w = 1/s. Those are
@@ -12,8 +13,11 @@
 //! 3. From the finite box that is left, slabs are shaved off every side as long
 //!    as they are proven empty.
 
+mod planes;
+
 use glam::DVec3;
 
+use self::planes::Wedge;
 use super::cell::{Cell, Pruner};
 use super::formula::{Formula, Operand, Operation};
 use super::narrow::Narrower;
@@ -282,25 +286,46 @@ fn finite_radius(surfaces: &[Surface], root: &Cell, guess: f64) -> Result<f64, E
 /// The box of a formula, from boxes of its literals; infinite where they are.
 fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
     let mut gates: Vec<Bounds> = Vec::with_capacity(formula.gates().len());
+    let half_space = |literal: u32| {
+        let literal = formula.literals()[literal as usize];
+        let surface = surfaces[literal.surface as usize];
+        if literal.outside {
+            surface.negated()
+        } else {
+            surface
+        }
+    };
     let operand_bounds = |operand: Operand, gates: &[Bounds]| match operand {
         Operand::Constant(true) => Bounds::EVERYTHING,
         Operand::Constant(false) => Bounds::NOTHING,
-        Operand::Literal(i) => {
-            let literal = formula.literals()[i as usize];
-            let surface = surfaces[literal.surface as usize];
-            half_space_bounds(&if literal.outside {
-                surface.negated()
-            } else {
-                surface
-            })
-        }
+        Operand::Literal(i) => half_space_bounds(&half_space(i)),
         Operand::Gate(i) => gates[i as usize],
     };
+    let of_planes = |operands: &[Operand]| {
+        let mut wedge = Wedge::default();
+        for &operand in operands {
+            if let Operand::Literal(i) = operand
+                && let plane = half_space(i)
+                && plane.is_plane()
+            {
+                wedge.add(plane);
+            }
+        }
+        wedge.bounds()
+    };
     for gate in formula.gates() {
-        let boxes = formula.operands_of(gate).iter();
+        let operands = formula.operands_of(gate);
+        let boxes = operands.iter();
         let boxes = boxes.map(|&operand| operand_bounds(operand, &gates));
         gates.push(match gate.operation {
-            Operation::And => boxes.fold(Bounds::EVERYTHING, Bounds::intersected),
+            Operation::And => {
+                let all = boxes.fold(Bounds::EVERYTHING, Bounds::intersected);
+                if all.is_finite() {
+                    all
+                } else {
+                    all.intersected(of_planes(operands))
+                }
+            }
             // Nothing is the inverted box, which unites as it should.
             Operation::Or => boxes.fold(Bounds::NOTHING, |all, b| {
                 if b.min.cmpgt(b.max).any() {

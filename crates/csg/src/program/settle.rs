@@ -34,6 +34,8 @@ pub(crate) struct Settled {
     pub merged: usize,
     /// Bound on how far any surface was moved, where the solid is.
     pub moved: f64,
+    /// The same of each surface, by its number: of those that it is in place of.
+    pub moves: Vec<f64>,
     /// A point near the surface that was moved farthest.
     pub place: DVec3,
 }
@@ -163,6 +165,7 @@ impl Program {
         // What is moved as a whole is nowhere moved farther.
         Ok(perturbed.map(|perturbed| Settled {
             moved: most,
+            moves: perturbed.moves.iter().map(|by| by.min(most)).collect(),
             ..perturbed
         }))
     }
@@ -203,18 +206,21 @@ impl Program {
             }
             merged += chain.len() - 1;
         }
-        let off = |(surface, &(now, _)): (&Surface, &(u32, bool))| {
-            let now = &after[now as usize];
+        let mut moves = vec![0.0; surfaces.len()];
+        let (mut moved, mut place) = (0.0, DVec3::ZERO);
+        for (surface, &(index, _)) in before.iter().zip(&in_place) {
+            let now = &after[index as usize];
             // Most are where they were.
-            let off = if surface == now {
-                0.0
-            } else {
-                surface.distance_bound(now, reach)
-            };
-            (off, surface.anchor)
-        };
-        let moves = before.iter().zip(&in_place).map(off);
-        let (moved, place) = moves.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+            if surface == now {
+                continue;
+            }
+            let off = surface.distance_bound(now, reach);
+            let of_this = &mut moves[index as usize];
+            *of_this = off.max(*of_this);
+            if off >= moved {
+                (moved, place) = (off, surface.anchor);
+            }
+        }
         if moved == 0.0 && merged == 0 {
             return Ok(None);
         }
@@ -248,6 +254,7 @@ impl Program {
             }),
             merged,
             moved,
+            moves,
             place: place + origin,
         }))
     }

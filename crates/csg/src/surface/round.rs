@@ -44,6 +44,22 @@ pub(crate) struct Round {
 impl Round {
     /// None for all others: triangles on these are good as they are.
     pub fn of(surface: &Surface) -> Option<Self> {
+        let round = match surface.kind {
+            Kind::Ellipsoid => 3,
+            Kind::EllipticCylinder | Kind::Cone => 2,
+            _ => return None,
+        };
+        let StandardForm { values, .. } = surface.standard_form();
+        let sizes = values[..round].iter().map(|v| v.abs());
+        let least = sizes.clone().fold(f64::INFINITY, f64::min);
+        let most = sizes.fold(0.0, f64::max);
+        let is_long = least * LEAST_ASPECT * LEAST_ASPECT <= most;
+        is_long.then(|| Self::standard(surface)).flatten()
+    }
+
+    /// The same of any ellipsoid, elliptic cylinder or cone: a circular cone is flat, too, where
+    /// its axis is much shorter than it is wide.
+    pub fn standard(surface: &Surface) -> Option<Self> {
         let shape = match surface.kind {
             Kind::Ellipsoid => Shape::Ball,
             Kind::EllipticCylinder => Shape::Cylinder,
@@ -57,20 +73,13 @@ impl Round {
             constant,
             ..
         } = surface.standard_form();
-        let round = if shape == Shape::Ball { 3 } else { 2 };
-        let sizes = values[..round].iter().map(|v| v.abs());
-        let least = sizes.clone().fold(f64::INFINITY, f64::min);
-        let most = sizes.fold(0.0, f64::max);
-        if least * LEAST_ASPECT * LEAST_ASPECT > most {
-            return None;
-        }
         let depth = match shape {
             Shape::Ball | Shape::Cylinder => -constant,
             Shape::Cone => values[2].abs() * values[0].signum(),
         };
         // (Any length along a cylinder's axis is as good as any other.)
         if shape == Shape::Cylinder {
-            values[2] = least * values[0].signum();
+            values[2] = values[0].abs().min(values[1].abs()) * values[0].signum();
         }
         let scaled = |k: usize| (values[k] / depth).abs().sqrt() * axes[k];
         let mut rows = [0, 1, 2].map(scaled);
@@ -262,7 +271,7 @@ pub(crate) fn range([a, b, c]: [f64; 3]) -> [f64; 2] {
 }
 
 /// The distance of the origin from a point, a segment or a triangle.
-fn distance_from_origin(corners: &[DVec3]) -> f64 {
+pub(crate) fn distance_from_origin(corners: &[DVec3]) -> f64 {
     let segment = |a: DVec3, b: DVec3| {
         let along = b - a;
         let share = -a.dot(along) / along.length_squared();

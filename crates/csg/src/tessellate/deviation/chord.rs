@@ -61,7 +61,7 @@ fn across_curve(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     if bound < HARDLY * p.distance(q) {
         return bound;
     }
-    let rounds = surfaces.into_iter().filter_map(Round::of);
+    let rounds = surfaces.into_iter().filter_map(Round::standard);
     rounds.fold(bound, |bound, round| {
         bound.min(round_bound(&round, surfaces, [p, q]))
     })
