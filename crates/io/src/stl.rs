@@ -53,6 +53,24 @@ pub fn write_merged_stl(
     Ok(())
 }
 
+/// The distance of the numbers in single precision that a mesh's coordinates are rounded to in
+/// a binary file, at most: no vertex is moved by more than half of it along each axis.
+#[must_use]
+pub fn step_of_binary(mesh: &Mesh) -> f64 {
+    let farthest = mesh
+        .positions
+        .iter()
+        .fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+    f64::from((farthest as f32).next_up()) - f64::from(farthest as f32)
+}
+
+/// The mesh with its coordinates rounded as in a binary file.
+#[must_use]
+pub fn as_in_binary(mesh: &Mesh) -> Mesh {
+    let rounded = mesh.positions.iter().map(|p| p.as_vec3().as_dvec3());
+    Mesh::new(rounded.collect(), mesh.triangles.clone())
+}
+
 /// Refuses what single precision cannot hold.
 fn check_single(positions: &[DVec3]) -> Result<(), Error> {
     if positions.par_iter().all(|p| p.as_vec3().is_finite()) {

@@ -1,10 +1,11 @@
 //! `mesh`: write mesh files, and STEP.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::{Program, Solid};
-use io::WriteOptions;
+use glam::DVec3;
 use io::shard::{is_shard, write_shard_file};
+use io::{MeshFormat, WriteOptions};
 use serde::Serialize;
 
 use super::account::Account;
@@ -117,7 +118,64 @@ pub(crate) fn run(
         })
     })?;
     progress.end();
+    if options
+        .outputs
+        .iter()
+        .any(|path| is_binary_stl(path, options.format))
+    {
+        warn_of_rounding(&product);
+    }
     tell(&Account::of(&mut product), options, progress)
+}
+
+fn is_binary_stl(path: &Path, stream: StreamFormat) -> bool {
+    if is_stream(path) {
+        return stream == StreamFormat::Stl;
+    }
+    matches!(MeshFormat::from_path(path), Ok(MeshFormat::Stl))
+}
+
+/// Says if a mesh that does not run through itself does so once its coordinates are rounded to the
+/// digits of a binary STL file.
+fn warn_of_rounding(product: &Product) {
+    /// Of the tolerance: where coordinates are rounded by less, walls and gaps are thicker.
+    const UNSEEN: f64 = 1e-3;
+    let Product {
+        mesh,
+        report: Some(report),
+        ..
+    } = product
+    else {
+        return;
+    };
+    let step = io::stl::step_of_binary(mesh);
+    let is_seen = report
+        .deviation
+        .is_none_or(|deviation| step > UNSEEN * deviation);
+    if !is_seen || !report.fallbacks.is_empty() {
+        return;
+    }
+    let rounded = io::stl::as_in_binary(mesh);
+    let crossings = rounded.self_intersections().len();
+    let merged = coinciding(&rounded.positions).saturating_sub(coinciding(&mesh.positions));
+    if crossings > 0 || merged > 0 {
+        eprintln!(
+            "warning: binary STL rounds these coordinates to steps of up to {step:.1e}: there \
+             {merged} vertices fall together with others, and {crossings} pairs of triangles run \
+             through each other; move the model to the origin, or write PLY, 3MF or OBJ"
+        );
+    }
+}
+
+/// How many of these points are where another one is.
+fn coinciding(points: &[DVec3]) -> usize {
+    let mut all: Vec<[u64; 3]> = points
+        .iter()
+        .map(|p| p.to_array().map(f64::to_bits))
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    points.len() - all.len()
 }
 
 /// Gives bodies that are the same in the solid the same triangles, if these are those of its boundary.

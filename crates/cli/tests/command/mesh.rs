@@ -248,6 +248,30 @@ fn surfaces_that_were_made_one_are_told() {
     assert!(text.contains("(1 made one with others)"), "{text}");
 }
 
+#[test]
+fn what_binary_stl_rounds_away_is_told() {
+    let folder = Folder::new();
+    let tube = |place: &str| {
+        format!(
+            "multmatrix([[1, 0, 0, {place}], [0, 0.8, -0.6, {place}], [0, 0.6, 0.8, 0], \
+             [0, 0, 0, 1]]) {{ difference() {{ cylinder(h = 5, r1 = 3, r2 = 3); \
+             cylinder(h = 12, r1 = 2.999, r2 = 2.999, center = true); }} }}"
+        )
+    };
+    let said = |place: &str, output: &str| {
+        fs::write(folder.file("tube.csg"), tube(place)).expect("a file");
+        let output = folder.run(&format!("mesh tube.csg --tolerance 0.01 -o {output}"));
+        String::from_utf8_lossy(&succeeded(&output).stderr).into_owned()
+    };
+    assert!(!said("0", "tube.stl").contains("warning"));
+    assert!(!said("200000", "tube.ply").contains("warning"));
+    let warning = said("200000", "tube.stl");
+    assert!(
+        warning.contains("binary STL rounds these coordinates to steps of up to 1.6e-2"),
+        "{warning}"
+    );
+}
+
 /// A thousandth of the distance between two balls is two fifths of their radius.
 #[test]
 fn small_balls_far_apart_stay_round_without_an_option() {
