@@ -15,6 +15,22 @@ use crate::program::{Surface, SurfaceId};
 use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
 
+/// Whether a curve that begins on a surface but for rounding begins inside of it: by the place
+/// farthest from where it was found to cross it, as it may have been found to do so at its
+/// beginning or not.
+fn starts_inside(arc: &Arc<'_>, surface: &Surface, range: [f64; 2], events: &[Event]) -> bool {
+    let crossings = events.iter().filter(|event| event.crossed().is_some());
+    let mut places: SmallVec<[f64; 6]> = crossings.map(|event| event.at).collect();
+    places.extend(range);
+    places.sort_unstable_by(f64::total_cmp);
+    let gaps = places.windows(2).map(|ends| ends[1] - ends[0]);
+    let widest = gaps.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (crossed, _) = widest.unwrap_or_default();
+    let middle = 0.5 * (places[crossed] + places[crossed + 1]);
+    let is_inside = surface.value(arc.curve.at(middle)) <= 0.0;
+    is_inside == (crossed % 2 == 0)
+}
+
 impl ArcTracer {
     /// Finds what ends stretches of a curve, in order. False if the curve is
     /// another pair's to trace: it is the first's of all surfaces through it that may
@@ -59,8 +75,15 @@ impl ArcTracer {
             if self.roots.is_lost {
                 return Err(Stop::undecided(Why::Crossing, block.center()));
             }
+            let before = self.events.len();
             self.add_crossings(arc, position, range[1] - range[0]);
-            self.sectors.inside.push(surface.value(at_start) <= 0.0);
+            let value = surface.value(at_start);
+            let is_on = value.abs() <= scene.near * surface.gradient(at_start).length();
+            self.sectors.inside.push(if is_on && !is_through {
+                starts_inside(arc, surface, range, &self.events[before..])
+            } else {
+                value <= 0.0
+            });
         }
         if !self.is_own(arc) {
             return Ok(false);
