@@ -321,13 +321,16 @@ impl Boundary {
             && before.from != self.at(twin).from
     }
 
-    /// Whether a face of two corners is one between two curves, wider than rounding.
+    /// Whether a face of two corners is one between two curves, wider than rounding: each is
+    /// off the other one there where it is halfway.
     fn is_lens(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> bool {
         let edges = [half_edge, self.at(half_edge).next];
-        match edges.map(|edge| self.middle(scene, edge)) {
-            [Some(one), Some(other)] => one.distance(other) > scene.near,
-            _ => false,
-        }
+        let is_off = |[one, other]: [HalfEdgeId; 2]| {
+            let at = self.halfway(scene, one);
+            let beside = at.and_then(|at| Some((at, self.on_curve(scene, other, at)?)));
+            beside.is_some_and(|(at, beside)| at.distance(beside) > scene.near)
+        };
+        is_off(edges) && is_off([edges[1], edges[0]])
     }
 
     /// Whether the middle of an edge lies within other contours of its face: then

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use super::boundary::Boundary;
+use super::boundary::{Boundary, HalfEdge};
 use super::curve::Curve;
 use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::roots::bracketed;
@@ -91,13 +91,30 @@ impl Boundary {
         self.next_to(scene, half_edge, 0.5 * (a + b))
     }
 
+    /// The point of an edge halfway between its places on its curve.
+    pub fn halfway(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> Option<DVec3> {
+        let [a, b] = self.chord(half_edge);
+        let surfaces = self.surfaces_of(scene, half_edge);
+        if surfaces.is_none_or(|s| s.iter().all(|s| s.is_plane())) {
+            return Some(a.midpoint(b));
+        }
+        let HalfEdge { curve, places, .. } = *self.at(half_edge);
+        match scene.curve(curve)? {
+            Curve::Line { .. } => Some(a.midpoint(b)),
+            curve => Some(curve.at(0.5 * (places[0] + places[1]))),
+        }
+    }
+
     /// The point of an edge's curve next to another point; none if that is not
     /// between the edge's ends, or these are one but for rounding.
     fn next_to(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> Option<DVec3> {
+        /// Of the chord: what is nearer to an end is that one.
+        const NEXT_TO_END: f64 = 0.05;
         let [a, b] = self.chord(half_edge);
-        let half = 0.5 * a.distance(b);
+        let apart = NEXT_TO_END * a.distance(b);
         let found = self.on_curve(scene, half_edge, point)?;
-        let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
+        // However far from the chord.
+        let is_between = found.distance(a).min(found.distance(b)) >= apart;
         is_between.then_some(found)
     }
 
