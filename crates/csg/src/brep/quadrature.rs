@@ -139,6 +139,16 @@ struct Strip {
     least: Integrals,
 }
 
+/// A part of a stretch, and the integrals along it by its halves.
+struct Part {
+    places: [f64; 2],
+    halvings: u32,
+    halves: [Integrals; 2],
+    sum: Sum,
+    /// How much more halving changed than tells something, as a factor.
+    excess: f64,
+}
+
 /// Lengths that integrals are measured by.
 pub(super) struct Scale {
     /// The point that others are counted from.
@@ -178,7 +188,7 @@ pub(super) fn along(
         strips: 0,
     };
     let once = along.strip(places, &COARSE);
-    along.halve(places, &once.values, 0);
+    along.refine(places, &once.values);
     // The strips between where it ends and where it should.
     for end in places {
         let row = row(
@@ -195,8 +205,32 @@ pub(super) fn along(
 }
 
 impl<C: Fn(f64) -> DVec3> Along<'_, C> {
-    /// Adds the integrals along a stretch, of which a first estimate is known.
-    fn halve(&mut self, [from, to]: [f64; 2], once: &Integrals, halvings: u32) {
+    /// Adds the integrals along a stretch, of which a first estimate is known: that part of it is
+    /// halved next for which halving changed most.
+    fn refine(&mut self, places: [f64; 2], once: &Integrals) {
+        let mut parts = vec![self.part(places, once, 0)];
+        loop {
+            let worst = parts
+                .iter_mut()
+                .filter(|part| part.excess > 1.0 && part.halvings < MOST_HALVINGS)
+                .max_by(|a, b| a.excess.total_cmp(&b.excess));
+            let Some(worst) = worst.filter(|_| self.strips <= MOST_STRIPS) else {
+                break;
+            };
+            let [from, to] = worst.places;
+            let middle = 0.5 * (from + to);
+            let halvings = worst.halvings + 1;
+            let [one, other] = worst.halves;
+            *worst = self.part([from, middle], &one, halvings);
+            parts.push(self.part([middle, to], &other, halvings));
+        }
+        for part in &parts {
+            self.sum.add(&part.sum);
+        }
+    }
+
+    /// A part of which an estimate is known, and what halving it changes.
+    fn part(&mut self, [from, to]: [f64; 2], once: &Integrals, halvings: u32) -> Part {
         let middle = 0.5 * (from + to);
         let halves = [[from, middle], [middle, to]];
         let [a, b] = halves.map(|half| self.strip(half, &FINE));
@@ -205,18 +239,18 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
         };
         let twice = both(&a.values, &b.values);
         let least = both(&a.least, &b.least);
+        let noise = both(&a.noise, &b.noise);
         let change: Integrals = std::array::from_fn(|k| (twice[k] - once[k]).abs());
-        let is_done = (0..change.len()).all(|k| change[k] <= least[k]);
-        if is_done || halvings == MOST_HALVINGS || self.strips > MOST_STRIPS {
-            let noise = both(&a.noise, &b.noise);
-            self.sum.add(&Sum {
+        let excess = (0..change.len()).map(|k| change[k] / least[k]);
+        Part {
+            places: [from, to],
+            halvings,
+            halves: [a.values, b.values],
+            sum: Sum {
                 values: twice,
                 errors: both(&change, &noise),
-            });
-            return;
-        }
-        for (half, once) in halves.into_iter().zip([a, b]) {
-            self.halve(half, &once.values, halvings + 1);
+            },
+            excess: excess.fold(0.0, f64::max),
         }
     }
 
