@@ -169,6 +169,75 @@ fn crossing_cylinders_have_their_measures() {
     }
 }
 
+/// Of radii 5 and a little more, at right angles: 4 ∫ √(a² - x²) √(b² - x²) dx, x = a sin u, whose
+/// two curves nearly meet in two points, where they turn within √(2 (b - a) / a).
+#[test]
+fn crossing_cylinders_of_nearly_one_radius_have_their_measures_however_they_are_turned() {
+    const RADIUS: f64 = 5.0;
+    const MOST: u32 = 40;
+    for power in 2..=8 {
+        let other = RADIUS + 10f64.powi(-power);
+        // The trapezoidal rule in s, u = π/2 tanh s: steps far below those in which it turns.
+        let steps = 4000;
+        let terms = (-steps..=steps).map(|k| {
+            let s = 12.0 * f64::from(k) / f64::from(steps);
+            let du = 0.5 * PI / s.cosh().powi(2);
+            // cos u, with all its digits where that is nearly 0.
+            let left = PI / (1.0 + (2.0 * s.abs()).exp());
+            let cos = left.sin();
+            du * cos * cos * height(RADIUS * cos, RADIUS, other)
+        });
+        let volume = 4.0 * RADIUS * RADIUS * terms.sum::<f64>() * 12.0 / f64::from(steps);
+        for k in 0..MOST {
+            let angle = |n: u32| (f64::from(3 * k + n) * 0.7346).rem_euclid(TAU);
+            let rod = |radius: f64| Solid::cylinder(radius, -12.0..12.0);
+            let cross = rod(RADIUS) & rod(other).rotate_x(0.5 * PI);
+            let turned = cross
+                .rotate_x(angle(1))
+                .rotate_y(angle(2))
+                .rotate_z(angle(3));
+            let brep = boundary(&turned).expect("a boundary");
+            let name = format!("1e-{power}, turned {k}");
+            assert_eq!((brep.moved(), brep.edges().len()), (None, 2), "{name}");
+            let found = brep.measure().volume;
+            let off = (found.value - volume).abs();
+            assert!(
+                off <= found.error + 1e-11 * volume,
+                "{name}: {found:?} for {volume}"
+            );
+            assert!(found.error <= 1e-7, "{name}: {found:?}");
+        }
+    }
+}
+
+/// √(b² - a² sin² u), by a cos u: exact where a and b are nearly the same.
+fn height(cosine: f64, a: f64, b: f64) -> f64 {
+    (cosine * cosine + (b - a) * (b + a)).sqrt()
+}
+
+/// What is left of a solid less itself, moved by so little that no double tells: surfaces are made
+/// one, and what was between them is within the bound.
+#[test]
+fn what_is_lost_between_surfaces_is_within_the_bound() {
+    let parts = [
+        Solid::sphere(5.0),
+        Solid::cylinder(5.0, -4.0..4.0),
+        Solid::cube(10.0),
+    ];
+    for (k, solid) in parts.into_iter().enumerate() {
+        for power in 9..=13 {
+            let by = 10f64.powi(-power);
+            let rest = solid.clone() - solid.translate([-by, 0.0, 0.0]);
+            let brep = boundary(&rest).expect("a boundary");
+            let found = brep.measure().volume;
+            // The area that is seen along the way, times that.
+            let volume = [25.0 * PI, 80.0, 100.0][k] * by;
+            let off = (found.value - volume).abs();
+            assert!(off <= found.error, "{k} {by}: {found:?} for {volume}");
+        }
+    }
+}
+
 #[test]
 fn centroids_and_moments_are_those_of_the_formulas() {
     let (r, h) = (0.8, 1.5);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use csg::{Color, Mesh, Meshed, Mesher, Program, Solid, Surface};
+use csg::{Color, Mesh, Meshed, Mesher, Profile, Program, Solid, Surface};
 use glam::DVec3;
 use stereotomy::{csg, scenes};
 
@@ -577,6 +577,53 @@ fn borders_between_colours_are_as_near_to_their_curves_as_any_edge() {
             let nearest = sags.iter().copied().fold(f64::INFINITY, f64::min);
             assert!(nearest >= 0.5 * farthest, "{name}: {nearest} {farthest}");
             assert!(farthest >= 0.5 * tolerance, "{name}: {farthest}");
+        }
+    }
+}
+
+/// Gears of so many corners that they are taken for polyhedra, bored, hubbed and stacked: what
+/// ends in the planes of their faces shares these, and their edges begin on them.
+#[test]
+fn polyhedra_are_proven_with_curved_parts_that_end_in_their_planes() {
+    let gear = |teeth: u32, tip: f64, z: Range<f64>| {
+        let corners = (0..2 * teeth).map(|k| {
+            let angle = PI * f64::from(k) / f64::from(teeth);
+            let radius = if k % 2 == 0 { tip } else { 5.0 };
+            // As a file has them.
+            let digits = |x: f64| (1e4 * x).round() / 1e4;
+            [digits(radius * angle.cos()), digits(radius * angle.sin())]
+        });
+        Solid::extrude(&Profile::polygon(corners), z)
+    };
+    for teeth in [25, 30, 64] {
+        let plain = gear(teeth, 6.0, 0.0..4.0);
+        let stacked = gear(teeth, 6.0, 0.0..2.0) | gear(teeth, 6.0, 2.0..4.0);
+        let smaller = gear(teeth, 6.0, 0.0..2.0) | gear(teeth, 5.5, 2.0..4.0);
+        let cases = [
+            ("bored", plain.clone() - Solid::cylinder(2.0, 0.0..4.0)),
+            (
+                "countersunk",
+                plain.clone() - Solid::frustum(1.0, 2.0, 0.0..4.0),
+            ),
+            ("hubbed", plain | Solid::cylinder(3.0, 0.0..7.0)),
+            (
+                "stacked on a pin",
+                stacked | Solid::cylinder(1.0, -1.0..6.0),
+            ),
+            ("stepped on a pin", smaller | Solid::cylinder(1.0, 0.0..4.0)),
+        ];
+        for (name, solid) in cases {
+            for turn in [0.0, 0.5, 1.3] {
+                let turned = solid.rotate_x(turn).rotate_z(0.5 * turn);
+                let program = Program::lower(&turned).expect("a valid solid");
+                let meshed = Mesher::new().tolerance(0.01).mesh(&program);
+                let report = meshed.expect("a mesh").report;
+                assert!(
+                    report.is_proven(),
+                    "{teeth} teeth, {name}, {turn}: {report:?}"
+                );
+                assert_eq!(report.undecided, [], "{teeth} teeth, {name}, {turn}");
+            }
         }
     }
 }

@@ -73,12 +73,6 @@ fn flat_and_long_primitives_are_meshed_like_round_ones() {
                 Solid::frustum(thin, 0.0, 0.0..1.0),
                 PI * thin * thin / 3.0,
             ),
-            (
-                "cones back to back",
-                Solid::frustum(1.0, 0.0, 0.0..thin)
-                    | Solid::frustum(1.0, 0.0, 0.0..thin).rotate_x(PI),
-                2.0 / 3.0 * PI * thin,
-            ),
             ("sheet", Solid::cuboid([1.0, 1.0, thin]), thin),
         ];
         for (name, solid, volume) in cases {
@@ -88,6 +82,19 @@ fn flat_and_long_primitives_are_meshed_like_round_ones() {
 }
 
 /// Less a round hole off its middle.
+/// Their rim is as sharp as a blade: rounding is to move it by no more than the tolerance.
+#[test]
+fn flat_cones_back_to_back_have_a_proven_rim() {
+    for thin in [0.1, 1e-2, 1e-3, 3e-4, 1e-4] {
+        let cone = Solid::frustum(1.0, 0.0, 0.0..thin);
+        let both = cone.clone() | cone.scale_xyz([1.0, 1.0, -1.0]);
+        check("unturned", &both, 2.0 / 3.0 * PI * thin);
+        if thin >= 1e-3 {
+            check("turned", &turned(&both), 2.0 / 3.0 * PI * thin);
+        }
+    }
+}
+
 #[test]
 fn flat_ellipsoids_may_be_drilled() {
     const STEPS: i32 = 2000;

@@ -39,7 +39,9 @@ pub struct Report {
     pub largest_centroid_distance: f64,
     /// With a tolerance asked for: the largest distance, in model units,
     /// between the mesh and the solid's boundary, both ways; a bound, not a
-    /// sample. It holds where the mesh has the boundary's topology.
+    /// sample. It holds where the mesh has the boundary's topology; where surfaces were
+    /// [moved](Self::moved), between the mesh and the boundary of the solid so moved, and to
+    /// first order counts how far edges were moved with them.
     pub deviation: Option<f64>,
     /// Where that is.
     pub farthest: Option<DVec3>,
@@ -138,8 +140,8 @@ pub struct Moved {
     pub merged: usize,
     /// Bound on how far any surface was moved, within the solid's bounds, in model
     /// units. It is part of [`Report::deviation`], but walls, gaps and contacts of such
-    /// a size may be lost or new. Moves that are no more than what rounding does to
-    /// coordinates are not told.
+    /// a size may be lost or new: nothing is told of how far they are from the mesh. Moves
+    /// that are no more than what rounding does to coordinates are not told.
     pub distance: f64,
     /// A point of the surface that was moved farthest: its centre, or a point of its
     /// axis or plane.

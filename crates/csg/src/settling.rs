@@ -118,6 +118,7 @@ impl Prepared {
                         merged: merged.merged,
                         moved: merged.moved + perturbed.moved,
                         moves: sums(&merged.moves, &perturbed.moves),
+                        between: merged.between + perturbed.between,
                         ..perturbed
                     },
                     None => perturbed,
@@ -152,6 +153,15 @@ impl Prepared {
     /// Bound on how far any surface was moved.
     pub fn distance(&self) -> f64 {
         self.moved().map_or(0.0, |settled| settled.moved)
+    }
+
+    /// Bound on the volume between surfaces that were made one, within bounds.
+    pub fn volume_between(&self, bounds: &Bounds) -> f64 {
+        let size = bounds.size().length();
+        // No convex surface has more area in a ball than the ball itself; a hyperboloid or a cone
+        // has up to twice as much.
+        let area = 2.0 * std::f64::consts::PI * size * size;
+        area * self.moved().map_or(0.0, |settled| settled.between)
     }
 
     /// How far the boundary was moved of which this is a mesh, to first order, and where most:

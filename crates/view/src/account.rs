@@ -103,6 +103,8 @@ fn told(report: &Report, unit: &str, rows: &mut Vec<Row>) {
     if let Some(deviation) = report.deviation.filter(|deviation| deviation.is_finite()) {
         let state = if report.is_proven() {
             "proven"
+        } else if report.moved.is_some() {
+            "from the solid whose surfaces are moved so"
         } else {
             "where the mesh has the solid's topology"
         };

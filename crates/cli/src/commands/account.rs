@@ -272,9 +272,10 @@ impl fmt::Display for Account {
         writeln!(f, "state       {state}")?;
         if let Some(report) = &self.report {
             if let Some(deviation) = report.deviation {
-                let state = match report.proven {
-                    true => "proven",
-                    false => "where the mesh has the solid's topology",
+                let state = match (report.proven, &report.moved) {
+                    (true, _) => "proven",
+                    (false, Some(_)) => "from the solid whose surfaces are moved so",
+                    (false, None) => "where the mesh has the solid's topology",
                 };
                 let deviation = at_most(deviation, 3);
                 writeln!(f, "deviation   at most {deviation} ({state})")?;

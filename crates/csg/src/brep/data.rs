@@ -80,6 +80,8 @@ pub struct Brep {
     pub(super) patches: Vec<Patch>,
     pub(super) origins: Vec<Origin>,
     pub(super) moved: Option<Moved>,
+    /// Bound on the volume between surfaces that were made one.
+    pub(super) between: f64,
     /// By how much rounding may move points.
     pub(super) rounding: f64,
     pub(super) size: f64,
@@ -163,6 +165,7 @@ impl Brep {
             patches: Vec::new(),
             origins: Vec::new(),
             moved: None,
+            between: 0.0,
             rounding: 0.0,
             size: 0.0,
             is_cut_at_seams: false,

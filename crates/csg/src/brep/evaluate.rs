@@ -124,6 +124,7 @@ impl Program {
                 Ok(brep) if settling.has_lost(brep.faces.is_empty()) => {}
                 Ok(mut brep) => {
                     brep.moved = prepared.told(&bounds);
+                    brep.between = prepared.volume_between(&bounds);
                     control.tell(1.0);
                     return Ok(brep);
                 }

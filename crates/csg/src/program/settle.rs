@@ -36,6 +36,9 @@ pub(crate) struct Settled {
     pub moved: f64,
     /// The same of each surface, by its number: of those that it is in place of.
     pub moves: Vec<f64>,
+    /// The sum of how far those were off that were replaced by another one: what was between them
+    /// is lost, or new.
+    pub between: f64,
     /// A point near the surface that was moved farthest.
     pub place: DVec3,
 }
@@ -207,8 +210,8 @@ impl Program {
             merged += chain.len() - 1;
         }
         let mut moves = vec![0.0; surfaces.len()];
-        let (mut moved, mut place) = (0.0, DVec3::ZERO);
-        for (surface, &(index, _)) in before.iter().zip(&in_place) {
+        let (mut moved, mut between, mut place) = (0.0, 0.0, DVec3::ZERO);
+        for ((own, surface), &(index, _)) in (0..).zip(&before).zip(&in_place) {
             let now = &after[index as usize];
             // Most are where they were.
             if surface == now {
@@ -217,6 +220,7 @@ impl Program {
             let off = surface.distance_bound(now, reach);
             let of_this = &mut moves[index as usize];
             *of_this = off.max(*of_this);
+            between += if index == own { 0.0 } else { off };
             if off >= moved {
                 (moved, place) = (off, surface.anchor);
             }
@@ -255,6 +259,7 @@ impl Program {
             merged,
             moved,
             moves,
+            between,
             place: place + origin,
         }))
     }

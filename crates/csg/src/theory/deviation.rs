@@ -101,9 +101,12 @@
 //! that is as near as was bounded, or in such a sliver.
 //!
 //! # What else is counted
-//! If surfaces were [settled](super::relations) the bound of how far they were moved is added
-//! ([`Prepared::add_to`][settling.rs]). Of planes alone nothing is refined: the bound is the
-//! largest distance of a vertex from the planes of its triangles.
+//! If surfaces were [settled](super::relations) the bound of how far they were moved is added, and
+//! of how far edges and corners were moved with them, to first order: the sharper, the farther
+//! ([`farthest`][settling/spread.rs]). Walls and gaps that are no more than so thin may be lost or
+//! new, however long they are: the bound is then of the solid whose surfaces are moved so. Of
+//! planes alone nothing is refined: the bound is the largest distance of a vertex from the planes
+//! of its triangles.
 //!
 //! # What holds
 //! *Proven*, where the report has no fallback ([`Report::is_proven`](crate::Report::is_proven)):
@@ -116,7 +119,7 @@
 //! ([`faces_out_everywhere`][tessellate/shape.rs]) and looked at once more in the end
 //! ([`faces_in`][tessellate/shape.rs]); that none [run through each other](super::crossing).
 //!
-//! [settling.rs]: ../../../src/csg/settling.rs.html
+//! [settling/spread.rs]: ../../../src/csg/settling/spread.rs.html
 //! [surface/round.rs]: ../../../src/csg/surface/round.rs.html
 //! [tessellate/deviation.rs]: ../../../src/csg/tessellate/deviation.rs.html
 //! [tessellate/deviation/chord.rs]: ../../../src/csg/tessellate/deviation/chord.rs.html
