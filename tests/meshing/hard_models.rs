@@ -112,7 +112,7 @@ impl Pose {
 }
 
 /// All of them.
-const MODELS: [&str; 68] = [
+const MODELS: [&str; 70] = [
     "apex-on-a-curve",
     "apex-on-a-cylinder",
     "ball-in-a-round-hole",
@@ -154,8 +154,10 @@ const MODELS: [&str; 68] = [
     "near-cylinders",
     "near-parabola",
     "octahedron",
+    "pipes-of-nearly-one-radius",
     "plate",
     "polygons-a-millionth-apart",
+    "polyhedron-bored-flush",
     "prism-in-a-round-hole",
     "prism-out-of-a-cylinder",
     "pyramid-12",
