@@ -157,10 +157,9 @@ impl Prepared {
 
     /// Bound on the volume between surfaces that were made one, within bounds.
     pub fn volume_between(&self, bounds: &Bounds) -> f64 {
-        let size = bounds.size().length();
-        // No convex surface has more area in a ball than the ball itself; a hyperboloid or a cone
-        // has up to twice as much.
-        let area = 2.0 * std::f64::consts::PI * size * size;
+        let DVec3 { x, y, z } = bounds.size();
+        // No convex surface has more area in a box than that itself, and a surface has two sheets.
+        let area = 4.0 * (x * y + y * z + z * x);
         area * self.moved().map_or(0.0, |settled| settled.between)
     }
 

@@ -108,13 +108,10 @@ impl Boundary {
     /// The point of an edge's curve next to another point; none if that is not
     /// between the edge's ends, or these are one but for rounding.
     fn next_to(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> Option<DVec3> {
-        /// Of the chord: what is nearer to an end is that one.
-        const NEXT_TO_END: f64 = 0.05;
         let [a, b] = self.chord(half_edge);
-        let apart = NEXT_TO_END * a.distance(b);
+        let half = 0.5 * a.distance(b);
         let found = self.on_curve(scene, half_edge, point)?;
-        // However far from the chord.
-        let is_between = found.distance(a).min(found.distance(b)) >= apart;
+        let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
         is_between.then_some(found)
     }
 

@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::NEAR;
+use crate::numeric::tolerance::{NEAR, TOUCHING};
 use crate::surface::Surface;
 use crate::surface::round::{cosine, distance_from_origin};
 
@@ -132,13 +132,14 @@ fn of_edge(faces: [Face<'_>; 2], edge: DVec3, at: DVec3, moved: f64) -> f64 {
     if moved > 0.0 { 2.0 * moved / root } else { 0.0 }
 }
 
-/// How far a corner is moved of which no two faces make as sharp an edge; none of others.
+/// How far a corner is moved of which no two faces make as sharp an edge; none of others, nor
+/// where two of them touch: these open as they bend.
 fn of_corner(faces: [Face<'_>; 3], at: DVec3, moved: f64) -> f64 {
     let normals @ [a, b, c] = faces.map(|face| face.normal(at));
     let of_edges = [[a, b], [b, c], [c, a]].map(|sides| distance_from_origin(&sides));
     let of_edges = of_edges.into_iter().fold(f64::INFINITY, f64::min);
     let of_corner = distance_from_origin(&normals);
-    if of_corner < (1.0 - NEAR) * of_edges {
+    if of_edges > TOUCHING && of_corner < (1.0 - NEAR) * of_edges {
         moved / of_corner
     } else {
         0.0
