@@ -12,6 +12,7 @@ use crate::elementary;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use self::prepare::moved_boundary;
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::options::{Mesher, Method};
 use crate::adapt;
@@ -22,7 +23,7 @@ use crate::error::Error;
 use crate::finish;
 use crate::limits::{Demand, Limit, LimitReached};
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::{HELD, MAPPED, NEAR};
+use crate::numeric::tolerance::{HELD, MAPPED, MOVED_AT_EDGES, NEAR};
 use crate::program::{Bounds, Program};
 use crate::report::Report;
 use crate::settling::Settling;
@@ -36,9 +37,6 @@ const CHECK_BYTES: usize = 100;
 
 /// The stage of tries whose mesh was not kept, and of what lies between stages.
 const REST: &str = "rest";
-
-/// Of the tolerance: an edge that is moved farther with its surfaces breaks it.
-const MOST_MOVED: f64 = 0.5;
 
 /// Shares of the whole, about as long as they take: where a mesh of the right topology is
 /// there, where it keeps its tolerance, and where it no longer runs through itself.
@@ -251,7 +249,7 @@ impl<'a> Run<'a> {
                     continue;
                 }
             };
-            let (moved, _) = settled.moved_boundary(&mesh, &task.surfaces);
+            let (moved, _) = moved_boundary(&settled, &mesh, &task, &attempt);
             attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
             self.check_size(&mesh, &control)?;
             move_by(&mut mesh.positions, task.origin);
@@ -461,11 +459,12 @@ impl<'a> Run<'a> {
                         return Ok(None);
                     }
                 };
-                let (moved, place) = settled.moved_boundary(&mesh, &task.surfaces);
-                let goal = asked.less(moved.min(MOST_MOVED * asked.tolerance));
+                let (moved, place) = moved_boundary(&settled, &mesh, &task, &attempt);
+                let most = MOVED_AT_EDGES * asked.tolerance;
+                let goal = asked.less(moved.min(most));
                 self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;
                 attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
-                if moved > MOST_MOVED * asked.tolerance {
+                if moved > most {
                     attempt.add_fallback(Unkept::Far.describe(), place + task.origin);
                 }
                 Ok(Some(mesh))

@@ -320,6 +320,16 @@ pub(crate) const MISSED: f64 = 5e-6;
 /// Decree: by half of it, as some are moved for several reasons.
 pub(crate) const SHARE_MISSED: f64 = 0.5;
 
+/// How far may edges and corners be moved with surfaces, of the tolerance?
+///
+/// Decree: the rest is enough for chords and triangles; what is sharper is reported.
+pub(crate) const MOVED_AT_EDGES: f64 = 0.5;
+
+/// On which side of a triangle is its surface's outside, by the cosine between their normals?
+///
+/// Decree: one that is turned farther from its surface does not tell; others of the face do.
+pub(crate) const TELLS_SIDE: f64 = 0.5;
+
 // Of boundaries.
 
 /// Does a curve pass through one point in one go, by its parameter where two pieces of it meet

@@ -1,15 +1,15 @@
 //! The bounding box of a solid, from its program alone.
 //!
 //! 1. Boxes of literals (axis-aligned planes, ellipsoids, cylinders along an
-//!    axis), and of the corners of a few planes that all bound something
-//!    ([`mod@planes`]), combine through the formula: a finite result encloses the solid.
+//!    axis) combine through the formula: a finite result encloses the solid.
 //! 2. Otherwise infinity is searched: a point far away is s (±1, u, v) (or with
 //!    another axis first) with |u|, |v| <= 1, and f / s² of a quadric, f / s of
 //!    a plane, is a polynomial of second degree in u, v and w = 1/s. Those are
 //!    quadrics again, on a finite box: the same pruning proves the solid empty
 //!    there, or finds a direction in which it goes on.
 //!    Flat or long surfaces tell too little there by their coefficients: then the boxes
-//!    of primitives must do ([`mod@super::reach`]).
+//!    of primitives must do ([`mod@super::reach`]), or those of the corners of a few planes
+//!    that bound something together ([`mod@planes`]).
 //! 3. From the finite box that is left, slabs are shaved off every side as long
 //!    as they are proven empty.
 
@@ -104,7 +104,7 @@ impl Program {
         let mut current = if is_known {
             reach
         } else {
-            literal_bounds(&surfaces, self.formula())
+            literal_bounds(&surfaces, self.formula(), |_| Bounds::EVERYTHING)
         };
         if !current.is_finite() {
             let extent = |s: &Surface| {
@@ -114,8 +114,14 @@ impl Program {
             let guess = if guess > 0.0 { 2.0 * guess } else { 1.0 };
             let finite = match finite_radius(&surfaces, &root, guess) {
                 Ok(radius) => Bounds::around(DVec3::ZERO, DVec3::splat(radius)),
-                Err(error) if !reach.is_finite() => return Err(error),
-                Err(_) => reach,
+                Err(_) if reach.is_finite() => reach,
+                Err(error) => {
+                    let by_corners = literal_bounds(&surfaces, self.formula(), Wedge::bounds);
+                    if !by_corners.is_finite() {
+                        return Err(error);
+                    }
+                    by_corners
+                }
             };
             current = current.intersected(finite);
         }
@@ -283,8 +289,13 @@ fn finite_radius(surfaces: &[Surface], root: &Cell, guess: f64) -> Result<f64, E
     Ok(radius)
 }
 
-/// The box of a formula, from boxes of its literals; infinite where they are.
-fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
+/// The box of a formula, from boxes of its literals, and of the planes that are all to hold;
+/// infinite where they are.
+fn literal_bounds(
+    surfaces: &[Surface],
+    formula: &Formula,
+    of_planes: impl Fn(&Wedge) -> Bounds,
+) -> Bounds {
     let mut gates: Vec<Bounds> = Vec::with_capacity(formula.gates().len());
     let half_space = |literal: u32| {
         let literal = formula.literals()[literal as usize];
@@ -301,7 +312,7 @@ fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
         Operand::Literal(i) => half_space_bounds(&half_space(i)),
         Operand::Gate(i) => gates[i as usize],
     };
-    let of_planes = |operands: &[Operand]| {
+    let together = |operands: &[Operand]| {
         let mut wedge = Wedge::default();
         for &operand in operands {
             if let Operand::Literal(i) = operand
@@ -311,7 +322,7 @@ fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
                 wedge.add(plane);
             }
         }
-        wedge.bounds()
+        of_planes(&wedge)
     };
     for gate in formula.gates() {
         let operands = formula.operands_of(gate);
@@ -323,7 +334,7 @@ fn literal_bounds(surfaces: &[Surface], formula: &Formula) -> Bounds {
                 if all.is_finite() {
                     all
                 } else {
-                    all.intersected(of_planes(operands))
+                    all.intersected(together(operands))
                 }
             }
             // Nothing is the inverted box, which unites as it should.

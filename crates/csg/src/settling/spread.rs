@@ -14,13 +14,9 @@
 use glam::DVec3;
 
 use crate::mesh::Mesh;
-use crate::numeric::tolerance::{NEAR, TOUCHING};
+use crate::numeric::tolerance::{NEAR, TELLS_SIDE, TOUCHING};
 use crate::surface::Surface;
 use crate::surface::round::{cosine, distance_from_origin};
-
-/// A triangle that faces less as its surface does does not tell which side of it is outside: the
-/// cosine of the angle between their normals. Another one of the face does.
-const TELLS_SIDE: f64 = 0.5;
 
 /// How far the boundary of which this is a mesh is moved, if each surface is by as far as is said
 /// under its number: the farthest that an edge or corner is, and where. Zero if none is.

@@ -4,14 +4,11 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use crate::numeric::tolerance::NEAR;
 use crate::surface::{Bounds, Surface};
 
-/// Of more planes all corners are too many.
+/// Of more planes all corners are too many. Tunes only what is told to be bounded at once.
 const MOST: usize = 16;
-
-/// A plane counts as passing a point, or as parallel to a direction, that it misses by this share
-/// of what is added up: above the rounding of where three planes meet at angles of a millionth.
-const ROUNDING: f64 = 1e-9;
 
 /// The planes of a conjunction: the points with f <= 0 for each of them.
 #[derive(Default)]
@@ -22,7 +19,8 @@ impl Wedge {
         self.0.push(plane);
     }
 
-    /// A box around all points of it; infinite where it is not seen to be bounded.
+    /// A box around all points of it; infinite where it is not seen to be bounded. Tries all
+    /// triples of planes.
     pub fn bounds(&self) -> Bounds {
         let planes = &self.0;
         if !(4..=MOST).contains(&planes.len()) || !self.is_bounded() {
@@ -35,12 +33,12 @@ impl Wedge {
             let corner = (offset(a) * bc + offset(b) * ca + offset(c) * ab) / a.linear.dot(bc);
             let passes = |plane: &Surface| {
                 let scale = corner.length() + plane.anchor.length();
-                plane.value(corner) <= ROUNDING * scale
+                plane.value(corner) <= NEAR * scale
             };
             (corner.is_finite() && planes.iter().all(passes)).then_some(corner)
         });
         corners.fold(Bounds::NOTHING, |all, corner| {
-            let slack = ROUNDING * corner.abs().max_element();
+            let slack = NEAR * corner.abs().max_element();
             Bounds {
                 min: all.min.min(corner - slack),
                 max: all.max.max(corner + slack),
@@ -53,7 +51,7 @@ impl Wedge {
         let planes = &self.0;
         let goes_on = |along: DVec3, [i, j]: [usize; 2]| {
             let mut others = (0..planes.len()).filter(|&k| k != i && k != j);
-            others.all(|k| planes[k].linear.dot(along) <= ROUNDING)
+            others.all(|k| planes[k].linear.dot(along) <= NEAR)
         };
         let mut directions = pairs(planes.len())
             .filter_map(|pair| {
