@@ -78,7 +78,8 @@ impl ArcTracer {
             let before = self.events.len();
             self.add_crossings(arc, position, range[1] - range[0]);
             let value = surface.value(at_start);
-            let is_on = value.abs() <= scene.near * surface.gradient(at_start).length();
+            let is_on = arc.edge.is_some()
+                && value.abs() <= scene.near * surface.gradient(at_start).length();
             self.sectors.inside.push(if is_on && !is_through {
                 starts_inside(arc, surface, range, &self.events[before..])
             } else {
