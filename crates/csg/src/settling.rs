@@ -165,13 +165,21 @@ impl Prepared {
 
     /// How far the boundary was moved of which this is a mesh, to first order, and where most:
     /// its edges and corners by more than its surfaces, of which `surfaces` are those in the
-    /// mesh's frame.
-    pub fn moved_boundary(&self, mesh: &Mesh, surfaces: &[Surface]) -> (f64, DVec3) {
-        let Some(settled) = self.moved() else {
-            return (0.0, DVec3::ZERO);
-        };
-        let (distance, place) = spread::farthest(mesh, surfaces, &settled.moves);
-        (distance.max(settled.moved), place)
+    /// mesh's frame. Of moves that are not [`told`](Self::told) only these count.
+    pub fn moved_boundary(
+        &self,
+        mesh: &Mesh,
+        surfaces: &[Surface],
+        told: Option<Moved>,
+    ) -> (f64, DVec3) {
+        let moved = self.distance();
+        match self.moved().filter(|_| told.is_some()) {
+            Some(settled) => {
+                let (distance, place) = spread::farthest(mesh, surfaces, &settled.moves);
+                (distance.max(moved), place)
+            }
+            None => (moved, DVec3::ZERO),
+        }
     }
 }
 

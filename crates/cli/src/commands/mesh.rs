@@ -135,11 +135,12 @@ fn is_binary_stl(path: &Path, stream: StreamFormat) -> bool {
     matches!(MeshFormat::from_path(path), Ok(MeshFormat::Stl))
 }
 
-/// Says if a mesh that does not run through itself does so once its coordinates are rounded to the
-/// digits of a binary STL file.
+/// Says if vertices fall together, or a mesh that does not run through itself does so, once its
+/// coordinates are rounded to the digits of a binary STL file.
 fn warn_of_rounding(product: &Product) {
-    /// Of the tolerance: where coordinates are rounded by less, walls and gaps are thicker.
-    const UNSEEN: f64 = 1e-3;
+    /// Of the mesh's deviation: where coordinates are rounded by less it is not looked for, which
+    /// would take as long as the check of a mesh.
+    const LEAST_STEP: f64 = 1e-3;
     let Product {
         mesh,
         report: Some(report),
@@ -151,7 +152,7 @@ fn warn_of_rounding(product: &Product) {
     let step = io::stl::step_of_binary(mesh);
     let is_seen = report
         .deviation
-        .is_none_or(|deviation| step > UNSEEN * deviation);
+        .is_none_or(|deviation| step > LEAST_STEP * deviation);
     if !is_seen || !report.fallbacks.is_empty() {
         return;
     }

@@ -104,12 +104,9 @@ impl Brep {
         // layer between counts as much as a part of the boundary of so much area, at the least:
         // a form of degree k is 3 + k times its integral over the layer, within half the size.
         let off = self.rounding + self.moved.map_or(0.0, |moved| moved.distance);
-        let size = self.size.max(f64::MIN_POSITIVE);
-        let layer = 3.0 * off / size * sum.values[10].abs();
-        add_errors(&mut errors, layer, self.size);
-        let of_area = errors[10];
-        add_errors(&mut errors, 3.0 * self.between / size, self.size);
-        errors[10] = of_area;
+        let layer = off * sum.values[10].abs();
+        add_layer(&mut errors, layer + self.between, self.size);
+        errors[10] += 3.0 * layer / self.size.max(f64::MIN_POSITIVE);
         let moment = |k: usize| sum.values[k] / divisor(k);
         let error = |k: usize| errors[k] / divisor(k);
         let volume = Bounded {
@@ -156,15 +153,15 @@ fn divisor(k: usize) -> f64 {
     }
 }
 
-/// Adds what a part of the boundary of some area within a scene may change.
-fn add_errors(errors: &mut Integrals, area: f64, size: f64) {
-    for (k, error) in errors.iter_mut().enumerate() {
-        *error += area
+/// Adds what a layer of some volume within a scene may change of the volume and its moments.
+fn add_layer(errors: &mut Integrals, volume: f64, size: f64) {
+    for (k, error) in errors[..10].iter_mut().enumerate() {
+        *error += 3.0
+            * volume
             * match k {
-                0 => size,
-                1..=3 => size * size,
-                4..=9 => size * size * size,
-                _ => 1.0,
+                0 => 1.0,
+                1..=3 => size,
+                _ => size * size,
             };
     }
 }

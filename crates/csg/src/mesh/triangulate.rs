@@ -5,35 +5,18 @@
 //! straight stretches of a contour are corners of triangles, but no triangle is
 //! flat: they belong to neighbours whose edges end there.
 
-use std::ops::RangeInclusive;
+mod contours;
+mod obstacles;
+mod strips;
 
 use glam::DVec2;
 
+pub(crate) use self::contours::{Named, is_surrounded};
+use self::contours::{Region, bounds, leftmost, rounding_of_area, signed_area};
+use self::obstacles::{Corner, Obstacles};
+use self::strips::Strips;
 use super::flat::flip_flat;
 use super::predicates::orient;
-
-/// A corner of the polygon in work.
-#[derive(Clone, Copy, Debug)]
-struct Corner {
-    point: DVec2,
-    /// What it is called outside.
-    name: u32,
-    previous: u32,
-    next: u32,
-}
-
-/// A named point of a contour.
-pub(crate) type Named = (DVec2, u32);
-
-/// What lies within one contour.
-struct Region<'a> {
-    outer: &'a [Named],
-    /// Of the outer contour.
-    bounds: [DVec2; 2],
-    /// Of all within the outer contour, holes included.
-    area: f64,
-    holes: Vec<&'a [Named]>,
-}
 
 /// Memory that is used again for every face.
 #[derive(Default)]
@@ -113,75 +96,6 @@ pub(crate) fn triangulate(
         }
     }
     Some(triangles)
-}
-
-impl Region<'_> {
-    /// Whether a hole lies within the outer contour, and does not fill it: then it is one around
-    /// that.
-    fn holds(&self, hole: &[Named]) -> bool {
-        let [low, high] = self.bounds;
-        let point = hole[0].0;
-        let is_near = point.cmpge(low).all() && point.cmple(high).all();
-        let leaves_some = || self.area + signed_area(hole) > rounding_of_area(self.outer);
-        is_near && leaves_some() && is_within(hole, self.outer)
-    }
-}
-
-fn signed_area(contour: &[Named]) -> f64 {
-    let origin = contour[0].0;
-    let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
-    0.5 * pairs
-        .map(|(a, b)| (a.0 - origin).perp_dot(b.0 - origin))
-        .sum::<f64>()
-}
-
-/// What rounding may make of the area of a contour that goes back the way it came.
-fn rounding_of_area(contour: &[Named]) -> f64 {
-    let origin = contour[0].0;
-    let squares = contour.iter().map(|p| p.0.distance_squared(origin));
-    4.0 * f64::EPSILON * contour.len() as f64 * squares.fold(0.0, f64::max)
-}
-
-fn leftmost(contour: &[Named]) -> Named {
-    let key = |p: &Named| (p.0.x, p.0.y);
-    contour.iter().copied().fold(
-        contour[0],
-        |least, p| {
-            if key(&p) < key(&least) { p } else { least }
-        },
-    )
-}
-
-/// Whether a hole lies inside a contour, which it may touch at corners.
-fn is_within(hole: &[Named], contour: &[Named]) -> bool {
-    let is_free = |p: &DVec2| contour.iter().all(|q| q.0 != *p);
-    let corners = hole.iter().map(|p| p.0);
-    let ends = hole.iter().zip(hole.iter().cycle().skip(1));
-    let middles = ends.map(|(a, b)| a.0.midpoint(b.0));
-    let free = corners.chain(middles).find(is_free);
-    free.is_some_and(|point| contains(contour, point))
-}
-
-/// Whether a point lies inside a contour.
-fn contains(contour: &[Named], point: DVec2) -> bool {
-    let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
-    is_surrounded(pairs.map(|(a, b)| [a.0, b.0]), point)
-}
-
-/// Whether a point lies within closed contours, given edge by edge: the parity
-/// of crossings of a ray.
-pub(crate) fn is_surrounded(edges: impl Iterator<Item = [DVec2; 2]>, point: DVec2) -> bool {
-    let crosses = |&[a, b]: &[DVec2; 2]| {
-        let (a, b) = (a - point, b - point);
-        (a.y > 0.0) != (b.y > 0.0) && (a.perp_dot(b) > 0.0) == (b.y > a.y)
-    };
-    edges.filter(crosses).count() % 2 == 1
-}
-
-/// The least and the greatest coordinates.
-fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
-    let none = [DVec2::splat(f64::INFINITY), DVec2::splat(f64::NEG_INFINITY)];
-    points.fold(none, |[low, high], p| [low.min(p), high.max(p)])
 }
 
 /// The longest side of a triangle.
@@ -426,145 +340,6 @@ impl<'a> Clipper<'a> {
             .any_in(a.min(b).min(c), a.max(b).max(c), |k| {
                 k != previous && k != corner && k != next && blocks(self.point(k))
             })
-    }
-}
-
-/// Edges by the strips of a plane along x that they pass through, each named by the corner it
-/// starts from.
-#[derive(Default)]
-struct Strips {
-    low: f64,
-    /// Strips per unit of length.
-    scale: f64,
-    strips: Vec<Vec<u32>>,
-    /// How many of these are in use.
-    count: usize,
-}
-
-impl Strips {
-    /// As many as some corners are worth, unless edges are so long that they would be named in
-    /// more than a few.
-    fn part(&mut self, region: &Region<'_>, corners: usize) {
-        /// Corners for each strip, and names for each edge. Tune speed only.
-        const CORNERS: usize = 8;
-        const NAMES: f64 = 4.0;
-        let contours = region.holes.iter().chain([&region.outer]);
-        let climbs = contours.flat_map(|contour| {
-            let pairs = contour.iter().zip(contour.iter().cycle().skip(1));
-            pairs.map(|(a, b)| (a.0.y - b.0.y).abs())
-        });
-        let [low, high] = region.bounds.map(|corner| corner.y);
-        let height = (high - low).max(f64::MIN_POSITIVE);
-        let most = NAMES * corners as f64 * height / climbs.sum::<f64>().max(height);
-        self.count = (corners / CORNERS).min(most as usize).max(1);
-        (self.low, self.scale) = (low, self.count as f64 / height);
-        if self.strips.len() < self.count {
-            self.strips.resize(self.count, Vec::new());
-        }
-        self.strips[..self.count].iter_mut().for_each(Vec::clear);
-    }
-
-    fn at(&self, y: f64) -> usize {
-        (((y - self.low) * self.scale) as usize).min(self.count - 1)
-    }
-
-    /// The strips that two heights are in, and all between.
-    fn range(&self, [a, b]: [f64; 2]) -> RangeInclusive<usize> {
-        self.at(a.min(b))..=self.at(a.max(b))
-    }
-
-    /// Adds an edge that leads from one height to another.
-    fn add(&mut self, corner: u32, ends: [f64; 2]) {
-        let range = self.range(ends);
-        self.strips[range]
-            .iter_mut()
-            .for_each(|strip| strip.push(corner));
-    }
-
-    /// All edges that come between two heights, some of them more than once, and others.
-    fn between(&self, heights: [f64; 2]) -> impl Iterator<Item = &u32> {
-        self.strips[self.range(heights)].iter().flatten()
-    }
-}
-
-/// Corners that are not convex, in a grid: only they can lie in an ear.
-#[derive(Default)]
-struct Obstacles {
-    low: DVec2,
-    /// Squares per unit of length, and per side.
-    scale: DVec2,
-    side: usize,
-    /// All of them, in order.
-    all: Vec<u32>,
-    /// Those of each square after each other, row by row.
-    corners: Vec<u32>,
-    /// Where those of each square begin, and the last ones end.
-    starts: Vec<u32>,
-    is_left: Vec<bool>,
-}
-
-impl Obstacles {
-    /// Those of a polygon, all left.
-    fn find(&mut self, corners: &[Corner], tolerance: f64) {
-        let point = |k: u32| corners[k as usize].point;
-        let [low, high] = bounds(corners.iter().map(|c| c.point));
-        let is_one = |&k: &u32| {
-            let corner = corners[k as usize];
-            let [a, c] = [corner.previous, corner.next].map(point);
-            orient(a, corner.point, c) <= 2.0 * tolerance * (c - a).length()
-        };
-        self.all.clear();
-        self.all.extend((0..corners.len() as u32).filter(is_one));
-        let side = ((self.all.len() as f64 / 4.0).sqrt() as usize).max(1);
-        self.low = low;
-        self.scale = side as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
-        self.side = side;
-        self.corners.clear();
-        self.corners.resize(self.all.len(), 0);
-        self.starts.clear();
-        self.starts.resize(side * side + 2, 0);
-        self.is_left.clear();
-        self.is_left.resize(corners.len(), true);
-        let square_of = |grid: &Self, k: u32| {
-            let [x, y] = grid.square(point(k));
-            y * side + x
-        };
-        // By counting: what a square holds ends where the next one begins.
-        for index in 0..self.all.len() {
-            let square = square_of(self, self.all[index]);
-            self.starts[square + 2] += 1;
-        }
-        for square in 2..self.starts.len() {
-            self.starts[square] += self.starts[square - 1];
-        }
-        for index in 0..self.all.len() {
-            let k = self.all[index];
-            let square = square_of(self, k);
-            let slot = &mut self.starts[square + 1];
-            self.corners[*slot as usize] = k;
-            *slot += 1;
-        }
-    }
-
-    fn square(&self, point: DVec2) -> [usize; 2] {
-        let at = (point - self.low) * self.scale;
-        [at.x, at.y].map(|v| (v as usize).min(self.side - 1))
-    }
-
-    fn remove(&mut self, corner: u32) {
-        self.is_left[corner as usize] = false;
-    }
-
-    /// Whether a test holds for any of those left in a box.
-    fn any_in(&self, low: DVec2, high: DVec2, test: impl Fn(u32) -> bool) -> bool {
-        let ([x0, y0], [x1, y1]) = (self.square(low), self.square(high));
-        (y0..=y1).any(|y| {
-            let row = y * self.side;
-            let [start, end] = [row + x0, row + x1 + 1].map(|square| self.starts[square] as usize);
-            self.corners[start..end]
-                .iter()
-                .any(|&k| self.is_left[k as usize] && test(k))
-        })
     }
 }
 

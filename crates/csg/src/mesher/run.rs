@@ -248,7 +248,7 @@ impl<'a> Run<'a> {
                     continue;
                 }
             };
-            let (moved, _) = self.moved_boundary(&settled, &mesh, &task, &attempt);
+            let (moved, _) = settled.moved_boundary(&mesh, &task.surfaces, attempt.moved);
             attempt.deviation = attempt.deviation.map(|deviation| deviation + moved);
             self.check_size(&mesh, &control)?;
             move_by(&mut mesh.positions, task.origin);
@@ -458,7 +458,7 @@ impl<'a> Run<'a> {
                         return Ok(None);
                     }
                 };
-                let (moved, place) = self.moved_boundary(&settled, &mesh, &task, &attempt);
+                let (moved, place) = settled.moved_boundary(&mesh, &task.surfaces, attempt.moved);
                 let most = MOVED_AT_EDGES * asked.tolerance;
                 let goal = asked.less(moved.min(most));
                 self.refine(&mut mesh, borders, &task, &goal, &mut attempt)?;

@@ -15,8 +15,8 @@ use crate::program::{Surface, SurfaceId};
 use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
 
-/// Whether a curve that begins on a surface but for rounding begins inside of it: by the place
-/// farthest from where it was found to cross it, as it may have been found to do so at its
+/// Whether a given edge that begins on a surface but for rounding begins inside of it: by the
+/// place farthest from where it was found to cross it, as it may have been found to do so at its
 /// beginning or not.
 fn starts_inside(arc: &Arc<'_>, surface: &Surface, range: [f64; 2], events: &[Event]) -> bool {
     let crossings = events.iter().filter(|event| event.crossed().is_some());
@@ -78,6 +78,7 @@ impl ArcTracer {
             let before = self.events.len();
             self.add_crossings(arc, position, range[1] - range[0]);
             let value = surface.value(at_start);
+            // Given edges end where others begin, in planes that other solids may have, too.
             let is_on = arc.edge.is_some()
                 && value.abs() <= scene.near * surface.gradient(at_start).length();
             self.sectors.inside.push(if is_on && !is_through {

@@ -4,13 +4,11 @@ use glam::DVec3;
 
 use super::Run;
 use crate::error::Error;
-use crate::mesh::Mesh;
 use crate::mesher::options::DEFAULT_TOLERANCE;
 use crate::numeric::tolerance::UNSEEN;
 use crate::program::Bounds;
 use crate::report::Report;
 use crate::settling::{Prepared, Settling};
-use crate::task::Task;
 
 impl Run<'_> {
     /// The program with its surfaces moved in one of the ways, and what that did to them
@@ -28,20 +26,5 @@ impl Run<'_> {
         let prepared = Prepared::new(self.program, bounds, settling, unseen, places)?;
         report.moved = prepared.as_ref().and_then(|prepared| prepared.told(bounds));
         Ok(prepared)
-    }
-
-    /// How far the boundary of which this is a mesh was moved, and where most. Of moves that are
-    /// not told, as they are no more than what rounding does to coordinates, only these count.
-    pub(super) fn moved_boundary(
-        &self,
-        prepared: &Prepared,
-        mesh: &Mesh,
-        task: &Task<'_>,
-        report: &Report,
-    ) -> (f64, DVec3) {
-        match report.moved {
-            Some(_) => prepared.moved_boundary(mesh, &task.surfaces),
-            None => (prepared.distance(), DVec3::ZERO),
-        }
     }
 }
