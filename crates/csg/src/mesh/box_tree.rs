@@ -275,10 +275,15 @@ impl BoxTree {
     }
 
     /// The entry nearest to a point by a measure that is no less than the distance from its
-    /// box, and that measure. None of an empty tree.
-    pub(super) fn nearest(&self, point: DVec3, measure: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
+    /// box, and that measure, beginning with one that is known. None of an empty tree.
+    pub(super) fn nearest(
+        &self,
+        point: DVec3,
+        known: Option<u32>,
+        measure: impl Fn(u32) -> f64,
+    ) -> Option<(u32, f64)> {
         let far = |node: usize| self.nodes[node].bounds.distance_squared(point);
-        let mut best: Option<(u32, f64)> = None;
+        let mut best = known.map(|index| (index, measure(index)));
         let mut waiting = vec![1];
         while let Some(node) = waiting.pop() {
             if best.is_some_and(|(_, least)| far(node) >= least * least) {
@@ -286,6 +291,10 @@ impl BoxTree {
             }
             if self.is_leaf(node) {
                 for entry in self.entries_of(node) {
+                    let off = entry.bounds.distance_squared(point);
+                    if best.is_some_and(|(_, least)| off >= least * least) {
+                        continue;
+                    }
                     let distance = measure(entry.index);
                     if best.is_none_or(|(_, least)| distance < least) {
                         best = Some((entry.index, distance));

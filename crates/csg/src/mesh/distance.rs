@@ -3,11 +3,13 @@
 //! The distance from a point to a mesh changes by no more than the point is moved, and the
 //! distance to a single triangle, which is convex, is largest at a corner. So a triangle is
 //! nowhere farther from the other mesh than its middle is plus what lies around that, and no
-//! farther than its farthest corner is from the triangle nearest to the middle. Where both leave
+//! farther than its farthest corner is from a triangle. What lies over many triangles of the other mesh is
+//! told by the height above them ([`shadow`]). Where all that leaves
 //! too much open the triangle is cut, the most open one first: along the sides of the nearest
-//! triangle, as what is above that is told by its corners alone, and in four where those sides do
-//! not lead through it. So meshes of one face are cut about as often as their triangles overlap,
-//! however near to each other they are.
+//! triangle, as what is above that is told by its corners alone, and in four where it is much larger
+//! or those sides do not lead through it.
+
+mod shadow;
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,6 +20,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::box_tree::{Bounds, BoxTree, Boxed, along_curve};
+use super::twins::twins;
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::ON_REFINED;
 
@@ -38,6 +41,8 @@ struct Open {
     corners: [DVec3; 3],
     /// The triangle of the other mesh that is nearest to its middle.
     nearest: u32,
+    /// Whether its height above the other mesh was asked for.
+    is_measured: bool,
 }
 
 impl PartialEq for Open {
@@ -93,31 +98,75 @@ impl Mesh {
             return None;
         }
         let target = Target::new(other);
-        let triangles = (0..self.triangles.len()).into_par_iter();
-        let looks: Vec<Look> = triangles
-            .map(|index| target.look(self.corners(index)))
+        let mut is_used = vec![false; self.positions.len()];
+        for &vertex in self.triangles.as_flattened() {
+            is_used[vertex as usize] = true;
+        }
+        let places = self.positions.par_iter().zip(&is_used);
+        let near: Vec<Near> = places
+            .map(|(&place, is_used)| {
+                if *is_used {
+                    target.near(place, None)
+                } else {
+                    Near::UNUSED
+                }
+            })
             .collect();
         let mut search = Search {
-            open: BinaryHeap::with_capacity(looks.len()),
+            open: BinaryHeap::new(),
             lower: 0.0,
             place: self.corners(0)[0],
+            precision,
+            rounding: ON_REFINED * farthest(&self.positions),
         };
-        looks.into_iter().for_each(|look| search.add(look));
+        for (near, &place) in near.iter().zip(&self.positions) {
+            search.find(near.distance, place);
+        }
+        let enough = search.enough();
+        let triangles = self.triangles.par_iter();
+        let looks: Vec<Option<Look>> = triangles
+            .map(|triangle| {
+                let known = triangle.map(|vertex| near[vertex as usize].triangle);
+                let corners = triangle.map(|vertex| self.positions[vertex as usize]);
+                target.look(corners, &known, enough)
+            })
+            .collect();
+        looks
+            .into_iter()
+            .flatten()
+            .for_each(|look| search.add(look));
         let mut cuts = 0;
         let upper = loop {
-            let Some(widest) = search.open.pop() else {
+            let Some(mut widest) = search.open.pop() else {
                 break search.lower;
             };
-            let enough = search.lower + precision.max(1e-3 * search.lower);
+            let enough = search.enough();
             if widest.upper <= enough || cuts == MOST_CUTS {
                 break widest.upper.max(search.lower);
             }
+            if !widest.is_measured {
+                widest.is_measured = true;
+                if let Some((height, place)) = target.height_of(widest.corners, widest.nearest) {
+                    search.find_about(target.near(place, Some(widest.nearest)).distance, place);
+                    widest.upper = widest.upper.min(height);
+                }
+                search.open.push(widest);
+                continue;
+            }
             cuts += 1;
             for part in target.parts(&widest) {
-                let mut look = target.look(part);
-                // A part is no farther than the whole.
-                look.open.upper = look.open.upper.min(widest.upper);
-                search.add(look);
+                // Corners are those of the whole, or on its sides.
+                for corner in part {
+                    let known = Some(widest.nearest);
+                    if distance(corner, target.corners(widest.nearest)) > search.lower {
+                        search.find_about(target.near(corner, known).distance, corner);
+                    }
+                }
+                if let Some(mut look) = target.look(part, &[widest.nearest], search.enough()) {
+                    // A part is no farther than the whole.
+                    look.open.upper = look.open.upper.min(widest.upper);
+                    search.add(look);
+                }
             }
         };
         Some(MeshDistance {
@@ -128,11 +177,26 @@ impl Mesh {
     }
 }
 
-/// What is known of a triangle: how far it may be, and how far a point of it is.
+/// The triangle that is nearest to a point, and how far it is.
+#[derive(Clone, Copy)]
+struct Near {
+    triangle: u32,
+    distance: f64,
+}
+
+impl Near {
+    /// Of a vertex without triangles, which is no point of its mesh.
+    const UNUSED: Self = Self {
+        triangle: 0,
+        distance: 0.0,
+    };
+}
+
+/// What is known of a triangle: how far it may be, and how far its middle is.
 struct Look {
     open: Open,
-    lower: f64,
-    place: DVec3,
+    middle: DVec3,
+    distance: f64,
 }
 
 /// Parts that may be farther than what was found.
@@ -140,17 +204,46 @@ struct Search {
     open: BinaryHeap<Open>,
     lower: f64,
     place: DVec3,
+    precision: f64,
+    /// How far points that were computed may be off their triangles.
+    rounding: f64,
 }
 
 impl Search {
-    fn add(&mut self, look: Look) {
-        if look.lower > self.lower {
-            (self.lower, self.place) = (look.lower, look.place);
+    /// What is no farther need not be looked at.
+    fn enough(&self) -> f64 {
+        self.lower + self.precision.max(1e-3 * self.lower)
+    }
+
+    /// A point is this far.
+    fn find(&mut self, distance: f64, place: DVec3) {
+        if distance > self.lower {
+            (self.lower, self.place) = (distance, place);
         }
+    }
+
+    /// A point that was computed is this far.
+    fn find_about(&mut self, distance: f64, place: DVec3) {
+        self.find(distance - self.rounding, place);
+    }
+
+    fn add(&mut self, look: Look) {
+        self.find_about(look.distance, look.middle);
         if look.open.upper > self.lower {
             self.open.push(look.open);
         }
     }
+}
+
+/// The largest coordinate.
+fn farthest(points: &[DVec3]) -> f64 {
+    let all = points.iter().map(|point| point.abs().max_element());
+    all.fold(0.0, f64::max)
+}
+
+fn longest([a, b, c]: [DVec3; 3]) -> f64 {
+    let sides = [a.distance(b), b.distance(c), c.distance(a)];
+    sides.into_iter().fold(0.0, f64::max)
 }
 
 fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
@@ -162,8 +255,7 @@ fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
 /// reaches across by rounding alone is on the side of the rest.
 fn cut(polygon: &[DVec3], point: DVec3, normal: DVec3) -> [SmallVec<[DVec3; 8]>; 2] {
     let height = |corner: &DVec3| (*corner - point).dot(normal);
-    let far = polygon.iter().map(|corner| corner.abs().max_element());
-    let slack = ON_REFINED * far.fold(point.abs().max_element(), f64::max);
+    let slack = ON_REFINED * farthest(polygon).max(point.abs().max_element());
     let heights: SmallVec<[f64; 8]> = polygon.iter().map(height).collect();
     let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -199,6 +291,8 @@ fn fan(polygon: &[DVec3], triangles: &mut SmallVec<[[DVec3; 3]; 8]>) {
 struct Target<'a> {
     mesh: &'a Mesh,
     tree: BoxTree,
+    /// Of each triangle's sides those of its neighbours, as [`twins`] has them.
+    twins: Vec<u32>,
 }
 
 impl<'a> Target<'a> {
@@ -214,20 +308,33 @@ impl<'a> Target<'a> {
         Self {
             mesh,
             tree: BoxTree::new(entries.collect()),
+            twins: twins(&mesh.triangles, |triangle| {
+                let [a, b, c] = mesh.triangles[triangle];
+                a != b && b != c && c != a
+            }),
         }
     }
 
-    /// The nearest triangle to a point, and its distance.
-    fn nearest(&self, point: DVec3) -> (u32, f64) {
-        let distance = |index| distance(point, self.mesh.corners(index as usize));
-        self.tree
-            .nearest(point, distance)
-            .unwrap_or((0, f64::INFINITY))
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.mesh.corners(triangle as usize)
+    }
+
+    /// The nearest triangle to a point; faster if one is known that is not far.
+    fn near(&self, point: DVec3, known: Option<u32>) -> Near {
+        let measure = |triangle| distance(point, self.corners(triangle));
+        let (triangle, distance) = self
+            .tree
+            .nearest(point, known, measure)
+            .unwrap_or((0, f64::INFINITY));
+        Near { triangle, distance }
     }
 
     /// What a triangle is cut into.
     fn parts(&self, open: &Open) -> SmallVec<[[DVec3; 3]; 8]> {
-        let [a, b, c] = self.mesh.corners(open.nearest as usize);
+        let [a, b, c] = self.corners(open.nearest);
+        if longest(open.corners) > 2.0 * longest([a, b, c]) {
+            return SmallVec::from_slice(&quarters(open.corners));
+        }
         let normal = (b - a).cross(c - a);
         let mut parts = SmallVec::new();
         let mut rest: SmallVec<[DVec3; 8]> = SmallVec::from_slice(&open.corners);
@@ -244,32 +351,36 @@ impl<'a> Target<'a> {
         parts
     }
 
-    /// How far a triangle may be, at least and where.
-    fn look(&self, corners: [DVec3; 3]) -> Look {
-        let middle = corners.iter().sum::<DVec3>() / 3.0;
-        let (index, distance_of_middle) = self.nearest(middle);
-        let around = corners.map(|corner| corner.distance(middle));
-        let around = around.into_iter().fold(0.0, f64::max);
-        let nearest = self.mesh.corners(index as usize);
-        let to_nearest = corners.map(|corner| distance(corner, nearest));
-        let by_corners = to_nearest.into_iter().fold(0.0, f64::max);
-        let (mut lower, mut place) = (distance_of_middle, middle);
-        for corner in corners {
-            let (_, distance) = self.nearest(corner);
-            if distance > lower {
-                (lower, place) = (distance, corner);
+    /// How far a triangle may be; nothing if no farther than is enough. Triangles are known that are
+    /// near it.
+    fn look(&self, corners: [DVec3; 3], known: &[u32], enough: f64) -> Option<Look> {
+        let above = |triangle: u32| {
+            let nearest = self.corners(triangle);
+            let distances = corners.map(|corner| distance(corner, nearest));
+            distances.into_iter().fold(0.0, f64::max)
+        };
+        let mut upper = f64::INFINITY;
+        for &triangle in known {
+            upper = upper.min(above(triangle));
+            if upper <= enough {
+                return None;
             }
         }
-        let upper = by_corners.min(distance_of_middle + around).max(lower);
-        Look {
+        let middle = corners.iter().sum::<DVec3>() / 3.0;
+        let Near { triangle, distance } = self.near(middle, known.first().copied());
+        let around = corners.map(|corner| corner.distance(middle));
+        let around = around.into_iter().fold(0.0, f64::max);
+        let upper = upper.min(above(triangle)).min(distance + around);
+        Some(Look {
             open: Open {
-                upper,
+                upper: upper.max(distance),
                 corners,
-                nearest: index,
+                nearest: triangle,
+                is_measured: false,
             },
-            lower,
-            place,
-        }
+            middle,
+            distance,
+        })
     }
 }
 
