@@ -53,7 +53,7 @@ fn mesh(solid: &Solid, allowance: &mut Allowance) -> Result<Mesh, String> {
             return Ok(Mesh::default());
         };
         let within = SHARE * bounds.size().max_element();
-        mesher = mesher.tolerance(within);
+        mesher = mesher.tolerance(within).normals();
         allowance.strayed = Some(
             allowance
                 .strayed
@@ -481,15 +481,37 @@ pub(super) fn bounds(
     Ok(mesh(solid, allowance)?.bounds())
 }
 
+/// By how much vertices of a mesh are off their surfaces at most, of the largest coordinate.
+const ROUNDING: f64 = 1e-12;
+
+/// Normals that rise by less are told from level ones by no single precision. What leans by less is
+/// off by as much of its height, and its mesh by far more.
+const UPRIGHT: f32 = 1e-6;
+
 /// The solid seen along z.
 pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile, String> {
-    let mesh = mesh(solid, allowance)?;
-    // Of the triangles that face up only the sides beyond which there is none: the others
-    // cancel each other.
+    let outlines = outlines(&mesh(solid, allowance)?)?;
+    Ok(Profile::polygons_of(outlines, FillRule::NonZero))
+}
+
+/// What is between the triangles of a mesh that face up and the others, seen along z: the contours
+/// of its shadow, and those of what is above or below some of it.
+fn outlines(mesh: &Mesh) -> Result<Vec<Vec<DVec2>>, String> {
+    let rounding = mesh.bounds().map_or(0.0, |(low, high)| {
+        ROUNDING * low.abs().max(high.abs()).max_element()
+    });
+    let faces_up = |index: usize| {
+        let [p, q, r]: [DVec2; 3] = mesh.corners(index).map(DVec3::truncate);
+        let longest = p.distance(q).max(q.distance(r)).max(r.distance(p));
+        // Of a wall that stands upright triangles face up or down as its chords and rounding have it:
+        // their sides would cross each other everywhere.
+        let normals = mesh.corner_normals.get(index);
+        let stands = normals.is_some_and(|all| all.iter().all(|normal| normal.z.abs() < UPRIGHT));
+        !stands && (q - p).perp_dot(r - p) > rounding * longest
+    };
     let mut open: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for (index, &[a, b, c]) in mesh.triangles.iter().enumerate() {
-        let [p, q, r]: [DVec2; 3] = mesh.corners(index).map(DVec3::truncate);
-        if (q - p).perp_dot(r - p) > 0.0 {
+        if faces_up(index) {
             for [from, to] in [[a, b], [b, c], [c, a]] {
                 if !take(&mut open, [to, from]) {
                     *open.entry([from, to]).or_default() += 1;
@@ -497,12 +519,12 @@ pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile
             }
         }
     }
-    let mut contours = Vec::new();
+    let mut outlines = Vec::new();
     while let Some((&[start, mut to], _)) = open.first_key_value() {
         take(&mut open, [start, to]);
-        let mut contour = vec![start];
+        let mut outline = vec![start];
         while to != start {
-            contour.push(to);
+            outline.push(to);
             let next = open.range([to, 0]..=[to, u32::MAX]).next();
             let Some((&next, _)) = next else {
                 return Err("its outline does not close".to_owned());
@@ -511,9 +533,9 @@ pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile
             to = next[1];
         }
         let at = |vertex: u32| mesh.positions[vertex as usize].truncate();
-        contours.push(contour.into_iter().map(at));
+        outlines.push(outline.into_iter().map(at).collect());
     }
-    Ok(Profile::polygons_of(contours, FillRule::NonZero))
+    Ok(outlines)
 }
 
 /// Takes one of what is counted, if there is any.
@@ -562,6 +584,23 @@ mod tests {
             let off = (shadow.area(1e-3).expect("an area") - area).abs();
             assert!(off < 1e-3 * area, "{off}");
         }
+    }
+
+    /// Of a wall that stands upright but for rounding some triangles face up, and some down.
+    #[test]
+    fn walls_that_stand_upright_cast_no_shadow() {
+        let post = Solid::cylinder(2.0, -1.0..1.0) - Solid::cylinder(1.5, -0.5..2.0);
+        let post = post.rotate_x(0.3).rotate_y(0.7);
+        let post = post.rotate_y(-0.7).rotate_x(-0.3);
+        let mesh = mesh(&post, &mut Allowance::default()).expect("a mesh");
+        let outlines = outlines(&mesh).expect("outlines");
+        let corners: usize = outlines.iter().map(Vec::len).sum();
+        let around = |radius: f64| {
+            let rim = |p: &&DVec3| p.z > 0.9 && (p.truncate().length() - radius).abs() < 1e-9;
+            mesh.positions.iter().filter(rim).count()
+        };
+        // The floor of the pit is seen through its mouth.
+        assert_eq!(corners, around(2.0) + 2 * around(1.5));
     }
 
     #[test]
