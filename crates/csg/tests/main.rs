@@ -1,5 +1,6 @@
 //! All integration tests of the crate, as one program: many would be linked many times.
 
+mod balls;
 mod draft;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;

@@ -40,9 +40,10 @@ const CUTS_TOLD: u32 = 3;
 /// nothing else that is beyond them. Tunes speed only.
 const BEYOND_WALLS: f64 = 1e-7;
 
-/// Cuts the box around a program's whole scene; its surfaces are told as they lie there.
+/// Cuts the box around a program's whole scene; its surfaces are told as they lie there. Of some
+/// programs only the rest is meant.
 pub(super) fn cut(
-    (program, surfaces): (&Program, &[Surface]),
+    (program, surfaces, rest): (&Program, &[Surface], Option<&Cell>),
     given: Option<&Given>,
     [low, high]: [DVec3; 2],
     control: &Control,
@@ -54,6 +55,7 @@ pub(super) fn cut(
     let cutter = Cutter {
         program,
         surfaces,
+        rest,
         given,
         beyond,
         control,
@@ -81,6 +83,7 @@ struct Way {
 struct Cutter<'a> {
     program: &'a Program,
     surfaces: &'a [Surface],
+    rest: Option<&'a Cell>,
     given: Option<&'a Given>,
     /// How far beyond walls blocks end.
     beyond: f64,
@@ -102,7 +105,10 @@ impl Cutter<'_> {
             }
             None => {
                 let mut cell = Cell::default();
-                self.prune(&self.program.root_cell(), low, high, &mut cell);
+                match self.rest {
+                    Some(rest) => self.prune(rest, low, high, &mut cell),
+                    None => self.prune(&self.program.root_cell(), low, high, &mut cell),
+                }
                 let way = Way {
                     cuts: 0,
                     vain: 0,

@@ -33,6 +33,7 @@
 //! Where quadrics have a straight line in common besides other curves, or several
 //! surfaces nearly touch, there may be no result: then cells must do.
 
+mod alone;
 mod arc;
 mod arcs;
 mod assemble;
@@ -94,6 +95,7 @@ pub(crate) use self::ids::{HalfEdgeId, VertexId};
 pub(crate) use self::pairs::tests::quadric as random_quadric;
 pub(crate) use self::piece::{CurveId, Other, Side};
 
+use self::alone::Alone;
 use self::arcs::ArcTracer;
 use self::assemble::assemble;
 use self::block::Block;
@@ -172,7 +174,8 @@ pub(crate) fn mesh(
     (chords, tolerance): (&Chords, f64),
     report: &mut Report,
 ) -> Result<Result<Evaluated, Undecided>, Error> {
-    in_blocks(task, report, |scene, blocks, report| {
+    let alone = |scene: &Scene<'_>| Alone::of(task, scene);
+    in_blocks(task, report, alone, |scene, blocks, alone, report| {
         let evaluated = chords.first_of(scene, tolerance, |chord| {
             let Linked {
                 mut boundary,
@@ -181,7 +184,10 @@ pub(crate) fn mesh(
             } = linked(scene, blocks, chord, report)?;
             let start = Instant::now();
             boundary.split_double_edges(scene)?;
-            let mesh = assemble(scene, task, &mut boundary, &contacts)?;
+            let mut mesh = assemble(scene, task, &mut boundary, &contacts)?;
+            if let Some(alone) = alone {
+                alone.add_to(&mut mesh, task);
+            }
             scene.go_on()?;
             report.end_stage("triangles", start);
             let borders = boundary.borders();
@@ -203,18 +209,20 @@ pub(crate) fn arrangement(
     task: &Task<'_>,
     report: &mut Report,
 ) -> Result<Result<Arrangement, Undecided>, Error> {
-    in_blocks(task, report, |scene, blocks, report| {
+    let whole = |_: &Scene<'_>| None;
+    in_blocks(task, report, whole, |scene, blocks, _, report| {
         let Linked { boundary, .. } =
             Chords::LONG.first_of(scene, 0.0, |chord| linked(scene, blocks, chord, report))?;
         Ok(Arrangement::new(scene, &boundary))
     })
 }
 
-/// Cuts space into blocks, and hands them on with what they have in common.
+/// Cuts space into blocks, without what is alone, and hands them on with what they have in common.
 fn in_blocks<T>(
     task: &Task<'_>,
     report: &mut Report,
-    evaluate: impl FnOnce(&Scene<'_>, &[Block], &mut Report) -> Result<T, Stop>,
+    alone: impl FnOnce(&Scene<'_>) -> Option<Alone>,
+    evaluate: impl FnOnce(&Scene<'_>, &[Block], Option<&Alone>, &mut Report) -> Result<T, Stop>,
 ) -> Result<Result<T, Undecided>, Error> {
     let start = Instant::now();
     let longest = task.size.max_element();
@@ -244,13 +252,15 @@ fn in_blocks<T>(
         -0.5 * task.size - BELOW * longest,
         0.5 * task.size + ABOVE * longest,
     ];
-    let surfaces = (task.program, &task.surfaces[..]);
+    let alone = alone(&scene);
+    let rest = alone.as_ref().map(|alone| &alone.rest);
+    let surfaces = (task.program, &task.surfaces[..], rest);
     let (blocks, counts) = cut(surfaces, given.as_ref(), bounds, task.control)?;
     report.cells_visited = counts.visited;
     report.cells_pruned = counts.pruned;
     report.surface_cells = blocks.len() as u64;
     report.end_stage("blocks", start);
-    match evaluate(&scene, &blocks, report) {
+    match evaluate(&scene, &blocks, alone.as_ref(), report) {
         Ok(evaluated) => Ok(Ok(evaluated)),
         Err(Stop::Undecided(undecided)) => Ok(Err(Undecided {
             place: undecided.place + task.origin,

@@ -159,7 +159,7 @@ impl BoxTree {
     }
 
     /// Tells of all entries whose boxes overlap another one.
-    pub(super) fn overlapping(&self, bounds: &Bounds, tell: &mut impl FnMut(u32)) {
+    pub(crate) fn overlapping(&self, bounds: &Bounds, tell: &mut impl FnMut(u32)) {
         let mut waiting = vec![1];
         while let Some(node) = waiting.pop() {
             if !self.nodes[node].bounds.overlaps(bounds) {
