@@ -60,7 +60,7 @@ fn solid(random: &mut Random) -> Solid {
 #[test]
 fn whole_ones_are_where_the_boundary_has_them() {
     let mut whole = 0;
-    for seed in 0..120 {
+    for seed in 0..60 {
         let mut random = Random(seed);
         let solid = solid(&mut random);
         let program = Program::lower(&solid).expect("valid");
@@ -102,5 +102,5 @@ fn whole_ones_are_where_the_boundary_has_them() {
             .filter(|face| face.edges().next().is_none())
             .count();
     }
-    assert!(whole > 500, "{whole}");
+    assert!(whole > 250, "{whole}");
 }
