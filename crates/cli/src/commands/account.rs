@@ -8,7 +8,7 @@ use csg::{Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
-use super::figure::{Figure, at_most, place, short};
+use super::figure::{Figure, at_most, coordinate, place, short};
 use crate::mesher::Product;
 
 /// Measures, checks and times of a mesh. In the model's unit and its powers.
@@ -51,12 +51,26 @@ impl Bounds {
     }
 }
 
+/// Digits of coordinates: boxes are known to about a thousand millionth of their size.
+const DIGITS: usize = 10;
+
 impl Bounds {
     /// A point within it, or a corner, as it is told.
     fn told(&self, point: [f64; 3]) -> String {
+        place(point, self.size(), DIGITS)
+    }
+
+    /// Its least coordinates and its largest, as they are told.
+    pub(crate) fn rounded(&self) -> [f64; 6] {
+        let [a, b, c] = self.min;
+        let [d, e, f] = self.max;
+        [a, b, c, d, e, f].map(|x| coordinate(x, self.size(), DIGITS))
+    }
+
+    /// The longest side.
+    fn size(&self) -> f64 {
         let size = [0, 1, 2].map(|axis| self.max[axis] - self.min[axis]);
-        let size = size.into_iter().fold(0.0, f64::max);
-        place(point, size, 10)
+        size.into_iter().fold(0.0, f64::max)
     }
 }
 

@@ -37,19 +37,41 @@ impl Figure {
         self.value
     }
 
+    /// The number with the digits that it is told with: those that the bound lets be known.
+    pub(crate) fn told(&self) -> f64 {
+        let told = self.to_string();
+        let number = told
+            .split(' ')
+            .next()
+            .and_then(|number| number.parse().ok());
+        number.unwrap_or(self.value)
+    }
+
+    /// A bound on how far [`Figure::told`] is off, of two digits; 0 where no bound is known.
+    pub(crate) fn error_told(&self) -> f64 {
+        let error = self.error().unwrap_or(0.0);
+        let bound = at_most(error + (self.told() - self.value).abs(), 2);
+        bound.parse().unwrap_or(error)
+    }
+
     /// As far as it is off, if that is known.
     pub(crate) fn error(&self) -> Option<f64> {
         Some(0.5 * (self.upper? - self.lower?)).filter(|error| *error > 0.0)
     }
 }
 
-/// A number with so many digits at most.
-pub(crate) fn short(number: f64, digits: usize) -> String {
+/// A number rounded to so many digits.
+fn rounded(number: f64, digits: usize) -> f64 {
     let rounded: f64 = format!("{number:.*e}", digits - 1)
         .parse()
         .unwrap_or(number);
     // Nothing has no sign.
-    let rounded = rounded + 0.0;
+    rounded + 0.0
+}
+
+/// A number with so many digits at most.
+pub(crate) fn short(number: f64, digits: usize) -> String {
+    let rounded = rounded(number, digits);
     if rounded != 0.0 && !(1e-5..1e15).contains(&rounded.abs()) {
         format!("{rounded:e}")
     } else {
@@ -57,10 +79,16 @@ pub(crate) fn short(number: f64, digits: usize) -> String {
     }
 }
 
-/// A place of something of a size, as it is told: a coordinate that is less than rounding is nothing.
+/// A place of something of a size, as it is told: see [`coordinate`].
 pub(crate) fn place(at: [f64; 3], size: f64, digits: usize) -> String {
-    let clean = |x: f64| if x.abs() < 1e-12 * size { 0.0 } else { x };
-    at.map(|x| short(clean(x), digits)).join(" ")
+    at.map(|x| short(coordinate(x, size, digits), digits))
+        .join(" ")
+}
+
+/// A coordinate of something of a size, rounded: one that is less than rounding is nothing.
+pub(crate) fn coordinate(x: f64, size: f64, digits: usize) -> f64 {
+    let clean = if x.abs() < 1e-12 * size { 0.0 } else { x };
+    rounded(clean, digits)
 }
 
 /// A bound from above: no digit less than it is.

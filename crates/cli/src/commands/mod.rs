@@ -21,6 +21,7 @@ mod schema_tests;
 pub(crate) mod section;
 mod sheet;
 pub(crate) mod sweep;
+mod table;
 #[cfg(feature = "view")]
 pub(crate) mod view;
 mod view_reference;

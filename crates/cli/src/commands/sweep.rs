@@ -9,7 +9,10 @@ use csg::{BoundaryOptions, Mesher, Program};
 use io::WriteOptions;
 use rayon::prelude::*;
 
+use super::account::Bounds;
+use super::figure::Figure;
 use super::parse::{angle, length};
+use super::table::{self, Field, Kind, TableFormat};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Subject;
 use crate::mesher::{ANGLE, LimitOptions, Unit};
@@ -19,13 +22,15 @@ use crate::shard::Shard;
 
 /// Options of `sweep`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = columns_help())]
 pub(crate) struct Options {
     /// The table of variants as comma-separated values: its first row has the names of
     /// variables, and each other row their values for one model
     #[arg(value_name = "TABLE")]
     table: PathBuf,
-    /// Where to write the table of measures, as comma-separated values, or `-` for
-    /// standard output: a row for each variant, with its number and variables
+    /// Where to write the table of measures, as comma-separated values (.csv) or Parquet
+    /// (.parquet), or `-` for comma-separated values on standard output: a row for each variant,
+    /// with its number and variables
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Write files of each variant, too, meshes or .step; {row} in the name stands for the
@@ -66,30 +71,78 @@ pub(crate) type Variable = (String, String);
 /// Makes the model of a row of variables.
 pub(crate) type Model<'a> = dyn Fn(&[Variable]) -> Result<Subject, Failure> + Sync + 'a;
 
+/// The first column.
+const ROW: Column = Column("row", Kind::Count, "the variant's number, from 1");
+
 /// What is measured of each model.
-const MEASURES: [&str; 15] = [
-    "volume",
-    "volume_error",
-    "area",
-    "centroid_x",
-    "centroid_y",
-    "centroid_z",
-    "min_x",
-    "min_y",
-    "min_z",
-    "max_x",
-    "max_y",
-    "max_z",
-    "components",
-    "genus",
-    "triangles",
+const MEASURES: [Column; 15] = [
+    Column("volume", Kind::Number, "in the unit's cube"),
+    Column("volume_error", Kind::Number, "the volume is off by no more"),
+    Column("area", Kind::Number, "of the surface, in the unit's square"),
+    Column("centroid_x", Kind::Number, "where the centroid is"),
+    Column("centroid_y", Kind::Number, ""),
+    Column("centroid_z", Kind::Number, ""),
+    Column("min_x", Kind::Number, "the box around it"),
+    Column("min_y", Kind::Number, ""),
+    Column("min_z", Kind::Number, ""),
+    Column("max_x", Kind::Number, ""),
+    Column("max_y", Kind::Number, ""),
+    Column("max_z", Kind::Number, ""),
+    Column("components", Kind::Count, "connected parts of the boundary"),
+    Column("genus", Kind::Count, "handles, of all of them"),
+    Column("triangles", Kind::Count, "of the mesh, if one is written"),
 ];
+
+/// What comes after the measures.
+const LAST: [Column; 2] = [
+    Column(
+        "files",
+        Kind::Text,
+        "that were written, with spaces between",
+    ),
+    Column(
+        "error",
+        Kind::Text,
+        "why the variant failed; it has no measures then",
+    ),
+];
+
+/// The name of a column, what its fields are, and what they say.
+struct Column(&'static str, Kind, &'static str);
+
+/// What the columns of the table of measures are, for `--help`.
+fn columns_help() -> String {
+    let mut help = "Columns of OUT, numbers with the digits that are known; what there is not is \
+                    empty:\n"
+        .to_owned();
+    let mut line = |name: &str, kind: &str, says: &str| {
+        help += format!("  {name:<13} {kind:<7} {says}").trim_end();
+        help.push('\n');
+    };
+    let told = |kind: Kind| match kind {
+        Kind::Text => "text",
+        Kind::Count => "whole",
+        Kind::Number => "number",
+    };
+    line(ROW.0, told(ROW.1), ROW.2);
+    line(
+        "...",
+        "",
+        "the variables of TABLE, as they are there; in Parquet",
+    );
+    line("", "", "numbers where all of a column are");
+    for Column(name, kind, says) in MEASURES.iter().chain(&LAST) {
+        line(name, told(*kind), says);
+    }
+    help
+}
 
 pub(crate) fn run(
     model: &Model<'_>,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {
+    let format = TableFormat::from_path(&options.output)?;
     progress.stage("reading");
     let table = Table::read(&options.table)?;
     let names: Vec<&str> = table.names.iter().map(String::as_str).collect();
@@ -102,42 +155,45 @@ pub(crate) fn run(
     progress.stage("sweeping");
     let (done, count) = (AtomicUsize::new(0), rows.len().max(1));
     let tell = progress.callback();
+    let kinds = match format {
+        // (As it is given.)
+        TableFormat::Csv => vec![Kind::Text; names.len()],
+        #[cfg(feature = "parquet")]
+        TableFormat::Parquet => table.kinds(),
+    };
     let made: Vec<Row> = rows
         .into_par_iter()
         .map(|index| {
-            let row = Row::of(index + 1, &table.variables(index), model, options);
+            let row = Row::of(index + 1, &table.variables(index), &kinds, model, options);
             tell((1 + done.fetch_add(1, Ordering::Relaxed)) as f64 / count as f64);
             row
         })
         .collect();
     progress.stage("writing");
-    let mut out = csv::Writer::from_writer(Vec::new());
-    let mut write = |fields: &[String]| {
-        out.write_record(fields)
-            .map_err(|error| Failure::output(&options.output.display().to_string(), error))
+    let (count, failed) = (made.len(), made.iter().filter(|row| row.has_failed).count());
+    let of_measures = |columns: &[Column]| -> Vec<(String, Kind)> {
+        let columns = columns.iter();
+        columns
+            .map(|Column(name, kind, _)| ((*name).to_owned(), *kind))
+            .collect()
     };
-    let head = ["row".to_owned()].into_iter().chain(table.names.clone());
-    let head = head.chain(MEASURES.map(str::to_owned));
-    let head: Vec<String> = head
-        .chain(["files".to_owned(), "error".to_owned()])
-        .collect();
-    write(&head)?;
-    for row in &made {
-        write(&row.fields)?;
-    }
-    let text = out
-        .into_inner()
-        .map_err(|error| Failure::output("the table", error.to_string()))?;
-    output::write_bytes(&options.output, &text)?;
+    let variables = table.names.iter().cloned().zip(kinds).collect();
+    let told = table::Table {
+        columns: [
+            of_measures(&[ROW]),
+            variables,
+            of_measures(&MEASURES),
+            of_measures(&LAST),
+        ]
+        .concat(),
+        rows: made.into_iter().map(|row| row.fields).collect(),
+    };
+    output::write_bytes(&options.output, &told.to_bytes(format)?)?;
     progress.end();
-    let failed = made.iter().filter(|row| row.has_failed).count();
-    progress.say(format_args!(
-        "{} variants, {failed} of which failed",
-        made.len()
-    ));
+    progress.say(format_args!("{count} variants, {failed} of which failed"));
     if failed > 0 {
         let cause = "their rows say why in the column `error`";
-        let context = format!("{failed} of {} variants failed", made.len());
+        let context = format!("{failed} of {count} variants failed");
         return Err(Failure::new(exit_codes::MODEL, context, cause));
     }
     Ok(())
@@ -151,7 +207,14 @@ struct Table {
 
 impl Table {
     fn read(path: &Path) -> Result<Self, Failure> {
-        let failure = |error: csv::Error| Failure::input(&path.display().to_string(), error);
+        let name = path.display().to_string();
+        check_table(path)?;
+        let failure = |error: csv::Error| match error.kind() {
+            csv::ErrorKind::UnequalLengths { .. } => Failure::input(&name, error).hint(
+                "every row has a field for each name in the first: put texts with commas in quotes",
+            ),
+            _ => Failure::input(&name, error),
+        };
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
@@ -163,15 +226,22 @@ impl Table {
             .iter()
             .map(str::to_owned)
             .collect();
-        let known = ["row", "files", "error"].into_iter().chain(MEASURES);
-        let taken: Vec<&str> = known
-            .filter(|known| names.iter().any(|name| name == known))
-            .collect();
-        if let Some(taken) = taken.first() {
+        let written = [ROW].into_iter().chain(MEASURES).chain(LAST);
+        let mut taken = written.map(|Column(name, ..)| name);
+        let taken = taken.find(|known| names.iter().any(|name| name == known));
+        if let Some(taken) = taken {
             let cause = format!(
                 "its column `{taken}` is one of those that are written: give it another name"
             );
-            return Err(Failure::input(&path.display().to_string(), cause));
+            return Err(Failure::input(&name, cause));
+        }
+        let twice = (1..names.len()).find(|&k| names[..k].contains(&names[k]));
+        if let Some(k) = twice {
+            let cause = format!(
+                "two of its columns are called `{}`: give one another name",
+                names[k]
+            );
+            return Err(Failure::input(&name, cause));
         }
         let rows = reader.records().map(|record| {
             let record = record.map_err(failure)?;
@@ -179,6 +249,18 @@ impl Table {
         });
         let rows = rows.collect::<Result<_, Failure>>()?;
         Ok(Self { names, rows })
+    }
+
+    /// What each variable is in all rows: a number, if it is one wherever it is given.
+    #[cfg(feature = "parquet")]
+    fn kinds(&self) -> Vec<Kind> {
+        let is_number = |value: &String| value.is_empty() || value.parse::<f64>().is_ok();
+        let is_of_numbers = |column| self.rows.iter().all(|row| is_number(&row[column]));
+        let kind = |column| match is_of_numbers(column) {
+            true => Kind::Number,
+            false => Kind::Text,
+        };
+        (0..self.names.len()).map(kind).collect()
     }
 
     fn variables(&self, index: usize) -> Vec<Variable> {
@@ -202,6 +284,28 @@ impl Table {
         }
         Ok(())
     }
+}
+
+/// Refuses what is no table by its name: a scene, a model, a mesh, or a table of another format.
+fn check_table(path: &Path) -> Result<(), Failure> {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let ending = ending.map(str::to_ascii_lowercase);
+    let is_model = matches!(ending.as_deref(), Some("csg" | "scad"))
+        || io::step::is_step(path)
+        || io::MeshFormat::from_path(path).is_ok();
+    let name = path.display().to_string();
+    if is_model {
+        let cause = "it is a model, not a table of variants";
+        return Err(Failure::input(&name, cause).hint(
+            "name a table of comma-separated values (.csv): models stand in its column `model`, \
+             or one for all rows is given by --model",
+        ));
+    }
+    if matches!(ending.as_deref(), Some("parquet" | "xlsx" | "ods")) {
+        let cause = "tables of variants are read as comma-separated values alone: save it as .csv";
+        return Err(Failure::input(&name, cause));
+    }
+    Ok(())
 }
 
 /// Refuses names of files that are the same for several rows, or of no known format.
@@ -232,24 +336,31 @@ fn check_name(name: &str, variables: &[&str]) -> Result<(), Failure> {
 
 /// A row of the table of measures.
 struct Row {
-    fields: Vec<String>,
+    fields: Vec<Field>,
     has_failed: bool,
 }
 
 impl Row {
-    fn of(number: usize, variables: &[Variable], model: &Model<'_>, options: &Options) -> Self {
-        let mut fields = vec![number.to_string()];
-        fields.extend(variables.iter().map(|(_, value)| value.clone()));
+    fn of(
+        number: usize,
+        variables: &[Variable],
+        kinds: &[Kind],
+        model: &Model<'_>,
+        options: &Options,
+    ) -> Self {
+        let mut fields = vec![Field::count(number)];
+        let given = variables.iter().zip(kinds);
+        fields.extend(given.map(|((_, value), kind)| Field::given(value, *kind)));
         let made = measured(number, variables, model, options);
         let has_failed = made.is_err();
         match made {
             Ok(measures) => {
                 fields.extend(measures);
-                fields.push(String::new());
+                fields.push(Field::Nothing);
             }
             Err(failure) => {
-                fields.extend(vec![String::new(); MEASURES.len() + 1]);
-                fields.push(one_line(&failure.to_string()));
+                fields.extend(vec![Field::Nothing; MEASURES.len() + 1]);
+                fields.push(Field::Text(one_line(&failure.to_string())));
             }
         }
         Self { fields, has_failed }
@@ -266,7 +377,7 @@ fn measured(
     variables: &[Variable],
     model: &Model<'_>,
     options: &Options,
-) -> Result<Vec<String>, Failure> {
+) -> Result<Vec<Field>, Failure> {
     let solid = model(variables)?.solid()?;
     let program = Program::lower(&solid)?;
     let limits = options.limits.limits();
@@ -285,7 +396,7 @@ fn measured(
     for path in steps {
         output::write_step(path, &brep, unit, options.step)?;
     }
-    let mut triangles = String::new();
+    let mut triangles = Field::Nothing;
     if !meshes.is_empty() {
         let mut mesher = Mesher::new().normals().unit(unit).limits(limits);
         if let Some(tolerance) = options.tolerance {
@@ -302,36 +413,32 @@ fn measured(
             let options = WriteOptions::default();
             output::write_mesh(path, &mesh, StreamFormat::default(), &options)?;
         }
-        triangles = mesh.triangles.len().to_string();
+        triangles = Field::count(mesh.triangles.len());
     }
     let measure = brep.measure();
-    let mut numbers = vec![
-        measure.volume.value,
-        measure.volume.error,
-        measure.area.value,
+    let volume = Figure::from(measure.volume);
+    let numbers = [
+        volume.told(),
+        volume.error_told(),
+        Figure::from(measure.area).told(),
     ];
-    let centroid = measure.centroid.map(|centroid| centroid.map(|x| x.value));
-    numbers.extend(centroid.unwrap_or([f64::NAN; 3]));
+    let centroid = measure
+        .centroid
+        .map(|centroid| centroid.map(|x| Figure::from(x).told()));
     let bounds = brep
         .bounds()
-        .map(|bounds| [bounds.min, bounds.max].map(|p| p.to_array()));
-    numbers.extend(bounds.unwrap_or([[f64::NAN; 3]; 2]).concat());
-    let told = |number: f64| match number.is_nan() {
-        true => String::new(),
-        // (With an exponent where that is shorter.)
-        false => format!("{number:?}"),
-    };
-    let mut fields: Vec<String> = numbers.into_iter().map(told).collect();
-    fields.push(brep.shells().len().to_string());
-    fields.push(
-        brep.shells()
-            .map(|shell| shell.genus())
-            .sum::<usize>()
-            .to_string(),
-    );
+        .map(|bounds| Bounds::new(bounds.min, bounds.max).rounded());
+    let mut fields: Vec<Field> = numbers.into_iter().map(Field::number).collect();
+    fields.extend(centroid.map_or([const { Field::Nothing }; 3], |c| c.map(Field::number)));
+    fields.extend(bounds.map_or([const { Field::Nothing }; 6], |b| b.map(Field::number)));
+    fields.push(Field::count(brep.shells().len()));
+    fields.push(Field::count(brep.shells().map(|shell| shell.genus()).sum()));
     fields.push(triangles);
-    let files = files.iter().map(|path| path.display().to_string());
-    fields.push(files.collect::<Vec<_>>().join(" "));
+    let files: Vec<String> = files
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    fields.push(Field::given(&files.join(" "), Kind::Text));
     Ok(fields)
 }
 

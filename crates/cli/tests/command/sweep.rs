@@ -75,11 +75,126 @@ fn rows_are_measured_and_the_same_in_any_number_of_parts() {
 }
 
 #[test]
+fn numbers_have_the_digits_that_are_known() {
+    let folder = folder();
+    let turned = "multmatrix([[6.123e-17, -0.9999999999999999, 0, 0], \
+                  [0.9999999999999999, 6.123e-17, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) \
+                  { cube(size = [1, 1, 1], center = false); }";
+    fs::write(folder.file("turned.csg"), turned).expect("a file");
+    fs::write(folder.file("one.csv"), "model\nturned.csg\n").expect("a file");
+    succeeded(&folder.run("sweep one.csv -o out.csv"));
+    let text = fs::read_to_string(folder.file("out.csv")).expect("a table");
+    let fields: Vec<&str> = text.lines().nth(1).expect("a row").split(',').collect();
+    assert_eq!(
+        fields[5..14],
+        [
+            "-0.5", "0.5", "0.5", "-1.0", "0.0", "0.0", "0.0", "1.0", "1.0"
+        ]
+    );
+    let [volume, error] = [2, 3].map(|k| fields[k].parse::<f64>().expect("a number"));
+    assert!(error < 1e-12 && (volume - 1.0).abs() <= error, "{text}");
+}
+
+/// Every column of a table is told in the help.
+#[test]
+fn columns_are_described() {
+    let folder = folder();
+    fs::write(folder.file("one.csv"), "model\nball.csg\n").expect("a file");
+    succeeded(&folder.run("sweep one.csv -o out.csv"));
+    let help = folder.run("sweep --help");
+    let help = String::from_utf8_lossy(&succeeded(&help).stdout).into_owned();
+    let (_, help) = help.split_once("Columns of OUT").expect("columns");
+    let text = fs::read_to_string(folder.file("out.csv")).expect("a table");
+    let names = text.lines().next().expect("names").split(',');
+    for name in names.filter(|name| *name != "model") {
+        let is_told = help
+            .lines()
+            .any(|line| line.trim_start().starts_with(&format!("{name} ")));
+        assert!(is_told, "{name}: {help}");
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn tables_are_written_as_parquet() {
+    use parquet::basic::Type;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    let folder = folder();
+    fs::write(
+        folder.file("typed.csv"),
+        "model,bore,note\nball.csg,0.50,\nbad.csg,,late\nbox.csg,2,3\n",
+    )
+    .expect("a file");
+    failed(&folder.run("sweep typed.csv -o out.PARQUET"), 4);
+    let file = fs::File::open(folder.file("out.PARQUET")).expect("a file");
+    let reader = SerializedFileReader::new(file).expect("a table");
+    let kinds: Vec<(String, Type)> = reader
+        .metadata()
+        .file_metadata()
+        .schema_descr()
+        .columns()
+        .iter()
+        .map(|column| (column.name().to_owned(), column.physical_type()))
+        .collect();
+    for (at, name, kind) in [
+        (0, "row", Type::INT64),
+        (1, "model", Type::BYTE_ARRAY),
+        (2, "bore", Type::DOUBLE),
+        (3, "note", Type::BYTE_ARRAY),
+        (4, "volume", Type::DOUBLE),
+        (17, "genus", Type::INT64),
+        (20, "error", Type::BYTE_ARRAY),
+    ] {
+        assert_eq!(kinds[at], (name.to_owned(), kind));
+    }
+    let rows = reader.get_row_iter(None).expect("rows");
+    let rows: Vec<Vec<Field>> = rows
+        .map(|row| {
+            let row = row.expect("a row");
+            row.get_column_iter()
+                .map(|(_, field)| field.clone())
+                .collect()
+        })
+        .collect();
+    assert_eq!(rows.len(), 3);
+    let text = |text: &str| Field::Str(text.to_owned());
+    let [ball, bad, cuboid] = &rows[..] else {
+        panic!("{rows:?}")
+    };
+    assert_eq!(
+        ball[..4],
+        [
+            Field::Long(1),
+            text("ball.csg"),
+            Field::Double(0.5),
+            Field::Null
+        ]
+    );
+    assert_eq!(
+        bad[..5],
+        [
+            Field::Long(2),
+            text("bad.csg"),
+            Field::Null,
+            text("late"),
+            Field::Null
+        ]
+    );
+    assert!(matches!(&bad[20], Field::Str(why) if why.contains("roof")));
+    assert_eq!(cuboid[2..4], [Field::Double(2.0), text("3")]);
+    assert!(matches!(cuboid[4], Field::Double(volume) if (volume - 6.0).abs() < 1e-12));
+    assert_eq!(cuboid[17], Field::Long(0));
+}
+
+#[test]
 fn wrong_tables_and_names_are_told() {
     let folder = folder();
     fs::write(folder.file("taken.csv"), "volume\n1\n").expect("a file");
     fs::write(folder.file("twice.csv"), "model\nin.csg\nbox.csg\nin.csg\n").expect("a file");
     fs::write(folder.file("ragged.csv"), "model,a\nin.csg\n").expect("a file");
+    fs::write(folder.file("names.csv"), "model,bore,bore\nin.csg,1,2\n").expect("a file");
     let output = failed(&folder.run("sweep table.csv -o nowhere/out.csv"), 5);
     assert!(output.contains("nowhere/out.csv"), "{output}");
     for (arguments, code, words) in [
@@ -99,6 +214,12 @@ fn wrong_tables_and_names_are_told() {
             "rows 1 and 3 would have one file",
         ),
         ("sweep table.csv -o out.csv --shard 3/2", 2, "1/4"),
+        ("sweep table.csv -o out.xlsx", 2, ".csv"),
+        ("sweep table.csv -o out", 2, ".csv"),
+        ("sweep in.csg -o out.csv", 3, "--model"),
+        ("sweep ball.stl -o out.csv", 3, "not a table"),
+        ("sweep table.parquet -o out.csv", 3, "save it as .csv"),
+        ("sweep names.csv -o out.csv", 3, "called `bore`"),
     ] {
         let message = failed(&folder.run(arguments), code);
         assert!(message.contains(words), "{arguments}: {message}");
