@@ -42,9 +42,10 @@ pub enum Error {
         /// The limit.
         limit: u64,
     },
-    /// The mesh would cost more than [`crate::Limits`] allow.
+    /// The mesh would cost more than [`crate::Limits`] allow; [`crate::Limits::partial`] asks for what
+    /// fits.
     #[error(
-        "{0}: raise the limit, ask for larger cells or a larger tolerance, or for what fits, if anything does (Limits::partial)"
+        "{0}: raise the limit, ask for larger cells or a larger tolerance, or for what fits, if anything does"
     )]
     LimitReached(LimitReached),
     /// The exact boundary could not be told somewhere.

@@ -63,12 +63,20 @@ impl Contents<'_> {
         let folder = Path::new(".").join(folder);
         let named = folder.join(name);
         let place = |path: &Path| path.canonicalize().map_err(Error::file("read", &named));
-        let path = place(&named)?;
-        if !any_folder && !path.starts_with(place(&folder)?) {
+        if !any_folder && is_outside(&named, &place(&folder)?) {
+            let path = named.canonicalize().unwrap_or(named);
             return Err(Error::OtherFolder { path });
         }
-        Self::of(&path).map_err(Error::file("read", &named))
+        Self::of(&place(&named)?).map_err(Error::file("read", &named))
     }
+}
+
+/// Whether a file is neither in a folder nor below, links and `..` followed; the folder is as
+/// [`Path::canonicalize`] has it. Of a file that is not there its nearest folder is asked, so that
+/// nobody learns which files other folders have.
+pub(crate) fn is_outside(file: &Path, folder: &Path) -> bool {
+    let nearest = file.ancestors().find_map(|path| path.canonicalize().ok());
+    !nearest.is_some_and(|path| path.starts_with(folder))
 }
 
 impl Deref for Contents<'_> {

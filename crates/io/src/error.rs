@@ -31,10 +31,11 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// A file names another one in a folder that is not its own.
+    /// A file names another one in a folder that is not its own:
+    /// [`any_folder`](crate::ReadOptions::any_folder) allows that.
     #[error(
         "{} is not in the folder of the file that names it, or below: \
-         copy it there, or allow files of any folder (any_folder, --any-folder)",
+         copy it there, or allow files of any folder",
         path.display()
     )]
     OtherFolder {
@@ -42,10 +43,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// There is nothing to write.
-    #[error(
-        "the mesh has no triangles, so there is nothing to write; \
-         is the solid empty, or smaller than the mesher's cells?"
-    )]
+    #[error("the mesh is empty: it has no triangles, so there is nothing to write")]
     EmptyMesh,
     /// The mesh breaks the rules of its own type.
     #[error("the mesh is not valid: {problem}")]

@@ -173,11 +173,17 @@ fn imports_lie_beside_the_scene_unless_others_are_allowed() {
         "{error}"
     );
     let outside = scene("import(file = \"../step.stl\");");
-    let error = read_file(&outside, &ReadOptions::default()).expect_err("outside");
-    assert!(
-        error.to_string().contains("not in the scene's folder"),
-        "{error}"
-    );
+    // (Whether it is there is not told.)
+    for hidden in ["../none.stl", "../none/none.stl", "../step.stl"] {
+        let outside = scene(&format!("import(file = \"{hidden}\");"));
+        let error = read_file(&outside, &ReadOptions::default()).expect_err("outside");
+        let text = error.to_string();
+        assert!(
+            text.contains("scene.csg:1:1") && text.contains("not in the scene's folder"),
+            "{text}"
+        );
+        assert!(matches!(error, io::scene::SceneError::OtherFolder { .. }));
+    }
     let anywhere = ReadOptions::default().any_folder(true);
     assert!(read_file(&outside, &anywhere).is_ok());
     for (node, problem) in [

@@ -51,6 +51,11 @@ fn data_lies_beside_the_document_or_below() {
         let anywhere = ReadOptions::default().any_folder(true);
         assert_eq!(read_mesh_with(&path, &anywhere).expect(outside), mesh);
     }
+    // Whether it is there is nobody's business.
+    for hidden in ["../none.bin", "../none/none.bin", "/none/none.bin"] {
+        let error = message(&document(&inner, hidden));
+        assert!(error.contains("none.bin is not in the folder"), "{error}");
+    }
     let error = message(&document(&inner, "none.bin"));
     assert!(error.contains("none.bin: "), "{error}");
 }

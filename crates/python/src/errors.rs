@@ -43,10 +43,8 @@ pub(crate) fn of_model(error: csg::Error) -> PyErr {
     let message = error.to_string();
     match error {
         csg::Error::Unbounded { .. } => Unbounded::new_err(message),
-        csg::Error::LimitReached(_) | csg::Error::TooLarge { .. } => LimitReached::new_err(
-            // The words for those who call from Rust.
-            message.replace("Limits::partial", "partial=True"),
-        ),
+        csg::Error::LimitReached(_) => LimitReached::new_err(format!("{message} (partial=True)")),
+        csg::Error::TooLarge { .. } => LimitReached::new_err(message),
         csg::Error::Slab { .. } => FileError::new_err(message),
         csg::Error::Cancelled => PyRuntimeError::new_err(message),
         _ => PyValueError::new_err(message),

@@ -70,6 +70,19 @@ pub enum SceneError {
         /// What is wrong, and what is asked for.
         problem: String,
     },
+    /// A node names a file that is neither beside the scene nor below:
+    /// [`any_folder`](super::ReadOptions::any_folder) allows that.
+    #[error(
+        "{place}: {node}: `{file}` is not in the scene's folder or below: copy it there, or allow files of any folder"
+    )]
+    OtherFolder {
+        /// Where.
+        place: Place,
+        /// The node's name.
+        node: String,
+        /// The file as the node names it.
+        file: String,
+    },
     /// The bytes are not text.
     #[error("{place}: the text is not UTF-8 from here on: save it as UTF-8")]
     NotUtf8 {
@@ -94,6 +107,7 @@ impl SceneError {
             Self::Syntax { place, .. }
             | Self::Unsupported { place, .. }
             | Self::Argument { place, .. }
+            | Self::OtherFolder { place, .. }
             | Self::NotUtf8 { place } => place.file = Some(path.as_ref().to_owned()),
             Self::Io { .. } => {}
         }
@@ -107,6 +121,7 @@ impl SceneError {
             Self::Syntax { place, .. }
             | Self::Unsupported { place, .. }
             | Self::Argument { place, .. }
+            | Self::OtherFolder { place, .. }
             | Self::NotUtf8 { place } => Some(place),
             Self::Io { .. } => None,
         }

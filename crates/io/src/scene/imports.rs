@@ -6,11 +6,11 @@ use csg::Solid;
 use glam::{DVec2, DVec3};
 
 use super::build::{Builder, is_size};
-use super::error::SceneError;
+use super::error::{Place, SceneError};
 use super::parse::{NodeText, Value};
 use super::pieces::Piece;
 use super::values;
-use crate::contents::Contents;
+use crate::contents::{Contents, is_outside};
 use crate::profile::{self, ProfileOptions};
 use crate::{Error, ReadOptions, read_mesh_with, read_profile_with};
 
@@ -177,14 +177,15 @@ impl Builder<'_> {
         // (A scene in the current folder has an empty one.)
         let folder = PathBuf::from(".").join(folder);
         let folder = folder.canonicalize().map_err(refused)?;
-        let path = folder.join(file).canonicalize().map_err(refused)?;
-        if path.starts_with(&folder) || self.options.any_folder {
-            return Ok(path);
+        let path = folder.join(file);
+        if !self.options.any_folder && is_outside(&path, &folder) {
+            return Err(SceneError::OtherFolder {
+                place: Place::of(self.tree.text, node.offset),
+                node: node.name.to_owned(),
+                file: file.to_owned(),
+            });
         }
-        let problem = format!(
-            "`{file}` is not in the scene's folder or below: copy it there, or allow files of any folder (any_folder, --any-folder)"
-        );
-        Err(self.fault(node, &problem))
+        path.canonicalize().map_err(refused)
     }
 }
 
