@@ -8,6 +8,7 @@ use io::MeshFormat;
 use io::scene::{self, ReadOptions, Scene, SceneError};
 
 use crate::failure::{Failure, exit_codes};
+use crate::mesher::Unit;
 use crate::openscad;
 
 /// The input file of the `csg` command.
@@ -58,14 +59,38 @@ pub(crate) enum Subject {
 }
 
 impl Subject {
+    /// The unit of its lengths, if those of a solid are so.
+    pub(crate) fn unit(&self, of_solid: Unit) -> Unit {
+        match self {
+            Self::Solid(_) => of_solid,
+            Self::Mesh(mesh) => Unit::of(mesh.unit),
+        }
+    }
+
     /// The solid, or that which the mesh bounds.
     pub(crate) fn solid(&self) -> Result<Solid, Failure> {
         match self {
             Self::Solid(solid) => Ok(solid.clone()),
-            Self::Mesh(mesh) => Solid::from_mesh(mesh)
-                .map_err(|faults| no_solid(faults).hint("--repair mends what it can")),
+            Self::Mesh(mesh) => solid_of(mesh),
         }
     }
+}
+
+/// The solid that a mesh bounds. One that is inside out is turned, with a warning, as scenes do
+/// with what they import.
+pub(crate) fn solid_of(mesh: &Mesh) -> Result<Solid, Failure> {
+    let solid = match Solid::from_mesh(mesh) {
+        Err(faults) if faults.inside_out => {
+            eprintln!("warning: the faces of the mesh are inside out: they are turned");
+            let mut turned = mesh.clone();
+            for triangle in &mut turned.triangles {
+                triangle.reverse();
+            }
+            Solid::from_mesh(&turned)
+        }
+        other => other,
+    };
+    solid.map_err(|faults| no_solid(faults).hint("--repair mends what it can"))
 }
 
 fn no_solid(faults: Box<csg::MeshFaults>) -> Failure {
@@ -168,7 +193,7 @@ impl Reading {
                 .any_folder(self.any_folder)
                 .to_draw(faces_only);
             let mesh =
-                io::read_mesh_with(path, &options).map_err(|error| Failure::input(&name, error))?;
+                io::read_mesh_with(path, &options).map_err(|error| mesh_failure(&name, error))?;
             if self.repair {
                 let (solid, repairs) = Solid::repaired(&mesh).map_err(no_solid)?;
                 return Ok(Contents::Repaired(solid, repairs));
@@ -180,6 +205,14 @@ impl Reading {
             let folder = path.parent().unwrap_or(Path::new(""));
             let scene = scene::read_bytes(&text, &options.folder(folder));
             return Ok(Contents::Scene(scene));
+        }
+        if path.is_dir() {
+            let hint = "name a file in it";
+            return Err(Failure::input(&name, "it is a folder").hint(hint));
+        }
+        if io::step::is_step(path) {
+            let hint = "export the part as a mesh (.stl, .3mf, .obj) from the program that made it";
+            return Err(Failure::input(&name, "STEP is written, not read").hint(hint));
         }
         let extension = path.extension().and_then(|e| e.to_str());
         if !extension.is_some_and(|e| e.eq_ignore_ascii_case("csg")) {
@@ -210,11 +243,28 @@ pub(crate) fn is_openscad(path: &Path) -> bool {
     extension.is_some_and(|e| e.eq_ignore_ascii_case("scad"))
 }
 
+/// How files in other folders are allowed.
+const ANY_FOLDER: &str = "--any-folder allows files of any folder";
+
+fn mesh_failure(name: &str, error: io::Error) -> Failure {
+    let is_outside = match &error {
+        io::Error::InFile { source, .. } => matches!(**source, io::Error::OtherFolder { .. }),
+        _ => false,
+    };
+    let failure = Failure::input(name, error);
+    if is_outside {
+        failure.hint(ANY_FOLDER)
+    } else {
+        failure
+    }
+}
+
 fn scene_failure(name: &str, error: SceneError) -> Failure {
     let hint = match &error {
         SceneError::Unsupported { .. } => {
             Some("rewrite that part with the supported nodes, or leave it out with `%`")
         }
+        SceneError::OtherFolder { .. } => Some(ANY_FOLDER),
         SceneError::Syntax { .. } => Some(
             "scenes are OpenSCAD's evaluated trees, as `openscad -o part.csg part.scad` writes them",
         ),

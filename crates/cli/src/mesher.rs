@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use csg::{BoundaryOptions, LengthUnit, Limits, Mesh, Mesher, Program, Report};
 use glam::DVec3;
 
-use crate::commands::parse::{angle, length};
+use crate::commands::parse::{angle, length, whole};
 use crate::failure::{Failure, exit_codes};
 use crate::input::{Reader, Subject};
 use crate::nothing::Nothing;
@@ -22,7 +22,7 @@ pub(crate) struct MesherOptions {
     /// [default: 128 for a draft; else none, or cells as large as the solid is
     /// simple]
     #[arg(long, value_name = "N", allow_negative_numbers = true,
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(csg::MAX_CELLS)))]
+          value_parser = whole::<u32>(1..=u64::from(csg::MAX_CELLS)))]
     pub(crate) cells: Option<u32>,
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes [default, without cells, their size or a smallest
@@ -52,7 +52,7 @@ pub(crate) struct MesherOptions {
     pub(crate) draft: bool,
     #[command(flatten)]
     pub(crate) limits: LimitOptions,
-    /// The unit of the model's lengths
+    /// The unit of the model's lengths; meshes have their own
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     pub(crate) unit: Unit,
 }
@@ -123,10 +123,12 @@ impl MesherOptions {
 #[command(next_help_heading = "Limits")]
 pub(crate) struct LimitOptions {
     /// The most cells that may be looked at
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = whole::<u64>(0..=u64::MAX))]
     pub(crate) limit_cells: Option<u64>,
     /// The most triangles of the mesh
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true,
+          value_parser = whole::<u64>(0..=u64::MAX))]
     pub(crate) limit_triangles: Option<u64>,
     /// The most memory for cells and triangles, in bytes, or with K, M or G: half of the
     /// machine's unless given
@@ -208,6 +210,18 @@ impl Unit {
     /// Its symbol.
     pub(crate) fn symbol(self) -> &'static str {
         self.length_unit().symbol()
+    }
+
+    /// The unit of lengths that is called so.
+    pub(crate) fn of(unit: LengthUnit) -> Self {
+        match unit {
+            LengthUnit::Micrometre => Self::Um,
+            LengthUnit::Millimetre => Self::Mm,
+            LengthUnit::Centimetre => Self::Cm,
+            LengthUnit::Metre => Self::M,
+            LengthUnit::Inch => Self::In,
+            LengthUnit::Foot => Self::Ft,
+        }
     }
 
     pub(crate) fn length_unit(self) -> LengthUnit {

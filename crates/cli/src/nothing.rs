@@ -1,13 +1,34 @@
 //! Why nothing is left of a model, and where what it was made of lies.
 
 use std::fmt;
+use std::path::Path;
 
-use csg::{Bounds, Node, Program, Solid};
+use csg::{BoundaryOptions, Bounds, Node, Program, Solid};
 
 use crate::commands::figure::{place, short};
+use crate::failure::{Failure, exit_codes};
+
+/// Refuses to draw a solid of which nothing is left, and says why nothing is.
+pub(crate) fn refuse_empty(solid: &Solid, boundary: &BoundaryOptions) -> Result<(), Failure> {
+    match Program::lower(solid)?.boundary(boundary) {
+        Ok(brep) if brep.is_empty() => {
+            eprintln!("{}", Nothing::of(solid));
+            let cause = "the model is empty";
+            Err(Failure::new(
+                exit_codes::MODEL,
+                "there is nothing to draw",
+                cause,
+            ))
+        }
+        // (There is something, or that cannot be told.)
+        _ => Ok(()),
+    }
+}
 
 /// A warning of an empty solid.
 pub(crate) struct Nothing {
+    /// Which one, where there are several.
+    file: Option<String>,
     /// How many primitives it was made of.
     primitives: usize,
     /// What left nothing of them, if that is one operation.
@@ -20,6 +41,14 @@ pub(crate) struct Nothing {
 const MOST: usize = 6;
 
 impl Nothing {
+    /// The same of a file that is one of several.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        Self {
+            file: Some(path.display().to_string()),
+            ..self
+        }
+    }
+
     pub(crate) fn of(solid: &Solid) -> Self {
         let primitives = Program::lower(solid).map_or(0, |program| program.origins().len());
         // Down to the operation that leaves nothing of something.
@@ -52,6 +81,7 @@ impl Nothing {
             }
         };
         Self {
+            file: None,
             primitives,
             why,
             operands,
@@ -134,17 +164,21 @@ fn name(solid: &Solid) -> Option<&str> {
 
 impl fmt::Display for Nothing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("warning: ")?;
+        if let Some(file) = &self.file {
+            write!(f, "{file}: ")?;
+        }
         match (&self.why, self.primitives) {
-            (_, 0) => write!(f, "warning: the model has nothing in it")?,
+            (_, 0) => write!(f, "the model has nothing in it")?,
             (Some(why), count) => {
                 write!(
                     f,
-                    "warning: nothing is left of the model's {count} primitives: {why}"
+                    "nothing is left of the model's {count} primitives: {why}"
                 )?;
             }
             (None, count) => write!(
                 f,
-                "warning: nothing is left of the model's {count} primitives: they have no \
+                "nothing is left of the model's {count} primitives: they have no \
                  volume, or are smaller than the cells"
             )?,
         }

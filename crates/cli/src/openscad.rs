@@ -1,5 +1,6 @@
 //! OpenSCAD models, evaluated by the `openscad` that is installed.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -28,7 +29,11 @@ pub(crate) fn evaluated(path: &Path, define: &[String]) -> Result<Vec<u8>, Failu
         .map_err(|error| {
             let hint = "OpenSCAD models are evaluated by the `openscad` command: install it \
                         (Debian: apt install openscad), or name a .csg scene";
-            Failure::input(&name, error).hint(hint)
+            match error.kind() {
+                ErrorKind::NotFound => Failure::input(&name, "`openscad` is not installed"),
+                _ => Failure::input(&name, format!("`openscad` does not run: {error}")),
+            }
+            .hint(hint)
         })?;
     if output.status.success() {
         Ok(output.stdout)

@@ -13,6 +13,7 @@ use super::parse::length;
 use super::sheet::TellOptions;
 use crate::failure::Failure;
 use crate::input::{Reading, Subject};
+use crate::nothing::Nothing;
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
@@ -116,6 +117,17 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
         }
         Err(error) => return Err(error.into()),
     };
+    if let Some(volumes) = &volumes {
+        let of = [
+            (&volumes.one, &options.one),
+            (&volumes.other, &options.other),
+        ];
+        for ((volume, path), solid) in of.into_iter().zip(&solids) {
+            if volume.is_nothing() {
+                eprintln!("{}", Nothing::of(solid).in_file(path));
+            }
+        }
+    }
     let is_same = volumes
         .as_ref()
         .is_some_and(|volumes| volumes.difference.is_nothing());

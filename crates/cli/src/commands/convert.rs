@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use csg::{BoundaryOptions, Program};
 use io::WriteOptions;
 
-use crate::failure::{Failure, exit_codes};
-use crate::input::{Input, Subject};
+use crate::failure::Failure;
+use crate::input::Input;
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::output::{self, StepArguments, StreamFormat};
 use crate::progress::Progress;
@@ -17,8 +17,8 @@ pub(crate) struct Options {
     #[command(flatten)]
     input: Input,
     /// Where to write, in the format of its extension: a mesh (.glb .gltf .obj .stl .ply
-    /// .off .3mf), or of a scene the scene itself (.csg) or its exact surfaces (.step .stp);
-    /// may be given more than once
+    /// .off .3mf), or the solid, that which a mesh bounds, too, as a scene (.csg) or with its
+    /// exact surfaces (.step .stp); may be given more than once
     #[arg(value_name = "OUT", required = true)]
     outputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -38,17 +38,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
     progress.stage("reading");
     let subject = options.input.read(false)?;
     let is_exact = |path: &PathBuf| is_scene(path) || io::step::is_step(path);
-    if let Some(path) = options.outputs.iter().find(|path| is_exact(path))
-        && matches!(subject, Subject::Mesh(_))
-    {
-        let cause = "the input is a mesh: of these only other meshes are made";
-        let name = path.display().to_string();
-        return Err(
-            Failure::new(exit_codes::USAGE, format!("cannot write {name}"), cause)
-                .hint("a scene with `import(file = \"...\");` makes a solid of a mesh"),
-        );
-    }
-    if let Subject::Solid(solid) = &subject {
+    if options.outputs.iter().any(is_exact) {
+        let solid = &subject.solid()?;
         for path in options.outputs.iter().filter(|path| is_scene(path)) {
             let text = io::scene::write(solid)
                 .map_err(|error| Failure::output(&path.display().to_string(), error))?;
@@ -64,8 +55,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
                 .progress(progress.callback())
                 .cut_at_seams();
             let brep = Program::lower(solid)?.boundary(&boundary)?;
-            let unit = options.mesher.unit.length_unit();
-            output::write_step(path, &brep, unit, options.step)?;
+            let unit = subject.unit(options.mesher.unit);
+            output::write_step(path, &brep, unit.length_unit(), options.step)?;
         }
     }
     let mut meshes = options

@@ -10,8 +10,9 @@ use serde::Serialize;
 use super::figure::short;
 use super::parse::point;
 use super::sheet::{SheetOptions, kinds};
-use crate::failure::{Failure, exit_codes};
+use crate::failure::Failure;
 use crate::input::Reader;
+use crate::nothing::refuse_empty;
 use crate::progress::Progress;
 
 /// Options of `drawing`.
@@ -61,7 +62,8 @@ pub(crate) fn run(
     progress.stage("reading");
     let solid = subject()?.solid()?;
     progress.stage("drawing");
-    let mut view = View::of(&solid, &options.view, &options.sheet.boundary(progress))?;
+    let boundary = options.sheet.boundary(progress);
+    let mut view = View::of(&solid, &options.view, &boundary)?;
     if options.no_hidden {
         view.hidden.clear();
     }
@@ -73,11 +75,7 @@ pub(crate) fn run(
         unit: options.sheet.tell.unit.symbol(),
     };
     if drawing.bounds().is_none() {
-        let cause = "nothing is seen of it: it is empty";
-        return Err(
-            Failure::new(exit_codes::MODEL, "cannot draw the model", cause)
-                .hint("`csg measure` says why"),
-        );
+        refuse_empty(&solid, &boundary)?;
     }
     options.sheet.write(&drawing, &account, progress)
 }

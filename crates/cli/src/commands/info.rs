@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use csg::{Mesh, Node, Program, Solid, SurfaceShape};
+use csg::{Mesh, Node, Primitive, Program, Solid, SurfaceShape};
 use serde::Serialize;
 
 use super::account::Bounds;
@@ -135,6 +135,7 @@ fn count(solid: &Solid, nodes: &mut BTreeMap<&'static str, usize>) {
     while let Some(solid) = waiting.pop() {
         let node = solid.node();
         let kind = match node {
+            Node::Primitive(Primitive::Empty) => "nothing",
             Node::Primitive(_) => "primitive",
             Node::Union(_) => "union",
             Node::Intersection(_) => "intersection",
@@ -174,7 +175,11 @@ impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let counted = |counts: &BTreeMap<&str, usize>| {
             let counts = counts.iter().map(|(kind, count)| format!("{count} {kind}"));
-            counts.collect::<Vec<_>>().join(", ")
+            let counts: Vec<String> = counts.collect();
+            match counts.is_empty() {
+                true => "none".to_owned(),
+                false => counts.join(", "),
+            }
         };
         let named = |names: &[String]| match names {
             [] => "none".to_owned(),

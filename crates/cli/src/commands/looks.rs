@@ -8,7 +8,7 @@ use raster::{
     RenderOptions, SectionPlane, View, render_reference, wireframe_reference,
 };
 
-use super::parse::{WrittenPlane, plane};
+use super::parse::{WrittenPlane, plane, whole};
 
 /// Options for looks.
 #[derive(Debug, clap::Args)]
@@ -64,7 +64,7 @@ pub(super) struct Looks {
     /// With `--show depth`: the depth buffer's integers, of so many bits, as a grey
     /// PNG; 0 is near
     #[arg(long, value_name = "BITS", requires = "show",
-          value_parser = clap::value_parser!(u32).range(1..=16))]
+          value_parser = whole::<u32>(1..=16))]
     pub(super) depth_bits: Option<u32>,
     /// Four views on one sheet instead of one, as the angle of projection puts
     /// them
@@ -73,7 +73,7 @@ pub(super) struct Looks {
     pub(super) sheet: Option<Angle>,
     /// Go once round the model in so many frames, as an animated PNG or GIF
     #[arg(long, value_name = "FRAMES", conflicts_with = "show",
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
+          value_parser = whole::<u32>(1..=1000))]
     pub(super) turntable: Option<u32>,
     /// Say on standard error what was drawn and what was left out
     #[arg(long)]

@@ -6,7 +6,7 @@ use clap::Command;
 use clap_complete::Shell;
 
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, is_stream};
 
 /// Options of `completions`.
 #[derive(Debug, clap::Args)]
@@ -20,7 +20,7 @@ pub(crate) struct CompletionOptions {
 #[derive(Debug, clap::Args)]
 pub(crate) struct ManOptions {
     /// The folder to write a page to for the command and each of its subcommands; without
-    /// one the command's own page goes to standard output
+    /// one, or with `-`, the command's own page goes to standard output
     #[arg(value_name = "FOLDER")]
     folder: Option<PathBuf>,
 }
@@ -38,7 +38,7 @@ pub(crate) fn completions(
 
 /// Writes manual pages.
 pub(crate) fn man(options: &ManOptions, command: Command) -> Result<(), Failure> {
-    match &options.folder {
+    match options.folder.as_deref().filter(|path| !is_stream(path)) {
         Some(folder) => clap_mangen::generate_to(command, folder)
             .map_err(|error| Failure::output(&folder.display().to_string(), error)),
         None => {

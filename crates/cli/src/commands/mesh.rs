@@ -11,8 +11,8 @@ use serde::Serialize;
 use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::{Failure, exit_codes};
-use crate::input::{Reader, Subject};
-use crate::mesher::{MesherOptions, Product, no_needs, produce};
+use crate::input::{Reader, Subject, solid_of};
+use crate::mesher::{MesherOptions, Product, Unit, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, StepArguments, StreamFormat, is_stream};
 use crate::progress::Progress;
@@ -81,11 +81,10 @@ pub(crate) fn run(
     output::check(&options.outputs, options.json.as_deref())?;
     progress.stage("reading");
     let subject = subject()?;
-    if let Subject::Solid(solid) = &subject
-        && options.outputs.iter().all(io::step::is_step)
-        && !options.mesher.is_of_mesh()
-    {
-        return write_exact(&Program::lower(solid)?, solid, options, progress);
+    let is_exact = options.outputs.iter().all(io::step::is_step);
+    if is_exact && (matches!(subject, Subject::Mesh(_)) || !options.mesher.is_of_mesh()) {
+        let unit = subject.unit(options.mesher.unit);
+        return write_exact(&subject.solid()?, unit, options, progress);
     }
     let mut product = produce(
         Box::new(|| Ok(subject)),
@@ -103,18 +102,17 @@ pub(crate) fn run(
     progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();
-        outputs.try_for_each(|path| match &product.program {
-            Some(program) if io::step::is_step(path) => {
+        outputs.try_for_each(|path| {
+            if io::step::is_step(path) {
                 let boundary = options.mesher.boundary(progress).cut_at_seams();
-                let brep = program.boundary(&boundary)?;
-                output::write_step(path, &brep, product.mesh.unit, options.step)
+                let brep = match &product.program {
+                    Some(program) => program.boundary(&boundary)?,
+                    None => Program::lower(&solid_of(&product.mesh)?)?.boundary(&boundary)?,
+                };
+                return output::write_step(path, &brep, product.mesh.unit, options.step);
             }
-            _ => output::write_mesh(
-                path,
-                &product.mesh,
-                options.format,
-                &options.write_options(),
-            ),
+            let write = options.write_options();
+            output::write_mesh(path, &product.mesh, options.format, &write)
         })
     })?;
     progress.end();
@@ -218,6 +216,11 @@ fn write_shard(
         number.map_err(|cause| usage("no such shard", cause))
     };
     let (part, of) = (number(shard.part - 1)?, number(shard.of)?);
+    if options.mesher.cells.is_none() && options.mesher.cell_size.is_none() {
+        let cause = "a shard is a slab of a mesh by cells: give --cells or --cell-size, the same \
+                     for all shards";
+        return Err(usage("a shard without cells", cause.to_owned()));
+    }
     progress.stage("reading");
     let Subject::Solid(solid) = subject()? else {
         let cause = "the input is a mesh, of which no other one is made".to_owned();
@@ -253,13 +256,13 @@ fn write_shard(
 
 /// STEP files alone: no mesh is needed for them.
 fn write_exact(
-    program: &Program,
     solid: &Solid,
+    unit: Unit,
     options: &Options,
     progress: &Progress,
 ) -> Result<(), Failure> {
     progress.stage("boundary");
-    let unit = options.mesher.unit;
+    let program = &Program::lower(solid)?;
     let boundary = options.mesher.boundary(progress).cut_at_seams();
     // Measures take longer than all else: none are made that nobody is told.
     let (account, brep) = if options.json.is_some() || !progress.is_quiet() {

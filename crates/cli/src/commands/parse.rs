@@ -1,5 +1,7 @@
 //! Points, planes, lengths and colours as they are written on the command line.
 
+use std::ops::RangeInclusive;
+
 use csg::Color;
 use glam::DVec3;
 
@@ -58,6 +60,23 @@ pub(super) fn plane(text: &str) -> Result<WrittenPlane, String> {
         }),
     };
     plane.ok_or_else(|| "give a plane like y=0 or -z=2.5, or 1,1,0:0,0,0".into())
+}
+
+/// Reads whole numbers of a range.
+pub(crate) fn whole<T: TryFrom<u64> + Clone>(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let number = text.trim().parse().ok();
+        let number = number.filter(|number| range.contains(number));
+        let (least, most) = (range.start(), range.end());
+        number
+            .and_then(|number| T::try_from(number).ok())
+            .ok_or_else(|| match *most {
+                u64::MAX => format!("give a whole number from {least}"),
+                most => format!("give a whole number from {least} to {most}"),
+            })
+    }
 }
 
 /// A length above 0.
@@ -129,6 +148,12 @@ mod tests {
     fn lengths_and_angles() {
         assert_eq!(length("0.5"), Ok(0.5));
         assert_eq!(angle("180"), Ok(180.0));
+        let cells = whole::<u32>(1..=65536);
+        assert_eq!(cells("65536"), Ok(65536));
+        for faulty in ["0", "1.5", "-1", "65537", "1e3", ""] {
+            let said = cells(faulty).expect_err(faulty);
+            assert_eq!(said, "give a whole number from 1 to 65536");
+        }
         for faulty in ["0", "-1", "inf", "nan", "1mm", ""] {
             assert!(length(faulty).is_err(), "{faulty}");
         }

@@ -73,16 +73,16 @@ pub(crate) fn run(
         produce(subject, &options.mesher, false, &needs, progress)?
     };
     progress.stage("drawing");
-    let empty = product.mesh.triangles.is_empty();
-    let png = draw(&mut product, options).map_err(|error| {
-        let context = "cannot draw the model";
-        let failure = Failure::new(exit_codes::MODEL, context, error);
-        if empty {
-            failure.hint("the mesh is empty: is the solid, or are its parts smaller than a cell?")
-        } else {
-            failure
-        }
-    })?;
+    if product.mesh.triangles.is_empty() {
+        let context = "there is nothing to draw";
+        return Err(Failure::new(
+            exit_codes::MODEL,
+            context,
+            "the mesh is empty",
+        ));
+    }
+    let png = draw(&mut product, options)
+        .map_err(|error| Failure::new(exit_codes::MODEL, "cannot draw the model", error))?;
     progress.stage("writing");
     product.stage("write", |_| output::write_picture(&options.output, &png))?;
     if options.looks.stats {

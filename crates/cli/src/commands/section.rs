@@ -11,6 +11,7 @@ use super::sheet::{SheetOptions, kinds};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Reader;
 use crate::mesher::Unit;
+use crate::nothing::refuse_empty;
 use crate::progress::Progress;
 
 /// Options of `section`.
@@ -52,7 +53,11 @@ pub(crate) fn run(
     progress.stage("reading");
     let solid = subject()?.solid()?;
     progress.stage("section");
-    let section = Section::of(&solid, &frame, &options.sheet.boundary(progress))?;
+    let boundary = options.sheet.boundary(progress);
+    let section = Section::of(&solid, &frame, &boundary)?;
+    if section.outlines.is_empty() {
+        refuse_empty(&solid, &boundary)?;
+    }
     if section.is_at_face {
         eprintln!(
             "warning: the solid has a face in the plane: drawn is what lies just behind it, \

@@ -25,6 +25,14 @@ pub(super) struct Viewing {
     /// but one face]
     #[arg(long, value_name = "VIEW", allow_hyphen_values = true)]
     camera: Option<View>,
+    /// Move an eye that --camera gives along its direction and to the side until all of the model
+    /// is in the picture, as for directions, which always show all of it
+    #[arg(long)]
+    viewall: bool,
+    /// Look at the middle of the model from the same side and distance, in place of the target that
+    /// --camera gives
+    #[arg(long)]
+    autocenter: bool,
     /// Vertical field of view in degrees
     #[arg(long, alias = "camera-view-angle", value_name = "DEGREES", default_value_t = 30.0,
           value_parser = field_of_view)]
@@ -167,8 +175,9 @@ impl FromStr for View {
         view.ok_or_else(|| {
             let names = StandardView::ALL.map(StandardView::name).join(", ");
             format!(
-                "give one of {names}, a direction like -1,1,-1, or eye and target like \
-                 3,-3,2:0,0,0, or OpenSCAD's seven numbers"
+                "give one of {names}, a direction like -1,1,-1, eye and target like \
+                 3,-3,2:0,0,0, or OpenSCAD's numbers: six, eye and target like 3,-3,2,0,0,0, \
+                 or seven, target, rotation in degrees and distance like 0,0,0,55,0,25,140"
             )
         })
     }
@@ -247,9 +256,17 @@ impl Viewing {
             far: self.far.unwrap_or(camera.far),
             ..camera
         };
-        let Some((eye, target)) = self.camera.and_then(View::ends) else {
+        let ends = self.camera.and_then(View::ends);
+        let Some((mut eye, mut target)) = ends.filter(|_| !self.viewall) else {
             return Ok(depths(framed));
         };
+        if self.autocenter
+            && let Some((low, high)) = mesh.bounds()
+        {
+            let middle = low.midpoint(high);
+            eye += middle - target;
+            target = middle;
+        }
         // The same depths, seen from the eye that was asked for.
         let moved = (framed.eye - eye).dot(direction.normalize());
         let far = (framed.far + moved).max(f64::MIN_POSITIVE);

@@ -136,9 +136,26 @@ fn what_is_converted_is_near_to_what_it_was() {
     assert!(json["distance"]["upper"].as_f64() > Some(0.003), "{json}");
     let one = json["volumes"]["one"]["value"].as_f64().expect("a number");
     assert!((one - DRILLED_VOLUME).abs() < 1e-11);
-    let message = failed(&folder.run("convert out.stl out.step"), 2);
-    assert!(message.contains("the input is a mesh"), "{message}");
+    succeeded(&folder.run("convert out.stl out.csg"));
+    let same = compared(&folder, "out.csg out.stl --within 1e-9", 0);
+    assert_eq!(same["equal"], true);
     failed(&folder.run("convert in.csg out.dwg"), 2);
+}
+
+#[test]
+fn what_is_empty_is_told() {
+    let folder = Folder::new();
+    let text = "difference() { sphere(r = 1); sphere(r = 2); }";
+    fs::write(folder.file("nothing.csg"), text).expect("a file");
+    let message = failed(&folder.run("compare in.csg nothing.csg"), 1);
+    assert!(
+        message.contains("warning: nothing.csg: nothing is left") && message.contains("operand 1"),
+        "{message}"
+    );
+    fs::write(folder.file("blank.csg"), "").expect("a file");
+    let text = folder.run("info blank.csg");
+    let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+    assert!(text.contains("surfaces    none"), "{text}");
 }
 
 #[test]

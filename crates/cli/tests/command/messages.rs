@@ -21,12 +21,39 @@ fn failures_have_a_cause_a_hint_and_a_code() {
         ("", 2, "Usage"),
         ("mesh in.csg", 2, "--output"),
         ("mesh in.csg -o out.dwg", 2, ".glb"),
-        ("mesh in.csg -o out.glb --cells 0", 2, "--cells"),
+        (
+            "mesh in.csg -o out.glb --cells 0",
+            2,
+            "whole number from 1 to 65536",
+        ),
+        (
+            "mesh in.csg -o out.glb --cells 1.5",
+            2,
+            "whole number from 1 to 65536",
+        ),
+        (
+            "mesh in.csg -o out.glb --limit-cells x",
+            2,
+            "whole number from 0",
+        ),
+        ("mesh in.csg -o out.shard --shard 1/2", 2, "--cell-size"),
+        (
+            "render in.csg -o out.png --turntable 0",
+            2,
+            "whole number from 1 to 1000",
+        ),
+        (
+            "render in.csg -o out.png --camera 1,2,3,4",
+            2,
+            "3,-3,2,0,0,0",
+        ),
         ("render in.csg -o out.jpg", 2, ".png"),
         ("render in.csg -o out.png --size 0x4", 2, "1024x768"),
         ("render in.csg -o out.png --camera above", 2, "front"),
         ("mesh missing.csg -o out.glb", 3, "missing.csg"),
-        ("mesh part.step -o out.glb", 3, "hint:"),
+        ("mesh part.step -o out.glb", 3, "STEP is written, not read"),
+        ("info part.step", 3, "STEP is written, not read"),
+        ("info .", 3, "it is a folder"),
         ("mesh syntax.csg -o out.glb", 3, "syntax.csg:1:"),
         ("mesh roof.csg -o out.glb", 3, "roof.csg:2:"),
         ("measure mesh.stl", 3, "mesh.stl"),
@@ -52,6 +79,66 @@ fn failures_have_a_cause_a_hint_and_a_code() {
         .filter(|f| f.starts_with("out"))
         .collect();
     assert_eq!(left, [] as [&str; 0]);
+}
+
+/// What people are told names no function of the libraries.
+#[test]
+fn messages_name_options() {
+    let folder = Folder::new();
+    let write = |name: &str, text: &str| fs::write(folder.file(name), text).expect("a file");
+    fs::create_dir(folder.file("in")).expect("a folder");
+    write("in/import.csg", "import(file = \"../hosts.stl\");");
+    let limit = failed(
+        &folder.run("mesh in.csg -o out.glb --limit-triangles 10"),
+        6,
+    );
+    assert!(
+        limit.contains("--partial") && !limit.contains("::"),
+        "{limit}"
+    );
+    let outside = failed(&folder.run("measure in/import.csg"), 3);
+    assert!(outside.contains("--any-folder allows"), "{outside}");
+    assert!(!outside.contains("any_folder"), "{outside}");
+}
+
+/// Every command says why, and where the operands lie; and then nothing that is vaguer.
+#[test]
+fn empty_models_say_why() {
+    let folder = Folder::new();
+    let text = "intersection() { sphere(r = 1); multmatrix([[1, 0, 0, 9], [0, 1, 0, 0], \
+                [0, 0, 1, 0], [0, 0, 0, 1]]) { sphere(r = 1); } }";
+    fs::write(folder.file("apart.csg"), text).expect("a file");
+    for command in [
+        "mesh apart.csg -o out.glb",
+        "mesh apart.csg -o out.step",
+        "render apart.csg -o out.png",
+        "section apart.csg --plane z=0 -o out.svg",
+        "drawing apart.csg -o out.svg",
+    ] {
+        let said = failed(&folder.run(command), 4);
+        assert!(said.contains("are 7 apart along x"), "{command}: {said}");
+        assert!(said.contains("operand 2 lies between 8 -1 -1"), "{said}");
+        for vague in ["csg measure", "does not meet", "smaller than", "?"] {
+            assert!(!said.contains(vague), "{command}: {said}");
+        }
+    }
+    // The plane is beside it.
+    let said = failed(&folder.run("section in.csg --plane z=5 -o out.svg"), 4);
+    assert!(said.contains("does not meet the solid"), "{said}");
+}
+
+#[test]
+fn a_missing_openscad_is_told() {
+    let folder = Folder::new();
+    fs::write(folder.file("part.scad"), "cube(1);").expect("a file");
+    let output = Command::new(env!("CARGO_BIN_EXE_csg"))
+        .args(["measure", "part.scad"])
+        .current_dir(folder.file(""))
+        .env("PATH", "")
+        .output()
+        .expect("the command runs");
+    let message = failed(&output, 3);
+    assert!(message.contains("`openscad` is not installed"), "{message}");
 }
 
 #[test]

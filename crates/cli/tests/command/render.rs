@@ -23,6 +23,31 @@ fn render_frames_the_model() {
     assert_ne!(perspective, parallel);
 }
 
+/// OpenSCAD's options: an eye anywhere sees all of the model as from its direction, or its middle.
+#[test]
+fn given_cameras_move_to_see_the_model() {
+    let folder = Folder::new();
+    let picture = |camera: &str| {
+        let command = format!("render in.csg -o out.png --size 96x64 --cells 32 {camera}");
+        succeeded(&folder.run(&command));
+        fs::read(folder.file("out.png")).expect("a file")
+    };
+    let along = picture("--camera=-1,1,-1 --projection p");
+    assert_eq!(
+        picture("--camera 9,-9,9,0,0,0 --viewall --autocenter"),
+        along
+    );
+    assert_eq!(picture("--camera 7,-1,8,5,1,6 --viewall"), along);
+    let middle = picture("--camera 4,-4,4,0,0,0");
+    assert_ne!(middle, along);
+    assert_ne!(picture("--camera 5,-4,4,1,0,0"), middle);
+    assert_eq!(picture("--camera 5,-4,4,1,0,0 --autocenter"), middle);
+    assert_eq!(
+        picture("--projection o --camera iso --viewall"),
+        picture("--orthographic --camera iso")
+    );
+}
+
 /// Every option for looks changes the picture, each in its own way.
 #[test]
 fn render_has_an_option_for_every_look() {
