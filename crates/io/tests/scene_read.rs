@@ -2,6 +2,7 @@
 //! no text whatever makes the reader fail in another way.
 
 use csg::{Color, Node, Primitive, Program, Solid};
+use glam::DVec3;
 use io::scene::{ReadOptions, Scene, SceneError, read, read_bytes, read_file};
 use proptest::prelude::*;
 
@@ -194,7 +195,27 @@ fn errors_say_where_and_what() {
         ("group() {\n\troof(convexity = 0);\n}", 2, 2, "cylinder"),
         ("spehre(r = 1);", 1, 1, "(`sphere` is meant?)"),
         ("Cube(size = [1, 1, 1]);", 1, 1, "(`cube` is meant?)"),
-        ("translate([1, 0, 0]) { }", 1, 1, "(`multmatrix` is meant?)"),
+        ("translat([1, 0, 0]) { }", 1, 1, "(`translate` is meant?)"),
+        ("\ntranslate(1) { }", 2, 1, "[x, y, z]"),
+        ("translate() { }", 1, 1, "[x, y, z]"),
+        (
+            "translate([1, 2, 3], [1, 2, 3]) { }",
+            1,
+            1,
+            "without a name",
+        ),
+        ("scale([1]) sphere(1);", 1, 1, "one for all axes"),
+        ("rotate(45, [0, 0, 0]) sphere(1);", 1, 1, "no direction"),
+        ("rotate(b = 45) sphere(1);", 1, 1, "`b`"),
+        ("mirror(\"x\") sphere(1);", 1, 1, "[x, y, z]"),
+        ("translate([1, 0, 0])", 1, 21, "`;`, `{` or a child"),
+        ("translate([1, 0, 0]) }", 1, 22, "`;`, `{` or a child"),
+        ("translate([1, 0, 0]) %", 1, 23, "a node"),
+        ("sphere(1) sphere(2);", 1, 1, "no children"),
+        ("sphere(1, r = 2);", 1, 1, "twice"),
+        ("sphere(r = 1, d = 2);", 1, 1, "both"),
+        ("sphere(1, 2);", 1, 1, "without a name"),
+        ("cylinder(4, 1);", 1, 1, "`r2`"),
         ("torus(r = 1);", 1, 1, "`torus` cannot be read: supported"),
         ("group() {", 1, 1, "never closed"),
         ("group(); }", 1, 10, "no `{` is open"),
@@ -203,9 +224,9 @@ fn errors_say_where_and_what() {
         ("cube(size = [1, 1, true]);", 1, 1, "[x, y, z]"),
         ("cube(size = [1, 1, 1], center = 1);", 1, 1, "true or false"),
         ("\ncube(size = [1, 1, 1], centre = true);", 2, 1, "`centre`"),
-        ("sphere(d = 1);", 1, 1, "`d`"),
+        ("sphere(q = 1);", 1, 1, "`q`"),
         ("sphere(r = 1, r = 2);", 1, 1, "twice"),
-        ("sphere(10);", 1, 1, "without a name"),
+        ("color([1, 0, 0], 0.5) { }", 1, 1, "twice"),
         ("sphere(r = undef);", 1, 1, "number `r`"),
         ("sphere(r = 1 2);", 1, 14, "the number 2, not `,` or `)`"),
         ("sphere(r = 1..2);", 1, 12, "not a number"),
@@ -230,6 +251,101 @@ fn errors_say_where_and_what() {
         assert_eq!((place.line, place.column), (line, column), "{error}");
         assert!(error.to_string().contains(says), "{error}");
     }
+}
+
+/// What is written by hand is what OpenSCAD makes of it: each pair is one solid.
+#[test]
+fn scenes_written_by_hand() {
+    let cube = "cube(size = [1, 2, 3], center = false);";
+    let matrix = |rows: &str| format!("multmatrix([{rows}, [0, 0, 0, 1]]) {{ {cube} }}");
+    for (text, means) in [
+        ("cube([1, 2, 3]);", cube.to_owned()),
+        (
+            "cube(2, true);",
+            "cube(size = [2, 2, 2], center = true);".to_owned(),
+        ),
+        ("sphere(2);", "sphere(r = 2);".to_owned()),
+        ("sphere(d = 4);", "sphere(r = 2);".to_owned()),
+        (
+            "cylinder(h = 4, r = 1);",
+            "cylinder(h = 4, r1 = 1, r2 = 1);".to_owned(),
+        ),
+        (
+            "cylinder(4, d1 = 2, d2 = 1);",
+            "cylinder(h = 4, r1 = 1, r2 = 0.5);".to_owned(),
+        ),
+        (
+            "cylinder(4, d = 4, r2 = 1);",
+            "cylinder(h = 4, r1 = 2, r2 = 1);".to_owned(),
+        ),
+        (
+            "linear_extrude(3) circle(d = 2);",
+            "linear_extrude(height = 3) { circle(r = 1); }".to_owned(),
+        ),
+        (
+            "linear_extrude(3) square(2);",
+            "linear_extrude(height = 3) { square(size = [2, 2]); }".to_owned(),
+        ),
+        (
+            "translate([5, 6]) cube([1, 2, 3]);",
+            matrix("[1, 0, 0, 5], [0, 1, 0, 6], [0, 0, 1, 0]"),
+        ),
+        // About X first: y goes to z, then z to x.
+        (
+            "rotate([90, 90, 0]) cube([1, 2, 3]);",
+            matrix("[0, 1, 0, 0], [0, 0, -1, 0], [-1, 0, 0, 0]"),
+        ),
+        (
+            "rotate(-90) cube([1, 2, 3]);",
+            matrix("[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0]"),
+        ),
+        (
+            "rotate(a = 120, v = [1, 1, 1]) cube([1, 2, 3]);",
+            matrix("[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0]"),
+        ),
+        (
+            "scale([2, 3]) scale(2) cube([1, 2, 3]);",
+            matrix("[4, 0, 0, 0], [0, 6, 0, 0], [0, 0, 2, 0]"),
+        ),
+        (
+            "mirror([1, 1, 0]) cube([1, 2, 3]);",
+            matrix("[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0]"),
+        ),
+        ("mirror([0, 0, 0]) cube([1, 2, 3]);", cube.to_owned()),
+        (
+            "difference() { union() cube([1, 2, 3]); translate([9, 9, 9]) sphere(1); } %sphere(9);",
+            format!(
+                "difference() {{ {cube} multmatrix([[1, 0, 0, 9], [0, 1, 0, 9], [0, 0, 1, 9], \
+                 [0, 0, 0, 1]]) {{ sphere(r = 1); }} }}"
+            ),
+        ),
+    ] {
+        let [one, other] = [text, &*means].map(|text| {
+            let program = program(text);
+            let bounds = program.bounds().expect("bounds").expect("a solid");
+            (program, bounds)
+        });
+        let off = (one.1.min - other.1.min)
+            .abs()
+            .max((one.1.max - other.1.max).abs());
+        assert!(off.max_element() < 1e-14, "{text}: {off}");
+        for k in 0..500_u32 {
+            let share = |n: u32| f64::from(k.wrapping_mul(n) % 499) / 499.0;
+            let share = DVec3::new(share(1), share(73), share(211));
+            let point = one.1.min + (one.1.max - one.1.min) * share + 1e-7;
+            let point = point.to_array();
+            assert_eq!(one.0.contains(point), other.0.contains(point), "{text}");
+        }
+    }
+    // Right angles are exact.
+    let solid = scene("rotate([0, 0, 270]) cube([1, 2, 3]);", false).solid;
+    let Node::Transform(Ok(map), _) = solid.node() else {
+        panic!("{solid:?}");
+    };
+    let turned = glam::DMat3::from_cols(-DVec3::Y, DVec3::X, DVec3::Z);
+    assert_eq!(map.matrix3, turned);
+    assert!(is_empty("translate([1, 0, 0]);"));
+    assert!(is_empty("group() %translate(1) group() roof(1);"));
 }
 
 #[test]
@@ -281,6 +397,9 @@ fn a_million_levels_deep() {
             let solid: Solid = scene(&text, false).solid;
             assert_eq!(!solid.node().operands().is_empty(), keeps_depth, "{head}");
         }
+        let lone = "translate([0, 0, 1e-9]) ".repeat(levels) + "sphere(1);";
+        let solid: Solid = scene(&lone, false).solid;
+        assert!(!solid.node().operands().is_empty());
         let open = read(&"group(){".repeat(levels), &ReadOptions::default());
         assert!(matches!(open, Err(SceneError::Syntax { .. })));
         let brackets = "[".repeat(levels);

@@ -3,8 +3,31 @@
 use super::build::Builder;
 use super::error::SceneError;
 use super::facets::Fineness;
-use super::parse::{NodeText, Value};
+use super::parse::{Argument, NodeText, Value};
 use super::values::number;
+
+/// The values of the arguments with the given keys (an empty key: without one), in their order; or
+/// what is wrong with any other argument.
+pub(super) fn by_keys<'a, const N: usize>(
+    arguments: &'a [Argument<'_>],
+    keys: &[&str; N],
+) -> Result<[Option<&'a Value>; N], String> {
+    let mut found = [None; N];
+    for argument in arguments {
+        let key = argument.key.unwrap_or("");
+        let name = match argument.key {
+            Some(key) => format!("the argument `{key}`"),
+            None => "an argument without a name".to_owned(),
+        };
+        let Some(slot) = keys.iter().position(|&known| known == key) else {
+            return Err(format!("{name} is not known here"));
+        };
+        if found[slot].replace(&argument.value).is_some() {
+            return Err(format!("{name} is given twice"));
+        }
+    }
+    Ok(found)
+}
 
 impl Builder<'_> {
     /// The values of the arguments with the given keys (an empty key: without
@@ -14,21 +37,26 @@ impl Builder<'_> {
         node: &NodeText<'_>,
         keys: &[&str; N],
     ) -> Result<[Option<&Value>; N], SceneError> {
-        let mut found = [None; N];
-        for argument in &self.tree.arguments[node.arguments.clone()] {
-            let key = argument.key.unwrap_or("");
-            let name = match argument.key {
-                Some(key) => format!("the argument `{key}`"),
-                None => "an argument without a name".to_owned(),
-            };
-            let Some(slot) = keys.iter().position(|&known| known == key) else {
-                return Err(self.fault(node, &format!("{name} is not known here")));
-            };
-            if found[slot].replace(&argument.value).is_some() {
-                return Err(self.fault(node, &format!("{name} is given twice")));
+        let arguments = &self.tree.arguments[node.arguments.clone()];
+        by_keys(arguments, keys).map_err(|problem| self.fault(node, &problem))
+    }
+
+    /// A radius, by itself or as half of a diameter, if one of them is given.
+    pub(super) fn radius(
+        &self,
+        node: &NodeText<'_>,
+        [r, d]: [&str; 2],
+        [radius, diameter]: [Option<&Value>; 2],
+    ) -> Result<Option<f64>, SceneError> {
+        match (radius, diameter) {
+            (None, None) => Ok(None),
+            (Some(_), None) => self.number(node, r, radius).map(Some),
+            (None, Some(_)) => Ok(Some(0.5 * self.number(node, d, diameter)?)),
+            (Some(_), Some(_)) => {
+                let problem = format!("`{r}` and `{d}` are both given: leave one out");
+                Err(self.fault(node, &problem))
             }
         }
-        Ok(found)
     }
 
     pub(super) fn fineness(

@@ -132,7 +132,8 @@ impl SceneError {
 /// evaluated tree has under another name, or a node that is spelt alike.
 fn meant(name: &str) -> String {
     let evaluated = match name {
-        "translate" | "rotate" | "scale" | "mirror" => Some("multmatrix"),
+        "move" | "transform" => Some("translate"),
+        "turn" => Some("rotate"),
         "sphere3d" | "ball" => Some("sphere"),
         "box" | "cuboid" => Some("cube"),
         "cone" => Some("cylinder"),

@@ -12,7 +12,7 @@ use super::error::SceneError;
 use super::facets::Fineness;
 use super::parse::{NodeText, Value};
 use super::pieces::Piece;
-use super::values::{array, list, number};
+use super::values::{array, list, number, sizes};
 
 /// What is told where arcs cannot be kept.
 pub(super) const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
@@ -60,9 +60,13 @@ fn frustum(center: DVec2, radius: f64, z: Range<f64>, scale: f64) -> Solid {
 
 impl Builder<'_> {
     pub(super) fn circle(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
-        let [fn_, fa, fs, radius] = self.arguments(node, &["$fn", "$fa", "$fs", "r"])?;
+        let [fn_, fa, fs, radius, diameter] =
+            self.arguments(node, &["$fn", "$fa", "$fs", "r", "d"])?;
         let fineness = self.fineness(node, [fn_, fa, fs])?;
-        let radius = self.number(node, "r", radius)?;
+        let radius = match self.radius(node, ["r", "d"], [radius, diameter])? {
+            Some(radius) => radius,
+            None => self.number(node, "r", None)?,
+        };
         if !is_size(radius) {
             return Ok(self.empty(node, "the radius"));
         }
@@ -76,7 +80,7 @@ impl Builder<'_> {
 
     pub(super) fn square(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
         let [size, center] = self.arguments(node, &["size", "center"])?;
-        let Some(size) = size.and_then(|value| array(value, number)) else {
+        let Some(size) = size.and_then(sizes) else {
             return Err(self.fault(node, "it needs `size = [x, y]`"));
         };
         let center = self.flag(node, "center", center)?;

@@ -5,7 +5,8 @@
 //! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
 //! `polygon`, `text`, `import` (of meshes, and of drawings in SVG and DXF), `surface` (of numbers),
 //! `linear_extrude`, `rotate_extrude`, `offset`, `projection`, `hull`,
-//! `minkowski` (of solids) and `resize`. Any other node is an error that names it
+//! `minkowski` (of solids) and `resize`; and, for scenes that are written by hand, `translate`, `rotate`,
+//! `scale` and `mirror`. Any other node is an error that names it
 //! and its place, unless `%` (background) leaves it out of the solid anyway.
 //!
 //! ```
@@ -58,6 +59,11 @@
 //! - An imported drawing ([`crate::profile`] says what is read) keeps its lines, arcs and circles;
 //!   other curves become chords within 1e-4 of its size, with a warning. `layer`, `id`, `dpi`, `center`
 //!   mean what they do in OpenSCAD, and so do `origin` and `scale`, in DXF.
+//! - What an evaluated tree does not have means what it does in OpenSCAD's language:
+//!   `translate([x, y, z])`, `rotate([x, y, z])` (degrees about X, then Y, then Z), `rotate(a, [x, y, z])`
+//!   (about an axis), `scale`, `mirror`; radii `r` and diameters `d`, of `cylinder` `d1` and `d2` as well; one
+//!   size for all sides of a cube or square; the first arguments without their names (`cube([1, 2, 3])`,
+//!   `cylinder(4, 1, 1)`); and one child without braces. But there are no variables, and sizes must be given.
 //! - Colours are sRGB, and the outermost wins. `color([-1, -1, -1, a])` is
 //!   OpenSCAD's "no colour" and sets none. A face cut by a subtracted
 //!   primitive shows that primitive's colour, as in OpenSCAD's preview.
@@ -74,6 +80,7 @@ mod lex;
 mod operations;
 mod parse;
 mod pieces;
+mod placing;
 mod polyhedra;
 mod primitives;
 mod shapes;

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::error::{Place, SceneError};
 use super::lex::{Lexer, Token, unescaped};
+use super::placing::{self, is_placing};
 
 /// The kinds of node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,7 @@ pub(super) enum Kind {
 }
 
 /// The nodes that can be read, as messages list them.
-pub(super) const NODES: [&str; 24] = [
+pub(super) const NODES: [&str; 28] = [
     "group",
     "union",
     "difference",
@@ -48,6 +49,10 @@ pub(super) const NODES: [&str; 24] = [
     "hull",
     "minkowski",
     "multmatrix",
+    "translate",
+    "rotate",
+    "scale",
+    "mirror",
     "resize",
     "color",
     "render",
@@ -75,6 +80,8 @@ impl Kind {
             "difference" => Self::Difference,
             "intersection" => Self::Intersection,
             "multmatrix" => Self::Multmatrix,
+            // (Their arguments become a matrix.)
+            _ if is_placing(name) => Self::Multmatrix,
             "color" => Self::Color,
             "render" => Self::Render,
             "cube" => Self::Cube,
@@ -166,13 +173,14 @@ pub(super) fn parse(text: &str) -> Result<Tree<'_>, SceneError> {
         nodes: Vec::new(),
         arguments: Vec::new(),
     };
-    // The nodes whose children are being read.
-    let mut open: Vec<usize> = Vec::new();
+    // The nodes whose children are being read, and whether these stand in braces: a lone child need
+    // not.
+    let mut open: Vec<(usize, bool)> = Vec::new();
     // The outermost of them that `%` leaves out.
     let mut background: Option<usize> = None;
     loop {
         if lexer.peek() == Token::End {
-            let Some(&innermost) = open.last() else {
+            let Some(&(innermost, _)) = open.last() else {
                 return Ok(tree);
             };
             let node = &tree.nodes[innermost];
@@ -180,26 +188,45 @@ pub(super) fn parse(text: &str) -> Result<Tree<'_>, SceneError> {
             return Err(lexer.error(node.offset, problem));
         }
         if lexer.take_mark('}')? {
-            let Some(closed) = open.pop() else {
+            let Some((closed, _)) = open.pop() else {
                 let problem = "a `}` too many: no `{` is open here".into();
                 return Err(lexer.error(lexer.offset().saturating_sub(1), problem));
             };
-            tree.nodes[closed].end = tree.nodes.len();
-            if background == Some(closed) {
-                background = None;
-            }
-            continue;
-        }
-        let index = tree.nodes.len();
-        node(&mut lexer, &mut tree, background.is_some())?;
-        if lexer.take_mark('{')? {
-            open.push(index);
-            if background.is_none() && tree.nodes[index].background {
-                background = Some(index);
-            }
+            close(&mut tree, closed, &mut background);
         } else {
-            lexer.expect_mark(';')?;
+            let index = tree.nodes.len();
+            node(&mut lexer, &mut tree, background.is_some())?;
+            let has_braces = lexer.take_mark('{')?;
+            let has_lone_child =
+                matches!(lexer.peek(), Token::Name(_) | Token::Mark('%' | '#')) && !has_braces;
+            if has_braces || has_lone_child {
+                open.push((index, has_braces));
+                if background.is_none() && tree.nodes[index].background {
+                    background = Some(index);
+                }
+                continue;
+            }
+            if !lexer.take_mark(';')? {
+                let wanted = if tree.nodes[index].kind.is_leaf() {
+                    "`;`"
+                } else {
+                    "`;`, `{` or a child"
+                };
+                return Err(lexer.unexpected(wanted));
+            }
         }
+        // What ends here is the lone child of those that wait for one.
+        while let Some((closed, _)) = open.pop_if(|(_, has_braces)| !*has_braces) {
+            close(&mut tree, closed, &mut background);
+        }
+    }
+}
+
+/// Ends the subtree of a node with the last one that was read.
+fn close(tree: &mut Tree<'_>, node: usize, background: &mut Option<usize>) {
+    tree.nodes[node].end = tree.nodes.len();
+    if *background == Some(node) {
+        *background = None;
     }
 }
 
@@ -244,6 +271,22 @@ fn node<'a>(
                 return Err(lexer.unexpected("`,` or `)`"));
             }
         }
+    }
+    let mut unnamed = placing::names(name).iter();
+    for argument in &mut tree.arguments[first..] {
+        if argument.key.is_none() {
+            argument.key = unnamed.next().copied();
+        }
+    }
+    if is_placing(name) && !background {
+        let matrix = placing::matrix(name, &tree.arguments[first..]);
+        let value = matrix.map_err(|problem| SceneError::Argument {
+            place: Place::of(tree.text, offset),
+            node: name.to_owned(),
+            problem,
+        })?;
+        tree.arguments.truncate(first);
+        tree.arguments.push(Argument { key: None, value });
     }
     tree.nodes.push(NodeText {
         kind,

@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::facets;
 use super::parse::{Kind, NodeText, Value};
 use super::pieces::Piece;
-use super::values::{array, list, number};
+use super::values::{array, list, number, sizes};
 
 impl Builder<'_> {
     pub(super) fn leaf(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
@@ -69,7 +69,7 @@ impl Builder<'_> {
 
     fn cube(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
         let [size, center] = self.arguments(node, &["size", "center"])?;
-        let Some(size) = size.and_then(|value| array(value, number)) else {
+        let Some(size) = size.and_then(sizes) else {
             return Err(self.fault(node, "it needs `size = [x, y, z]`"));
         };
         let center = self.flag(node, "center", center)?;
@@ -85,9 +85,13 @@ impl Builder<'_> {
     }
 
     fn sphere(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
-        let [fn_, fa, fs, radius] = self.arguments(node, &["$fn", "$fa", "$fs", "r"])?;
+        let [fn_, fa, fs, radius, diameter] =
+            self.arguments(node, &["$fn", "$fa", "$fs", "r", "d"])?;
         let fineness = self.fineness(node, [fn_, fa, fs])?;
-        let radius = self.number(node, "r", radius)?;
+        let radius = match self.radius(node, ["r", "d"], [radius, diameter])? {
+            Some(radius) => radius,
+            None => self.number(node, "r", None)?,
+        };
         if !is_size(radius) {
             return Ok(self.empty(node, "the radius"));
         }
@@ -102,12 +106,20 @@ impl Builder<'_> {
     }
 
     fn cylinder(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
-        let keys = ["$fn", "$fa", "$fs", "h", "r1", "r2", "center"];
-        let [fn_, fa, fs, height, bottom, top, center] = self.arguments(node, &keys)?;
+        let keys = [
+            "$fn", "$fa", "$fs", "h", "r1", "r2", "center", "r", "d", "d1", "d2",
+        ];
+        let [fn_, fa, fs, height, r1, r2, center, r, d, d1, d2] = self.arguments(node, &keys)?;
         let fineness = self.fineness(node, [fn_, fa, fs])?;
         let height = self.number(node, "h", height)?;
-        let bottom = self.number(node, "r1", bottom)?;
-        let top = self.number(node, "r2", top)?;
+        let both = self.radius(node, ["r", "d"], [r, d])?;
+        let end =
+            |[r, d]: [&'static str; 2], given| match self.radius(node, [r, d], given)?.or(both) {
+                Some(radius) => Ok(radius),
+                None => self.number(node, r, None),
+            };
+        let bottom = end(["r1", "d1"], [r1, d1])?;
+        let top = end(["r2", "d2"], [r2, d2])?;
         let center = self.flag(node, "center", center)?;
         if !is_size(height) {
             return Ok(self.empty(node, "the height"));

@@ -25,6 +25,14 @@ pub(super) fn array<T, const N: usize>(
     list(value, item)?.try_into().ok()
 }
 
+/// A list of N sizes, or one for all.
+pub(super) fn sizes<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    match value {
+        &Value::Number(size) => Some([size; N]),
+        value => array(value, number),
+    }
+}
+
 pub(super) fn text(value: &Value) -> Option<&str> {
     match value {
         Value::Text(text) => Some(text),
