@@ -192,8 +192,11 @@ impl Reading {
             let options = io::ReadOptions::default()
                 .any_folder(self.any_folder)
                 .to_draw(faces_only);
-            let mesh =
-                io::read_mesh_with(path, &options).map_err(|error| mesh_failure(&name, error))?;
+            let (mesh, warnings) = io::read_mesh_and_warnings(path, &options)
+                .map_err(|error| mesh_failure(&name, error))?;
+            for warning in warnings {
+                eprintln!("warning: {name}: {warning} (--any-folder)");
+            }
             if self.repair {
                 let (solid, repairs) = Solid::repaired(&mesh).map_err(no_solid)?;
                 return Ok(Contents::Repaired(solid, repairs));

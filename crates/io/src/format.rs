@@ -234,18 +234,43 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, Error> {
 /// # Errors
 /// As [`read_mesh`].
 pub fn read_mesh_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Mesh, Error> {
-    let path = path.as_ref();
-    read_by_format(path, options).map_err(|error| error.in_file(path))
+    read_mesh_and_warnings(path, options).map(|(mesh, _)| mesh)
 }
 
-fn read_by_format(path: &Path, options: &ReadOptions) -> Result<Mesh, Error> {
+/// [`read_mesh_with`], and what was left out that somebody might miss: materials of an OBJ file in
+/// another folder.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_mesh_and_warnings(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<(Mesh, Vec<String>), Error> {
+    let path = path.as_ref();
+    let mut warnings = Vec::new();
+    let mesh = read_by_format(path, options, &mut warnings).map_err(|error| error.in_file(path))?;
+    Ok((mesh, warnings))
+}
+
+fn read_by_format(
+    path: &Path,
+    options: &ReadOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, Error> {
     let format = MeshFormat::from_path(path)?;
     let data = Contents::of(path).map_err(Error::file("read", path))?;
     let named = |name: &str| Contents::named_by(path, name, options.any_folder);
     match format {
         MeshFormat::Glb => gltf::read_glb_with(&data, options.to_draw),
         MeshFormat::Gltf => gltf::read_gltf_with(&data, options.to_draw, named),
-        MeshFormat::Obj => obj::read_obj(&data, |name| named(name).ok().map(|data| data.to_vec())),
+        MeshFormat::Obj => obj::read_obj(&data, |name| match named(name) {
+            Ok(data) => Some(data.to_vec()),
+            Err(error @ Error::OtherFolder { .. }) => {
+                warnings.push(format!("its materials are left out: {error}"));
+                None
+            }
+            Err(_) => None,
+        }),
         MeshFormat::Stl => stl::read_stl(&data),
         MeshFormat::Ply => ply::read_ply(&data),
         MeshFormat::Off => off::read_off(&data),

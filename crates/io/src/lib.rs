@@ -31,7 +31,10 @@ mod weld;
 
 pub use atomic::AtomicFile;
 pub use error::Error;
-pub use format::{MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_with, write_mesh};
+pub use format::{
+    MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_and_warnings, read_mesh_with,
+    write_mesh,
+};
 pub use profile::{ProfileOptions, ReadProfile, read_profile, read_profile_with};
 pub use shared::share_triangles;
 pub use solid::{read_repaired_solid, read_solid};

@@ -152,6 +152,25 @@ fn what_is_no_mesh_and_data_elsewhere_are_errors() {
     succeeded(&folder.run("measure in/part.gltf --any-folder"));
 }
 
+#[test]
+fn materials_in_other_folders_are_missed() {
+    let folder = Folder::new();
+    fs::create_dir(folder.file("in")).expect("a folder");
+    fs::write(folder.file("a.mtl"), "newmtl red\nKd 1 0 0\n").expect("a file");
+    let text = "mtllib ../a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(folder.file("in/a.obj"), text).expect("a file");
+    let said = |command: &str| {
+        let output = folder.run(command);
+        String::from_utf8_lossy(&succeeded(&output).stderr).into_owned()
+    };
+    let warning = said("info in/a.obj");
+    assert!(
+        warning.contains("in/a.obj: its materials are left out") && warning.contains("a.mtl"),
+        "{warning}"
+    );
+    assert_eq!(said("info in/a.obj --any-folder"), "");
+}
+
 /// A tetrahedron without one side.
 #[test]
 fn broken_meshes_are_mended_if_asked() {
