@@ -1,16 +1,18 @@
 //! Spheres that nothing meets: each is a face of the solid as a whole, or none of it, and nothing
 //! about it needs to be found.
 //!
-//! Of those that have no other surface within them the smallest are asked first. Where all other surfaces
-//! keep to one side, the formula depends on the sphere alone: its value inside and outside says whether
-//! it bounds the solid. Then space inside is taken to be like that outside, so that the solid goes on
-//! without it; that may leave the next one alone.
+//! Where all other surfaces keep to one side of a ball, the formula depends on the sphere alone there: its
+//! value inside and outside says whether it bounds the solid. Then space inside is taken to be like that
+//! around, so that the solid goes on without it. Smaller ones are asked first, as that may leave
+//! those around them alone.
+//!
+//! n log n for n spheres, and n² / 64 steps for the formula's values.
 
 use glam::DVec3;
 
 use super::scene::Scene;
+use crate::mesh::Mesh;
 use crate::mesh::box_tree::{self, BoxTree, Boxed, along_curve};
-use crate::mesh::{Mesh, MeshSurface};
 use crate::numeric::tolerance::ROUND;
 use crate::program::{Cell, Formula, Kind, Program, Pruner, Surface, SurfaceId};
 use crate::surface::{Bounds, Side, half_space_bounds};
@@ -40,7 +42,7 @@ pub(super) struct Alone {
     faces: Vec<Face>,
 }
 
-/// Words of values that are computed at most, and surfaces without an end that are asked about balls: a
+/// Words of values that are computed at most, and pairs of balls and surfaces without an end: below a
 /// second's work. Tunes speed only.
 const MOST_WORK: usize = 1 << 28;
 
@@ -104,7 +106,7 @@ impl Alone {
         } in &self.faces
         {
             let entry = mesh.surfaces.len() as u32;
-            let surface: MeshSurface = task.mesh_surface(SurfaceId(ball.id), *look);
+            let surface = task.mesh_surface(SurfaceId(ball.id), *look);
             mesh.surfaces.push(surface);
             let first = mesh.positions.len() as u32;
             for axis in DVec3::AXES {
@@ -142,6 +144,11 @@ impl Ball {
             radius,
             beyond,
         })
+    }
+
+    /// Whether no point of it is within another one, or nearer than a margin.
+    fn is_outside(&self, other: &Self, margin: f64) -> bool {
+        self.center.distance(other.center) >= self.radius + other.radius + margin
     }
 }
 
@@ -224,7 +231,8 @@ impl<'a> Search<'a> {
     /// On which sides of other surfaces a ball is, as far as that is not the usual one; none if one
     /// meets it, nearly touches it, or is within it.
     fn sides_around(&self, ball: &Ball) -> Option<Vec<(u32, Side)>> {
-        let margin = self.scene.near + self.scene.touch.sqrt() * self.scene.reach.sqrt();
+        // Nearer surfaces may be told to touch (`TOUCH`).
+        let margin = self.scene.near + (self.scene.touch * self.scene.reach).sqrt();
         let half = DVec3::splat(ball.radius + margin);
         let mut near = self.endless.clone();
         let bounds = box_tree::Bounds {
@@ -249,12 +257,6 @@ impl<'a> Search<'a> {
             }
         }
         Some(sides)
-    }
-}
-
-impl Ball {
-    fn is_outside(&self, other: &Self, margin: f64) -> bool {
-        self.center.distance(other.center) >= self.radius + other.radius + margin
     }
 }
 
