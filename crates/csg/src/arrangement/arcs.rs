@@ -121,6 +121,8 @@ impl ArcTracer {
                     }
                     continue;
                 }
+                // (Many surfaces may meet in one place, and be in one block.)
+                scene.go_on()?;
                 let common = match scene.common(id) {
                     Ok(common) => common,
                     Err(unknown) => match &*unknown {

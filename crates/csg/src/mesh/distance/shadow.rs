@@ -6,6 +6,8 @@
 //! left out of what is in one piece. Then no point is farther from the mesh than what is right below it,
 //! and height is linear on each triangle, so it is largest at a corner of what both have in common.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
@@ -39,7 +41,8 @@ impl Target<'_> {
         let mut waiting = vec![start];
         seen.insert(start);
         while let Some(triangle) = waiting.pop() {
-            if !(way * faces(triangle) > 0.0) {
+            // (Nor if that is not a number.)
+            if (way * faces(triangle)).partial_cmp(&0.0) != Some(Ordering::Greater) {
                 return None;
             }
             let corners = self.corners(triangle);
