@@ -272,8 +272,8 @@ fn the_other_half_of_the_models_are_read_back() {
 fn corpus_is_read_back() {
     /// A larger one takes some seconds to be read.
     const FEW: usize = 40;
-    /// The projection of three letters that are cut with each other: with circles it takes minutes to
-    /// be read.
+    /// The projection of three letters that are cut with each other: of hundreds of faces, it takes
+    /// seconds to be read.
     const TOO_MUCH_WORK: &str = "GEB.csg";
     let Some(folder) = std::env::var_os("STEREOTOMY_CORPUS") else {
         return;
