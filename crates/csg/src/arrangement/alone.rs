@@ -13,7 +13,6 @@ use glam::DVec3;
 use super::scene::Scene;
 use crate::mesh::Mesh;
 use crate::mesh::box_tree::{self, BoxTree, Boxed, along_curve};
-use crate::numeric::tolerance::ROUND;
 use crate::program::{Cell, Formula, Kind, Program, Pruner, Surface, SurfaceId};
 use crate::surface::{Bounds, Side, half_space_bounds};
 use crate::task::Task;
@@ -24,8 +23,6 @@ struct Ball {
     id: u32,
     center: DVec3,
     radius: f64,
-    /// On which side of the surface all is that is not in the ball.
-    beyond: Side,
 }
 
 /// A sphere that is a face of the solid.
@@ -62,7 +59,7 @@ impl Alone {
             match ends_of(surface) {
                 Some((bounds, beyond)) => {
                     ends.push((id, bounds, beyond));
-                    balls.extend(Ball::of(id, surface, beyond));
+                    balls.extend(Ball::of(id, surface));
                 }
                 None => endless.push(id),
             }
@@ -130,19 +127,15 @@ impl Alone {
 }
 
 impl Ball {
-    fn of(id: u32, surface: &Surface, beyond: Side) -> Option<Self> {
+    fn of(id: u32, surface: &Surface) -> Option<Self> {
         if surface.kind != Kind::Ellipsoid {
             return None;
         }
         let form = surface.standard_form();
-        let half_axes = form.values.map(|value| (-form.constant / value).sqrt());
-        let [a, b, c] = half_axes;
-        let (least, radius) = (a.min(b).min(c), a.max(b).max(c));
-        (radius.is_finite() && radius - least <= ROUND * least).then_some(Self {
+        Some(Self {
             id,
             center: form.center,
-            radius,
-            beyond,
+            radius: form.radius()?,
         })
     }
 
@@ -246,7 +239,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             let side = match self.ball_of[id as usize] {
-                Some(other) if other.is_outside(ball, margin) => other.beyond,
+                Some(other) if other.is_outside(ball, margin) => self.usual[id as usize],
                 _ => self.scene.surfaces[id as usize].side_of_box(ball.center, half),
             };
             if side == Side::Crossing {
@@ -276,7 +269,7 @@ fn values(formula: &Formula, usual: &[Side], balls: &[(Ball, Vec<(u32, Side)>)])
         }
         let [within, without] = [true, false].map(|is_within| {
             for ((ball, _), bit) in some.iter().zip(0..) {
-                let is_inside = (ball.beyond == Side::Inside) != is_within;
+                let is_inside = (usual[ball.id as usize] == Side::Inside) != is_within;
                 let word = &mut inside[ball.id as usize];
                 *word = *word & !(1 << bit) | u64::from(is_inside) << bit;
             }

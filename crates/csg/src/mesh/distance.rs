@@ -97,7 +97,8 @@ impl Mesh {
         if self.triangles.is_empty() || other.triangles.is_empty() {
             return None;
         }
-        let target = Target::new(other);
+        let far = farthest(&self.positions).max(farthest(&other.positions));
+        let target = Target::new(other, ON_REFINED * far);
         let mut is_used = vec![false; self.positions.len()];
         for &vertex in self.triangles.as_flattened() {
             is_used[vertex as usize] = true;
@@ -117,7 +118,7 @@ impl Mesh {
             lower: 0.0,
             place: self.corners(0)[0],
             precision,
-            rounding: ON_REFINED * farthest(&self.positions),
+            rounding: target.rounding,
         };
         for (near, &place) in near.iter().zip(&self.positions) {
             search.find(near.distance, place);
@@ -251,11 +252,13 @@ fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[a, p, r], [p, b, q], [r, q, c], [p, q, r]]
 }
 
-/// What of a convex polygon is behind a plane, and before it, whose normal is of unit length. What
-/// reaches across by rounding alone is on the side of the rest.
-fn cut(polygon: &[DVec3], point: DVec3, normal: DVec3) -> [SmallVec<[DVec3; 8]>; 2] {
+/// A point of a plane and its normal, of unit length.
+type Plane = (DVec3, DVec3);
+
+/// What of a convex polygon is behind a plane, and before it. What reaches across by no more than a
+/// slack is on the side of the rest.
+fn cut(polygon: &[DVec3], (point, normal): Plane, slack: f64) -> [SmallVec<[DVec3; 8]>; 2] {
     let height = |corner: &DVec3| (*corner - point).dot(normal);
-    let slack = ON_REFINED * farthest(polygon).max(point.abs().max_element());
     let heights: SmallVec<[f64; 8]> = polygon.iter().map(height).collect();
     let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -293,10 +296,12 @@ struct Target<'a> {
     tree: BoxTree,
     /// Of each triangle's sides those of its neighbours, as [`twins`] has them.
     twins: Vec<u32>,
+    /// How far points of both meshes may be off by rounding.
+    rounding: f64,
 }
 
 impl<'a> Target<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
+    fn new(mesh: &'a Mesh, rounding: f64) -> Self {
         let bounds = |index: usize| Bounds::around(&mesh.corners(index));
         let order = along_curve((0..mesh.triangles.len()).map(bounds));
         let entries = order.into_iter().map(|index| Boxed {
@@ -312,6 +317,7 @@ impl<'a> Target<'a> {
                 let [a, b, c] = mesh.triangles[triangle];
                 a != b && b != c && c != a
             }),
+            rounding,
         }
     }
 
@@ -340,7 +346,7 @@ impl<'a> Target<'a> {
         let mut rest: SmallVec<[DVec3; 8]> = SmallVec::from_slice(&open.corners);
         for [from, to] in [[a, b], [b, c], [c, a]] {
             let out = (to - from).cross(normal).normalize_or_zero();
-            let [inner, outer] = cut(&rest, from, out);
+            let [inner, outer] = cut(&rest, (from, out), self.rounding);
             fan(&outer, &mut parts);
             rest = inner;
         }
@@ -408,6 +414,7 @@ fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary;
 
     /// A grid of points of the triangle is nearest where it should be.
     #[test]
@@ -462,6 +469,45 @@ mod tests {
             mesh.triangles.push([0, k + 1, next + 1]);
         }
         mesh
+    }
+
+    /// Chords of an arc of radius 1 from z = 0 to 1, along which it is cut so often, too.
+    fn barrel(chords: u32, rows: u32) -> Mesh {
+        let mut mesh = Mesh::default();
+        for k in 0..(chords + 1) * (rows + 1) {
+            let (x, y) = (k % (chords + 1), k / (chords + 1));
+            let around = elementary::direction(f64::from(x) / f64::from(chords));
+            mesh.positions
+                .push(around.extend(f64::from(y) / f64::from(rows)));
+        }
+        for k in 0..chords * rows {
+            let corner = k / chords * (chords + 1) + k % chords;
+            let above = corner + chords + 1;
+            mesh.triangles.push([corner, corner + 1, above + 1]);
+            mesh.triangles.push([corner, above + 1, above]);
+        }
+        mesh
+    }
+
+    /// Each large triangle is nearly as far from many small ones as the farthest is.
+    #[test]
+    fn a_coarse_mesh_is_as_far_from_a_fine_one_as_its_chords_stray() {
+        let (coarse, fine) = (barrel(16, 16), barrel(256, 256));
+        let sagitta = |chords: f64| 2.0 * elementary::sin(0.25 / chords).powi(2);
+        // Of coordinates of 1.
+        let rounding = 1e-15;
+        let (most, least) = (sagitta(16.0), sagitta(16.0) - sagitta(256.0));
+        for (one, other) in [(&coarse, &fine), (&fine, &coarse)] {
+            let distance = one.distance_to(other, 1e-7).expect("triangles");
+            assert!(
+                least - rounding <= distance.upper && distance.lower <= most + rounding,
+                "{distance:?} for {least} to {most}"
+            );
+            assert!(
+                distance.upper - distance.lower <= 1e-3 * most,
+                "{distance:?}"
+            );
+        }
     }
 
     #[test]

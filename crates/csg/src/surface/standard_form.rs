@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::kind::Kind;
 use super::{Side, Surface};
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::ROUND;
 
 /// f = Σ values_k x_k² + slope x_2 + constant, with x measured along the axes from the
 /// centre, the vertex, or a point of the axis or plane of symmetry.
@@ -18,6 +19,20 @@ pub(crate) struct StandardForm {
     pub values: [f64; 3],
     pub slope: f64,
     pub constant: f64,
+}
+
+impl StandardForm {
+    /// Those of an ellipsoid; not numbers, or infinite, if it is none.
+    pub(crate) fn half_axes(&self) -> [f64; 3] {
+        self.values.map(|value| (-self.constant / value).sqrt())
+    }
+
+    /// The radius of a sphere: of an ellipsoid whose half axes are the same but for rounding.
+    pub(crate) fn radius(&self) -> Option<f64> {
+        let [a, b, c] = self.half_axes();
+        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        (most.is_finite() && most - least <= ROUND * least).then_some(most)
+    }
 }
 
 impl Surface {

@@ -5,7 +5,6 @@ use glam::DVec3;
 use super::deviation::Shrinkage;
 use super::region::{Bend, Region, Way};
 use super::surfaced::Surfaced;
-use crate::numeric::tolerance::ROUND;
 use crate::program::{Kind, Surface};
 use crate::surface::Side;
 use crate::surface::round::Round;
@@ -17,6 +16,7 @@ pub(super) struct Whole<'a> {
     /// Whether it faces inward, as the wall of a void.
     pub is_void: bool,
     pub center: DVec3,
+    radius: Option<f64>,
     /// The half axes and their directions.
     half_axes: [f64; 3],
     axes: [DVec3; 3],
@@ -33,7 +33,7 @@ impl<'a> Whole<'a> {
             return None;
         }
         let form = surface.standard_form();
-        let half_axes = form.values.map(|value| (-form.constant / value).sqrt());
+        let half_axes = form.half_axes();
         let is_void = volume(part) < 0.0;
         let grows_outward = surface.definiteness() != Some(Side::Inside);
         let is_real = half_axes.iter().all(|axis| axis.is_finite());
@@ -50,6 +50,7 @@ impl<'a> Whole<'a> {
             },
             is_void,
             center: form.center,
+            radius: form.radius(),
             half_axes,
             axes: form.axes,
         })
@@ -67,9 +68,7 @@ impl<'a> Whole<'a> {
 
     /// The radius, if all half axes are the same but for rounding.
     pub fn radius(&self) -> Option<f64> {
-        let [a, b, c] = self.half_axes;
-        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
-        (most - least <= ROUND * least).then_some(most)
+        self.radius
     }
 }
 

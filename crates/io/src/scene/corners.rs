@@ -481,11 +481,9 @@ pub(super) fn bounds(
     Ok(mesh(solid, allowance)?.bounds())
 }
 
-/// By how much vertices of a mesh are off their surfaces at most, of the largest coordinate.
-const ROUNDING: f64 = 1e-12;
-
-/// Normals that rise by less are told from level ones by no single precision. What leans by less is
-/// off by as much of its height, and its mesh by far more.
+/// Normals that rise by less are level: they are in single precision, 6e-8, and were made from
+/// coordinates and transforms that are rounded. Of a wall that leans by no more its shadow is off by as much of
+/// its height, a hundredth of what its mesh may stray ([`SHARE`]).
 const UPRIGHT: f32 = 1e-6;
 
 /// The solid seen along z.
@@ -497,17 +495,13 @@ pub(super) fn shadow(solid: &Solid, allowance: &mut Allowance) -> Result<Profile
 /// What is between the triangles of a mesh that face up and the others, seen along z: the contours
 /// of its shadow, and those of what is above or below some of it.
 fn outlines(mesh: &Mesh) -> Result<Vec<Vec<DVec2>>, String> {
-    let rounding = mesh.bounds().map_or(0.0, |(low, high)| {
-        ROUNDING * low.abs().max(high.abs()).max_element()
-    });
     let faces_up = |index: usize| {
         let [p, q, r]: [DVec2; 3] = mesh.corners(index).map(DVec3::truncate);
-        let longest = p.distance(q).max(q.distance(r)).max(r.distance(p));
-        // Of a wall that stands upright triangles face up or down as its chords and rounding have it:
+        // Of a wall that stands upright triangles face up or down as its chords have it:
         // their sides would cross each other everywhere.
         let normals = mesh.corner_normals.get(index);
         let stands = normals.is_some_and(|all| all.iter().all(|normal| normal.z.abs() < UPRIGHT));
-        !stands && (q - p).perp_dot(r - p) > rounding * longest
+        !stands && (q - p).perp_dot(r - p) > 0.0
     };
     let mut open: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for (index, &[a, b, c]) in mesh.triangles.iter().enumerate() {
@@ -586,7 +580,7 @@ mod tests {
         }
     }
 
-    /// Of a wall that stands upright but for rounding some triangles face up, and some down.
+    /// Of a round wall that stands upright some triangles face up, and some down.
     #[test]
     fn walls_that_stand_upright_cast_no_shadow() {
         let post = Solid::cylinder(2.0, -1.0..1.0) - Solid::cylinder(1.5, -0.5..2.0);

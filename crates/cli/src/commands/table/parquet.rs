@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
@@ -43,36 +43,33 @@ impl Table {
             .map(|field| i16::from(*field != Field::Nothing))
             .collect();
         match self.columns[index].1 {
-            Kind::Text => {
-                let texts = fields().filter_map(|field| match field {
-                    Field::Text(text) => Some(ByteArray::from(text.as_str())),
-                    _ => None,
-                });
-                let values: Vec<ByteArray> = texts.collect();
-                let column = column.typed::<ByteArrayType>();
-                column.write_batch(&values, Some(&given), None)?;
-            }
-            Kind::Count => {
-                let counts = fields().filter_map(|field| match field {
-                    Field::Count(count) => Some(*count),
-                    _ => None,
-                });
-                let values: Vec<i64> = counts.collect();
-                let column = column.typed::<Int64Type>();
-                column.write_batch(&values, Some(&given), None)?;
-            }
-            Kind::Number => {
-                let numbers = fields().filter_map(|field| match field {
-                    Field::Number(number) => Some(*number),
-                    _ => None,
-                });
-                let values: Vec<f64> = numbers.collect();
-                let column = column.typed::<DoubleType>();
-                column.write_batch(&values, Some(&given), None)?;
-            }
+            Kind::Text => write::<ByteArrayType>(column, &given, fields(), |field| match field {
+                Field::Text(text) => Some(ByteArray::from(text.as_str())),
+                _ => None,
+            }),
+            Kind::Count => write::<Int64Type>(column, &given, fields(), |field| match field {
+                Field::Count(count) => Some(*count),
+                _ => None,
+            }),
+            Kind::Number => write::<DoubleType>(column, &given, fields(), |field| match field {
+                Field::Number(number) => Some(*number),
+                _ => None,
+            }),
         }
-        Ok(())
     }
+}
+
+/// Writes the values that fields of one kind have.
+fn write<'a, T: DataType>(
+    column: &mut SerializedColumnWriter<'_>,
+    given: &[i16],
+    fields: impl Iterator<Item = &'a Field>,
+    value: impl Fn(&'a Field) -> Option<T::T>,
+) -> Result<(), ParquetError> {
+    let values: Vec<T::T> = fields.filter_map(value).collect();
+    let column = column.typed::<T>();
+    column.write_batch(&values, Some(given), None)?;
+    Ok(())
 }
 
 /// A column of Parquet in which fields may be missing.

@@ -13,8 +13,7 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::super::twins::NONE;
-use super::{Target, cut, farthest, longest};
-use crate::numeric::tolerance::ON_REFINED;
+use super::{Plane, Target, cut, longest};
 
 impl Target<'_> {
     /// The greatest height of a triangle above the mesh, which is a bound of its distance, and
@@ -25,7 +24,7 @@ impl Target<'_> {
         let up = normal.try_normalize()?;
         // What is nearer to a side is not asked for: it is off the rest of the triangle, which is the
         // same but smaller, by as much of its length.
-        let rim = ON_REFINED * farthest(&corners);
+        let rim = self.rounding;
         let around = a.distance(b) + b.distance(c) + c.distance(a);
         let inner_radius = normal.length() / around;
         let sides = [[a, b], [b, c], [c, a]];
@@ -48,7 +47,7 @@ impl Target<'_> {
             let corners = self.corners(triangle);
             let mut common: SmallVec<[DVec3; 8]> = SmallVec::from_slice(&corners);
             for &(from, out) in &sides {
-                common = cut(&common, from, out)
+                common = cut(&common, (from, out), rim)
                     .into_iter()
                     .next()
                     .unwrap_or_default();
@@ -82,12 +81,12 @@ impl Target<'_> {
             }
         }
         let (height, place) = highest;
-        Some((height + rim / inner_radius * longest(corners), place))
+        Some((height + rim + rim / inner_radius * longest(corners), place))
     }
 }
 
 /// Whether a line has points farther than a rim inside of all sides.
-fn leads_through([from, to]: [DVec3; 2], sides: &[(DVec3, DVec3); 3], rim: f64) -> bool {
+fn leads_through([from, to]: [DVec3; 2], sides: &[Plane; 3], rim: f64) -> bool {
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     for &(on, out) in sides {
         let [here, there] = [from, to].map(|end| (end - on).dot(out) + rim);
@@ -146,7 +145,7 @@ mod tests {
             if let Some(hole) = hole {
                 mesh.triangles.swap_remove(hole);
             }
-            let target = Target::new(&mesh);
+            let target = Target::new(&mesh, 1e-12);
             let corners = corners.map(|[x, y, z]| DVec3::new(x, y, 0.2 * z));
             let middle = corners.iter().sum::<DVec3>() / 3.0;
             let near = target.near(middle, None).triangle;
