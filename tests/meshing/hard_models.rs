@@ -537,18 +537,21 @@ fn slits_have_no_area_and_are_no_faces() {
 /// as much as nobody sees: they are moved by about that, and no farther.
 #[test]
 fn what_misses_touching_by_little_is_moved_until_it_touches() {
-    let program = Program::lower(&model("spool-missed-by-a-billionth")).expect("a valid solid");
-    for tolerance in [0.7, 0.1, 0.02] {
-        let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
-        let Meshed { mesh, report, .. } = meshed.expect("a mesh");
-        assert_eq!(report.fallbacks, [], "{tolerance}");
-        assert!(report.check.is_manifold() && mesh.self_intersections().is_empty());
-        assert!(
-            report.deviation.is_some_and(|d| d <= tolerance),
-            "{tolerance}"
-        );
-        let moved = report.moved.map_or(0.0, |moved| moved.distance);
-        assert!(moved < 1e-5, "{tolerance}: {moved}");
+    for name in [
+        "rod-that-is-a-cone-by-a-billionth",
+        "spool-missed-by-a-billionth",
+    ] {
+        let program = Program::lower(&model(name)).expect("a valid solid");
+        for tolerance in [0.7, 0.1, 0.02] {
+            let what = format!("{name} at {tolerance}");
+            let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
+            let Meshed { mesh, report, .. } = meshed.expect("a mesh");
+            assert_eq!(report.fallbacks, [], "{what}");
+            assert!(report.check.is_manifold() && mesh.self_intersections().is_empty());
+            assert!(report.deviation.is_some_and(|d| d <= tolerance), "{what}");
+            let moved = report.moved.map_or(0.0, |moved| moved.distance);
+            assert!(moved < 1e-5, "{what}: {moved}");
+        }
     }
 }
 

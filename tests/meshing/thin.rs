@@ -269,15 +269,17 @@ fn check_volume(what: &str, solid: &Solid, volume: f64) {
 /// right, and nothing is to be reported.
 #[test]
 fn strips_narrower_than_chords_stray_are_joined_straight_across() {
-    for (name, most) in [
-        ("needle-through-a-sheet", 400),
-        ("../plates/sheet-across-a-slab", 400),
-        ("../plates/discs-that-cross", 1000),
+    for (name, most, tolerances) in [
+        ("needle-through-a-sheet", 400, &[0.1, 0.01, 0.001][..]),
+        ("slice-of-a-needle", 40, &[0.1, 0.01, 0.001]),
+        ("ribbon-of-two-flat-ellipsoids", 500, &[0.1, 0.01]),
+        ("../plates/sheet-across-a-slab", 400, &[0.1, 0.01, 0.001]),
+        ("../plates/discs-that-cross", 1000, &[0.1, 0.01, 0.001]),
     ] {
         let program = Program::lower(&model(name)).expect("a valid solid");
         let boundary = program.boundary(&BoundaryOptions::default());
         let exact = boundary.expect("a boundary").measure().area.value;
-        for tolerance in [0.1, 0.01, 0.001] {
+        for &tolerance in tolerances {
             let what = format!("{name} at {tolerance}");
             let meshed = Mesher::new().tolerance(tolerance).mesh(&program);
             let Meshed { mesh, report, .. } = meshed.expect("a mesh");

@@ -243,10 +243,13 @@ fn points_of_edges_are_on_their_own_stretch() {
                     let near = DVec3::new(x, beside, 0.0);
                     let found = boundary.on_curve(scene, HalfEdgeId(half), near);
                     let found = found.expect("a point");
-                    let right = DVec3::new(x, side * 1e-4 * (1.0 - x * x).sqrt(), 0.0);
-                    // (In a plane across the chord, which is not quite along x.)
-                    let off = found.distance(right);
-                    assert!(off < 1e-8, "{half}: {found}, not {right}");
+                    // In the plane across the chord, where the cylinder is round.
+                    let round = |along: DVec3| along * DVec3::new(1.0, 1e4, 0.0);
+                    let chord = boundary.chord(HalfEdgeId(half));
+                    let along = round(chord[1] - chord[0]).normalize();
+                    let off = round(found - near).dot(along).abs();
+                    assert!(off < 1e-7, "{half}: {found}, not beside {near}");
+                    assert!(side * found.y > 0.0, "{half}: {found}");
                     assert!(solve::residual(surfaces.iter(), found) < WELD);
                 }
             }

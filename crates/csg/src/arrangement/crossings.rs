@@ -1,12 +1,13 @@
 //! Edges that run across each other although their curves do not: chords of
 //! curves that are close to each other, or touch. More chords part them.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::boundary::{Boundary, HalfEdge};
 use super::curve::Curve;
+use super::frame::Frame;
 use super::ids::{FaceId, HalfEdgeId, VertexId};
 use super::roots::bracketed;
 use super::scene::Scene;
@@ -108,11 +109,21 @@ impl Boundary {
     /// The point of an edge's curve next to another point; none if that is not
     /// between the edge's ends, or these are one but for rounding.
     fn next_to(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> Option<DVec3> {
+        let rounded = self.rounded(scene, half_edge);
         let [a, b] = self.chord(half_edge);
-        let half = 0.5 * a.distance(b);
+        let half = 0.5 * rounded.length(b - a);
         let found = self.on_curve(scene, half_edge, point)?;
-        let is_between = found.distance(0.5 * (a + b)) <= 0.9 * half;
+        let is_between = rounded.length(found - a.midpoint(b)) <= 0.9 * half;
         is_between.then_some(found)
+    }
+
+    /// How lengths are measured along an edge: as its face is seen, where a quadric is round
+    /// however flat or long it is. There its curves turn as little as their chords let them;
+    /// in space they may turn back between two ends that are side by side.
+    fn rounded(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> Rounded {
+        let mut frames = self.both(half_edge).into_iter();
+        let frame = frames.find_map(|half| scene.frame(self.side(half).plane));
+        Rounded(frame.map_or(DMat3::IDENTITY, Frame::to_frame))
     }
 
     /// The point of an edge's curve beside another point, or else the end that is nearer
@@ -136,7 +147,7 @@ impl Boundary {
         if matches!(curve, Curve::Line { .. }) {
             return straight();
         }
-        let start = curve.at(self.place_beside(&curve, half_edge, point));
+        let start = curve.at(self.place_beside(scene, &curve, half_edge, point));
         let reach = scene.touching_reach();
         let found = solve::sharp_common_point(&surfaces, start, reach, scene.blur());
         if found.residual <= scene.weld && found.point.distance(start) <= reach {
@@ -149,16 +160,24 @@ impl Boundary {
     /// Where on its curve an edge is beside a point.
     fn place_of(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, point: DVec3) -> f64 {
         let curve = scene.curve(self.at(half_edge).curve);
-        let place = curve.map(|curve| self.place_beside(&curve, half_edge, point));
+        let place = curve.map(|curve| self.place_beside(scene, &curve, half_edge, point));
         place.unwrap_or(self.at(half_edge).places[0])
     }
 
     /// Where an edge is in the plane through a point across its chord, or else the end
     /// that is nearer to that.
-    fn place_beside(&self, curve: &Curve, half_edge: HalfEdgeId, point: DVec3) -> f64 {
+    fn place_beside(
+        &self,
+        scene: &Scene<'_>,
+        curve: &Curve,
+        half_edge: HalfEdgeId,
+        point: DVec3,
+    ) -> f64 {
+        let rounded = self.rounded(scene, half_edge);
         let [a, b] = self.chord(half_edge);
+        let along = rounded.across(b - a);
         let mut ends = self.at(half_edge).places;
-        let beyond = |place: f64| (curve.at(place) - point).dot(b - a);
+        let beyond = |place: f64| (curve.at(place) - point).dot(along);
         let mut values = ends.map(beyond);
         if values[0] >= 0.0 {
             return ends[0];
@@ -219,7 +238,8 @@ impl Boundary {
                 from.perp_dot(to)
             };
             if contour.iter().map(area).sum::<f64>() <= 0.0 {
-                let sagitta = |half_edge: &HalfEdgeId| self.sagitta(scene, *half_edge);
+                let rounded = self.rounded(scene, contour[0]);
+                let sagitta = |half_edge: &HalfEdgeId| self.sagitta(scene, *half_edge, rounded);
                 let by_sagitta =
                     |a: &&HalfEdgeId, b: &&HalfEdgeId| sagitta(a).total_cmp(&sagitta(b));
                 let worst = contour.iter().max_by(by_sagitta);
@@ -260,8 +280,9 @@ impl Boundary {
     ) -> Option<Split> {
         /// Of an arc's middle no other point is much farther from the chord.
         const FARTHEST: f64 = 1.5;
+        let rounded = self.rounded(scene, half_edge);
         let [a, b] = self.chord(half_edge);
-        let off_chord = |point: DVec3| (point - a).reject_from(b - a).length();
+        let off_chord = |point: DVec3| rounded.off(point - a, b - a);
         let reach = 2.0 * FARTHEST * off_chord(self.middle(scene, half_edge)?);
         let corners = contours.iter().flatten();
         let corners = corners.map(|&corner| self.point(self.at(corner).from));
@@ -269,17 +290,17 @@ impl Boundary {
         let beside = beside.filter_map(|corner| {
             let at = self.next_to(scene, half_edge, corner)?;
             let off = off_chord(at);
-            (corner.distance(at) < off).then_some((off, at))
+            (rounded.length(corner - at) < off).then_some((off, at))
         });
         let (_, at) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(self.split_of(half_edge, at))
     }
 
     /// How far an edge's curve is from the middle of its chord.
-    fn sagitta(&self, scene: &Scene<'_>, half_edge: HalfEdgeId) -> f64 {
+    fn sagitta(&self, scene: &Scene<'_>, half_edge: HalfEdgeId, rounded: Rounded) -> f64 {
         let [a, b] = self.chord(half_edge);
         let middle = self.middle(scene, half_edge);
-        middle.map_or(0.0, |m| m.distance(0.5 * (a + b)))
+        middle.map_or(0.0, |m| rounded.length(m - a.midpoint(b)))
     }
 
     /// What parts two edges that run across each other: the middle of the one that
@@ -288,12 +309,13 @@ impl Boundary {
     /// touch, chords of about the same curvature cross however short they are,
     /// unless their vertices are side by side.
     fn split_between(&self, scene: &Scene<'_>, [first, second]: [HalfEdgeId; 2]) -> Option<Split> {
-        let [one, other] = [first, second].map(|h| self.sagitta(scene, h));
+        let rounded = self.rounded(scene, first);
+        let [one, other] = [first, second].map(|h| self.sagitta(scene, h, rounded));
         let beside = [(first, second), (second, first)].into_iter();
         let beside = beside.flat_map(|(half_edge, other)| {
             self.chord(other).into_iter().filter_map(move |end| {
                 let at = self.next_to(scene, half_edge, end)?;
-                Some((at.distance(end), half_edge, at))
+                Some((rounded.length(at - end), half_edge, at))
             })
         });
         let closest = beside.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -301,6 +323,26 @@ impl Boundary {
             Some((_, half_edge, at)) => Some(self.split_of(half_edge, at)),
             None => self.halve(scene, if one >= other { first } else { second }),
         }
+    }
+}
+
+/// Lengths as measured in the frame of a quadric, where it is round.
+#[derive(Clone, Copy, Debug)]
+struct Rounded(DMat3);
+
+impl Rounded {
+    fn length(self, direction: DVec3) -> f64 {
+        (self.0 * direction).length()
+    }
+
+    /// How far a direction leads off another one.
+    fn off(self, direction: DVec3, along: DVec3) -> f64 {
+        (self.0 * direction).reject_from(self.0 * along).length()
+    }
+
+    /// The normal of the planes across a direction.
+    fn across(self, direction: DVec3) -> DVec3 {
+        self.0.transpose() * (self.0 * direction)
     }
 }
 

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
 use crate::program::{Kind, StandardForm, Surface};
-use crate::surface::round::Round;
+use crate::surface::round::{Round, like_cylinder};
 
 /// How a quadric is cut into patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,17 +54,19 @@ impl Frame {
         if surface.is_plane() {
             return None;
         }
+        let form = surface.standard_form();
+        let on_axis = like_cylinder(surface, &form, reach);
         let StandardForm {
             mut center,
             mut axes,
             mut values,
             slope,
             ..
-        } = surface.standard_form();
+        } = form;
         let outward = values[0].signum();
         let mut facing = [outward; 2];
         let mut is_divided = false;
-        let shape = if let Some(on_axis) = like_cylinder(surface, values, axes, reach) {
+        let shape = if let Some(on_axis) = on_axis {
             (center, values[2]) = (on_axis, 0.0);
             Shape::Around
         } else {
@@ -132,8 +134,13 @@ impl Frame {
             seams: across[..seams].iter().map(|&n| plane(n)).collect(),
             divider: is_divided.then(|| plane(DVec3::Z)),
             facing,
-            round: Round::of(surface),
+            round: Round::of(surface, reach),
         })
+    }
+
+    /// From directions in space to directions in the frame.
+    pub fn to_frame(&self) -> DMat3 {
+        self.to_frame
     }
 
     /// All planes that part the surface: seams, then the divider.
@@ -227,27 +234,4 @@ impl Frame {
             point
         }
     }
-}
-
-/// Where the axis is of a quadric that is like a cylinder along its last axis wherever the
-/// scene reaches: a centre or an apex far away would only cost digits. With d the distance
-/// along the axis, the square of its radius changes by value d² + slope d, at most by half.
-fn like_cylinder(
-    surface: &Surface,
-    values: [f64; 3],
-    axes: [DVec3; 3],
-    reach: f64,
-) -> Option<DVec3> {
-    if values[0] * values[1] <= 0.0 {
-        return None;
-    }
-    let off_axis: DVec3 = (0..2)
-        .map(|k| surface.linear.dot(axes[k]) / (2.0 * values[k]) * axes[k])
-        .sum();
-    let on_axis = surface.anchor - off_axis;
-    let rest = surface.value(on_axis);
-    let length = reach + surface.anchor.length();
-    let slope = surface.linear.dot(axes[2]).abs();
-    let change = (values[2].abs() * length + slope) * length;
-    (rest * values[0] < 0.0 && change <= 0.5 * rest.abs()).then_some(on_axis)
 }

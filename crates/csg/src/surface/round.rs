@@ -42,15 +42,19 @@ pub(crate) struct Round {
 }
 
 impl Round {
-    /// None for all others: triangles on these are good as they are.
-    pub fn of(surface: &Surface) -> Option<Self> {
-        let round = match surface.kind {
+    /// None for all others: triangles on these are good as they are, and those on a needle of
+    /// which within `reach` of the origin only a short piece is, however long it is beyond.
+    pub fn of(surface: &Surface, reach: f64) -> Option<Self> {
+        let mut round = match surface.kind {
             Kind::Ellipsoid => 3,
             Kind::EllipticCylinder | Kind::Cone => 2,
             _ => return None,
         };
-        let StandardForm { values, .. } = surface.standard_form();
-        let sizes = values[..round].iter().map(|v| v.abs());
+        let form = surface.standard_form();
+        if like_cylinder(surface, &form, reach).is_some() {
+            round = 2;
+        }
+        let sizes = form.values[..round].iter().map(|v| v.abs());
         let least = sizes.clone().fold(f64::INFINITY, f64::min);
         let most = sizes.fold(0.0, f64::max);
         let is_long = least * LEAST_ASPECT * LEAST_ASPECT <= most;
@@ -270,6 +274,36 @@ pub(crate) fn range([a, b, c]: [f64; 3]) -> [f64; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
+/// Where the axis is of a quadric that within `reach` of the origin is like a cylinder along its
+/// last axis: a centre or an apex far away would only cost digits.
+pub(crate) fn like_cylinder(surface: &Surface, form: &StandardForm, reach: f64) -> Option<DVec3> {
+    /// Of the square of its radius.
+    const MOST_CHANGE: f64 = 0.5;
+    let (on_axis, change) = about_axis(surface, form, reach)?;
+    (change <= MOST_CHANGE).then_some(on_axis)
+}
+
+/// The point of a quadric's last axis that is next to the origin, if the quadric is around it
+/// there, and bound on the share by which within `reach` of the origin the square of its radius
+/// changes: with d the distance along the axis, by value d² + slope d.
+pub(crate) fn about_axis(
+    surface: &Surface,
+    &StandardForm { axes, values, .. }: &StandardForm,
+    reach: f64,
+) -> Option<(DVec3, f64)> {
+    if values[0] * values[1] <= 0.0 {
+        return None;
+    }
+    let gradient = surface.gradient(DVec3::ZERO);
+    let off_axis: DVec3 = (0..2)
+        .map(|k| gradient.dot(axes[k]) / (2.0 * values[k]) * axes[k])
+        .sum();
+    let rest = surface.value(-off_axis);
+    let slope = gradient.dot(axes[2]).abs();
+    let change = (values[2].abs() * reach + slope) * reach;
+    (rest * values[0] < 0.0).then(|| (-off_axis, change / rest.abs()))
+}
+
 /// The distance of the origin from a point, a segment or a triangle.
 pub(crate) fn distance_from_origin(corners: &[DVec3]) -> f64 {
     let segment = |a: DVec3, b: DVec3| {
@@ -347,7 +381,7 @@ mod tests {
         ) {
             let thin = 10f64.powf(thin);
             let (surface, place) = flat(kind, thin);
-            let round = Round::of(&surface).expect("elongated");
+            let round = Round::of(&surface, f64::INFINITY).expect("elongated");
             let corners = spread.map(|[a, h]| place(angle + a, height + h));
             let bound = round.bound(&corners);
             let (mut farthest, mut longest) = (0.0f64, 0.0f64);
@@ -374,7 +408,7 @@ mod tests {
 
     #[test]
     fn only_elongated_quadrics_are_made_round() {
-        let of = |solid: Solid| Round::of(&surface(&solid));
+        let of = |solid: Solid| Round::of(&surface(&solid), f64::INFINITY);
         assert!(of(Solid::sphere(3.0)).is_none());
         assert!(of(Solid::ellipsoid([3.0, 3.0, 0.9])).is_none());
         assert!(of(Solid::ellipsoid([3.0, 3.0, 0.3])).is_some());

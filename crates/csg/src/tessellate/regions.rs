@@ -3,15 +3,17 @@
 use super::deviation::Shrinkage;
 use super::half_edges::{HalfEdges, NONE, halves_of, triangle_of};
 use super::region::{Bend, Region, Way};
-use crate::program::SurfaceId;
+use super::surfaced::Surfaced;
 use crate::surface::round::Round;
 
 /// The connected faces of a mesh, which its half-edges are told.
-pub(super) fn regions(
-    mesh: &mut HalfEdges<'_>,
-    groups: &[u32],
-    surface_of_group: &[SurfaceId],
-) -> Vec<Region> {
+pub(super) fn regions(mesh: &mut HalfEdges<'_>, surfaced: &Surfaced) -> Vec<Region> {
+    let Surfaced {
+        groups,
+        surface_of_group,
+        reach,
+        ..
+    } = surfaced;
     let mut regions = Vec::new();
     let mut pending = Vec::new();
     for seed in 0..groups.len() as u32 {
@@ -23,7 +25,7 @@ pub(super) fn regions(
         let surface = &mesh.surfaces[id];
         let index = regions.len() as u32;
         let bend = Bend::of(surface);
-        let round = Round::of(surface);
+        let round = Round::of(surface, *reach);
         // Folded triangles are outvoted by area.
         let mut facing = 0.0;
         mesh.set_region(seed, index);

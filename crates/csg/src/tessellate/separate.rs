@@ -154,7 +154,7 @@ fn face_alike(surfaced: &Surfaced, surfaces: &[Surface]) -> bool {
     let mut ways = vec![0.0f64; surfaced.surface_of_group.len()];
     let of_group = surfaced.surface_of_group.iter();
     let rounds: Vec<Option<Round>> = of_group
-        .map(|&surface| Round::of(&surfaces[surface]))
+        .map(|&surface| Round::of(&surfaces[surface], surfaced.reach))
         .collect();
     let mut triangles = surfaced.triangles.iter().zip(&surfaced.groups);
     triangles.all(|(triangle, &group)| {

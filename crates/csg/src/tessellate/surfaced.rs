@@ -22,6 +22,8 @@ pub(crate) struct Surfaced {
     pub borders: Borders,
     /// How near points must come to their surfaces.
     pub precision: f64,
+    /// No point of the solid is farther from the origin of the surfaces.
+    pub reach: f64,
 }
 
 impl Surfaced {
@@ -30,6 +32,7 @@ impl Surfaced {
         Self {
             surface_of_group: Arc::clone(&self.surface_of_group),
             precision: self.precision,
+            reach: self.reach,
             ..Self::default()
         }
     }

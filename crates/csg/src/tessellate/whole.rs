@@ -45,7 +45,7 @@ impl<'a> Whole<'a> {
                 bend: Bend::of(surface),
                 outward: if is_void == grows_outward { -1.0 } else { 1.0 },
                 shrinkage: Shrinkage::of(surface),
-                round: Round::of(surface),
+                round: Round::of(surface, f64::INFINITY),
                 way: Way::OneByOne,
             },
             is_void,

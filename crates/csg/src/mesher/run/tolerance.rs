@@ -36,6 +36,7 @@ impl Run<'_> {
         let precision = tessellate::precision(&mesh.positions);
         let coarse = Surfaced {
             precision,
+            reach: task.size.length(),
             positions: std::mem::take(&mut mesh.positions),
             triangles: std::mem::take(&mut mesh.triangles),
             groups: std::mem::take(&mut mesh.triangle_surfaces),

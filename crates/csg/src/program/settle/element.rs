@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use crate::numeric::tolerance::MISSED;
 use crate::program::{Kind, Surface};
 use crate::surface::SurfaceShape;
+use crate::surface::round::about_axis;
 
 /// A surface by its numbers, about the middle of the scene.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +64,28 @@ impl Element {
                 ..element(form, at, axis, least.midpoint(most))
             }
         };
-        match surface.shape() {
+        // A cone whose apex is so far away that it is none.
+        let rod = || {
+            let form = surface.standard_form();
+            let (at, change) = about_axis(surface, &form, reach)?;
+            let rest = surface.value(at);
+            let radii = [0, 1].map(|k| (-rest / form.values[k]).sqrt());
+            let rod = round(Form::Rod, at, form.axes[2], &radii);
+            // By half of that each way.
+            let opened = change * rod.size;
+            let spread = rod.spread + opened;
+            let is_rod = spread <= within && opened <= MISSED * reach;
+            is_rod.then_some(Self { spread, ..rod })
+        };
+        let shape = surface.shape();
+        let may_be_rod = match shape {
+            SurfaceShape::EllipticCylinder { .. } => true,
+            _ => surface.kind == Kind::Cone,
+        };
+        if let Some(rod) = may_be_rod.then(rod).flatten() {
+            return rod;
+        }
+        match shape {
             SurfaceShape::Plane { point, normal } => {
                 element(Form::Plane, point.dot(normal) * normal, normal, 0.0)
             }
@@ -82,11 +105,6 @@ impl Element {
             } => element(Form::Cone, point, axis, slope * reach),
             SurfaceShape::Ellipsoid { placement, radii } if is_round(&radii) => {
                 round(Form::Ball, placement.origin, DVec3::ZERO, &radii)
-            }
-            SurfaceShape::EllipticCylinder { placement, radii } if is_round(&radii) => {
-                let axis = placement.axes[2];
-                let at = placement.origin.reject_from(axis);
-                round(Form::Rod, at, axis, &radii)
             }
             SurfaceShape::EllipticCone { placement, slopes }
                 if is_round(&slopes.map(|slope| slope * reach)) =>
@@ -123,7 +141,7 @@ impl Element {
     pub fn applied_to(&self, surface: &Surface, reach: f64) -> Surface {
         let sign = surface.quadratic[..3].iter().sum::<f64>().signum();
         // Of the unit matrix less the square of the axis, and of that square.
-        let about_axis = |across: f64, along: f64, constant: f64, kind| {
+        let by_axis = |across: f64, along: f64, constant: f64, kind| {
             let [x, y, z] = self.axis.to_array();
             let less = along - across;
             let form = [
@@ -149,11 +167,11 @@ impl Element {
                 linear: self.axis,
                 ..*surface
             },
-            Form::Ball => about_axis(1.0, 1.0, -self.size * self.size, surface.kind),
-            Form::Rod => about_axis(1.0, 0.0, -self.size * self.size, surface.kind),
+            Form::Ball => by_axis(1.0, 1.0, -self.size * self.size, surface.kind),
+            Form::Rod => by_axis(1.0, 0.0, -self.size * self.size, Kind::EllipticCylinder),
             Form::Cone => {
                 let slope = self.size / reach;
-                let cone = about_axis(1.0, -slope * slope, 0.0, Kind::Cone);
+                let cone = by_axis(1.0, -slope * slope, 0.0, Kind::Cone);
                 // Inside and outside are those of before.
                 let far = self.at + self.axis;
                 match cone.value(far) * surface.value(far) < 0.0 {

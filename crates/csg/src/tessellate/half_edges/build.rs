@@ -36,7 +36,7 @@ impl<'a> HalfEdges<'a> {
             borders: surfaced.borders.clone(),
             precision: surfaced.precision,
         };
-        mesh.regions = regions(&mut mesh, &surfaced.groups, &surfaced.surface_of_group);
+        mesh.regions = regions(&mut mesh, surfaced);
         for vertex in 0..mesh.positions.len() as u32 {
             if mesh.leaving[vertex as usize] != NONE {
                 mesh.kinds[vertex as usize] = mesh.kind_of(vertex);
