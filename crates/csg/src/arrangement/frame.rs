@@ -93,14 +93,11 @@ impl Frame {
                 | Kind::ParallelPlanes => return None,
             }
         };
-        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let scales = values.map(|v| {
-            if v == 0.0 {
-                largest.sqrt()
-            } else {
-                v.abs().sqrt()
-            }
-        });
+        // (Along an axis any scale would do: that of where it is widest.)
+        let sizes = values.map(f64::abs);
+        let least = sizes.iter().filter(|&&v| v != 0.0);
+        let least = least.fold(f64::INFINITY, |m, &v| m.min(v));
+        let scales = sizes.map(|v| if v == 0.0 { least } else { v }.sqrt());
         if axes[0].cross(axes[1]).dot(axes[2]) < 0.0 {
             axes[0] = -axes[0];
         }
