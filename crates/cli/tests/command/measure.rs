@@ -57,6 +57,37 @@ fn measures_of_solids_are_exact_and_say_how_far() {
     assert_eq!(json["volume"]["upper"], Value::Null);
 }
 
+/// OpenSCAD's sphere of 400 corners around, in 200 rings: 80,000 flat faces, measured as a mesh.
+#[test]
+fn large_polyhedra_are_measured_quickly_and_exactly() {
+    let folder = Folder::new();
+    fs::write(folder.file("ball.csg"), "sphere(r = 1, $fn = 400);").expect("a scene");
+    let output = folder.run("measure ball.csg --faceted --json -");
+    let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+    let ring = |k: u32| {
+        let (radius, z) = (std::f64::consts::PI * (f64::from(k) + 0.5) / 200.0).sin_cos();
+        (
+            200.0 * (std::f64::consts::TAU / 400.0).sin() * radius * radius,
+            z,
+        )
+    };
+    let between = |k: u32| {
+        let ((area, z), (next, below)) = (ring(k), ring(k + 1));
+        (z - below) / 3.0 * (area + next + (area * next).sqrt())
+    };
+    let volume: f64 = (0..199).map(between).sum();
+    let bound = |name: &str| json["volume"][name].as_f64().expect("a number");
+    assert!(
+        bound("lower") <= volume && volume <= bound("upper"),
+        "{volume} {json}"
+    );
+    assert!(bound("upper") - bound("lower") < 1e-9, "{json}");
+    assert!(
+        json["triangles"].as_u64().is_some_and(|n| n > 100_000),
+        "{json}"
+    );
+}
+
 #[test]
 fn faceted_gives_polygons() {
     let folder = Folder::new();
