@@ -22,6 +22,7 @@ mod pickling;
 mod picture;
 mod primitives;
 mod profile;
+mod queries;
 mod report;
 mod shapes;
 mod shards;
@@ -42,6 +43,8 @@ fn _stereotomy(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<path::PyPath>()?;
     module.add_class::<mesh::PyMesh>()?;
     module.add_class::<surface::PySurface>()?;
+    module.add_class::<queries::PyRayHit>()?;
+    module.add_class::<queries::PyNearest>()?;
     module.add_class::<report::PyReport>()?;
     module.add_class::<report::PyFallback>()?;
     module.add_class::<report::PyMoved>()?;

@@ -22,8 +22,8 @@ from ._stereotomy import Mesh, Profile, Solid
 from ._view import View
 
 __all__ = [
-    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
-    "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
+    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Nearest", "Path",
+    "Picture", "Profile", "RayHit", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
     "capsule", "chamfered_cuboid", "chamfered_cylinder", "circle", "cone",
     "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid", "cuboid_between",
     "cylinder", "difference", "distributed", "dodecahedron", "ellipse", "ellipsoid", "elliptic_cylinder",
