@@ -12,7 +12,7 @@ use super::error::SceneError;
 use super::flat::{CHORDS, Extrusion, Growth, Revolution};
 use super::parse::{Kind, NodeText, Value};
 use super::pieces::{self, MIXED, Piece, Pieces};
-use super::values::{array, number};
+use super::values::{array, number, text};
 
 /// What a node does with its children, mostly with their union.
 pub(super) enum Operation {
@@ -280,18 +280,28 @@ impl Builder<'_> {
         ))
     }
 
+    /// By numbers, by name or in hexadecimal digits, as style sheets have them; `alpha` is more than
+    /// either says.
     fn color(&mut self, node: &NodeText<'_>) -> Result<Option<Color>, SceneError> {
-        let [color] = self.arguments(node, &[""])?;
-        let rgba = color.and_then(|value| {
-            array(value, number).or_else(|| {
+        let [color, alpha] = self.arguments(node, &["c", "alpha"])?;
+        let rgba = color.and_then(|value| match text(value) {
+            Some(name) => {
+                let parsed = csscolorparser::parse(name).ok()?;
+                Some([parsed.r, parsed.g, parsed.b, parsed.a].map(f64::from))
+            }
+            None => array(value, number).or_else(|| {
                 let [r, g, b] = array(value, number)?;
                 Some([r, g, b, 1.0])
-            })
+            }),
         });
-        let Some(rgba) = rgba.filter(|rgba: &[f64; 4]| rgba.iter().all(|c| c.is_finite())) else {
-            let problem = "it needs a colour: [red, green, blue, alpha], each from 0 to 1";
+        let Some(mut rgba) = rgba.filter(|rgba: &[f64; 4]| rgba.iter().all(|c| c.is_finite()))
+        else {
+            let problem = "it needs a colour: [red, green, blue, alpha], each from 0 to 1; or a name, or #rrggbb";
             return Err(self.fault(node, problem));
         };
+        if let Some(alpha) = alpha {
+            rgba[3] = self.number(node, "alpha", Some(alpha))?;
+        }
         if rgba.iter().any(|&component| component < 0.0) {
             return Ok(None);
         }
