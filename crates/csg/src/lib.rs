@@ -48,6 +48,7 @@ pub mod brep;
 mod clock;
 pub mod color;
 mod control;
+pub mod corners;
 mod draft;
 pub mod elementary;
 mod error;

@@ -12,6 +12,7 @@ mod arguments;
 mod arrays;
 mod bodies;
 mod check;
+mod corners;
 mod errors;
 mod files;
 mod mesh;
@@ -54,6 +55,7 @@ fn _stereotomy(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<picture::PyAnimation>()?;
     primitives::add_to(module)?;
     bodies::add_to(module)?;
+    corners::add_to(module)?;
     shapes::add_to(module)?;
     files::add_to(module)?;
     shards::add_to(module)?;

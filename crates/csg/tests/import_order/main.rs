@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 31] = [
+const ROOMS: [(&str, &str); 32] = [
     (
         "elementary",
         "sines and powers that are the same everywhere",
@@ -57,6 +57,10 @@ const ROOMS: [(&str, &str); 31] = [
     ("mesher", "the entry: options in, mesh and report out"),
     ("query", "what a ray meets, and what is nearest"),
     ("section", "what a plane meets of a solid"),
+    (
+        "corners",
+        "what is made of the corners of solids: hulls, sums, projections",
+    ),
     ("theory", "pages on the mathematics, without code"),
 ];
 

@@ -71,7 +71,6 @@
 
 mod arguments;
 mod build;
-mod corners;
 mod error;
 mod facets;
 mod flat;

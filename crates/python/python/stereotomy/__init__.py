@@ -28,7 +28,7 @@ __all__ = [
     "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid", "cuboid_between",
     "cylinder", "difference", "distributed", "dodecahedron", "ellipse", "ellipsoid", "elliptic_cylinder",
     "empty", "empty_profile", "from_csg", "frustum", "gear", "half_space",
-    "half_space_through", "hull", "hull_of_balls", "hull_profile", "hyperboloid_one_sheet",
+    "half_space_through", "hull", "hull_of_balls", "hull_of_solids", "hull_profile", "hyperboloid_one_sheet",
     "hyperboloid_two_sheets", "icosahedron", "infinite_cone", "infinite_cylinder",
     "infinite_elliptic_cylinder", "intersection", "knurled", "load", "load_mesh",
     "nut_trap", "octahedron", "paraboloid", "polygon", "polygons", "polyhedron", "prism",
