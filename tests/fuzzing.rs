@@ -17,6 +17,13 @@ mod targets;
 /// How long each target runs, unless STEREOTOMY_FUZZ_SECONDS says another time.
 const SECONDS: f64 = 1.0;
 
+/// How long the target runs whose turn it is on the day, counted from any other one, that
+/// STEREOTOMY_FUZZ_DAY gives: each in its turn, on inputs that no day before had.
+const SECONDS_IN_TURN: f64 = 60.0;
+
+/// Of a day at most so many seeds.
+const SEEDS_OF_A_DAY: u64 = 1 << 32;
+
 /// Seeds that once found a fault: tried first.
 const FOUND: [(&str, u64); 1] = [("raster", 15_269)];
 
@@ -130,9 +137,21 @@ fn damage(data: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
+/// The seeds of a target begin with, and for how many seconds it runs.
+fn turn(name: &str, seconds: f64, day: Option<u64>) -> (u64, f64) {
+    let is_its_turn = |day: u64| targets::ALL[day as usize % targets::ALL.len()].0 == name;
+    match day.filter(|&day| is_its_turn(day)) {
+        Some(day) => (day * SEEDS_OF_A_DAY, seconds.max(SECONDS_IN_TURN)),
+        None => (0, seconds),
+    }
+}
+
 fn fuzz(name: &str) {
     let seconds = std::env::var("STEREOTOMY_FUZZ_SECONDS")
         .map_or(SECONDS, |text| text.parse().expect("a number of seconds"));
+    let day = std::env::var("STEREOTOMY_FUZZ_DAY").ok();
+    let day = day.map(|text| text.parse().expect("the number of a day"));
+    let (first, seconds) = turn(name, seconds, day);
     let until = Instant::now() + Duration::from_secs_f64(seconds);
     let seeds = seeds(name);
     let try_seed = |seed: u64| {
@@ -154,10 +173,10 @@ fn fuzz(name: &str) {
     }
     let mut count = 0;
     while count == 0 || Instant::now() < until {
-        try_seed(count);
+        try_seed(first + count);
         count += 1;
     }
-    println!("{name}: {count} inputs");
+    println!("{name}: {count} inputs from seed {first}");
 }
 
 macro_rules! fuzzed {
@@ -174,6 +193,25 @@ macro_rules! fuzzed {
             assert_eq!(targets::ALL.map(|(name, _)| name), [$(stringify!($name)),*]);
         }
     };
+}
+
+#[test]
+fn each_day_has_the_turn_of_one_target() {
+    let days = targets::ALL.len() as u64;
+    for day in 20_000..20_000 + days {
+        let turns = targets::ALL.map(|(name, _)| turn(name, 0.5, Some(day)));
+        let long = turns
+            .iter()
+            .filter(|&&(_, seconds)| seconds == SECONDS_IN_TURN);
+        assert_eq!(long.count(), 1, "{day}");
+        let later = turns.map(|(first, _)| first).into_iter().max();
+        assert_eq!(later, Some(day * SEEDS_OF_A_DAY));
+    }
+    for (name, _) in targets::ALL {
+        let of = |day| turn(name, 0.5, Some(day)).1;
+        assert_eq!((0..days).filter(|&day| of(day) > 1.0).count(), 1, "{name}");
+        assert_eq!(turn(name, 0.5, None), (0, 0.5));
+    }
 }
 
 fuzzed! { stl ply off obj glb gltf threemf svg dxf scene solid raster }

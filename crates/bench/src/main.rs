@@ -4,6 +4,7 @@
 mod cells;
 mod claims;
 mod cold;
+mod corpus;
 #[path = "../../../tests/meshing/defects.rs"]
 mod defects;
 mod deviation;
@@ -50,6 +51,8 @@ enum Question {
     Robust(robust::Options),
     /// Is every mesh of scene files sound, and does manifold3d agree?
     Files(files::Options),
+    /// What is told of each tree of the corpus, and what do others say?
+    Corpus(corpus::Options),
     /// Does every mesh keep what is promised of it?
     Claims(claims::Options),
     /// How much memory does one mesh take?
@@ -70,6 +73,7 @@ fn main() {
         Question::Scaling(options) => scaling::run(&options),
         Question::Robust(options) => robust::run(&options),
         Question::Files(options) => files::run(&options),
+        Question::Corpus(options) => corpus::run(&options),
         Question::Claims(options) => claims::run(&options),
         Question::Memory(options) => memory::run(&options),
         Question::Cold(options) => cold::run(&options),

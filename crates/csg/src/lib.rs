@@ -48,6 +48,7 @@ pub mod brep;
 mod clock;
 pub mod color;
 mod control;
+pub mod corners;
 mod draft;
 pub mod elementary;
 mod error;
@@ -60,6 +61,7 @@ mod mesher;
 mod numeric;
 mod pages;
 pub mod program;
+mod query;
 #[cfg(test)]
 mod random;
 mod report;
@@ -82,9 +84,12 @@ pub use error::{Error, NodeFault, NodePath, PathStep, PolyhedronFault, ProfileFa
 pub use glam;
 pub use limits::{Demand, Limit, LimitReached, Limits};
 pub use merger::{MergedTriangles, Merger};
-pub use mesh::{LengthUnit, Mesh, MeshCheck, MeshDefect, MeshDistance, MeshMeasure, MeshSurface};
+pub use mesh::{
+    LengthUnit, Mesh, MeshCheck, MeshDefect, MeshDistance, MeshMeasure, MeshNearest, MeshSurface,
+};
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
 pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
+pub use query::{Nearest, RayHit};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
 pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};

@@ -15,6 +15,7 @@ mod mesh_sheets;
 mod polyhedra;
 mod profiles;
 mod program;
+mod queries;
 #[path = "../src/random.rs"]
 #[allow(dead_code, reason = "shared")]
 mod random;

@@ -1,5 +1,6 @@
 //! Measures against closed forms, near the origin and far from it.
 
+use crate::random::Random;
 use crate::shapes::{cuboid, joined, mapped, tetrahedron, torus, unit_cube, unit_tetrahedron};
 use csg::Mesh;
 use glam::{DMat3, DQuat, DVec3, dvec3};
@@ -22,6 +23,55 @@ fn a_box_has_its_closed_forms() {
     assert!(relative(measure.second_moments, moments) < 1e-15);
     let inertia = DMat3::from_diagonal(30.0 / 12.0 * dvec3(34.0, 29.0, 13.0));
     assert!(relative(measure.inertia(), inertia) < 1e-15);
+}
+
+/// Corners are integers, whose volume is one, too, over six: exactly known.
+#[test]
+fn volumes_are_within_their_rounding() {
+    let mut random = Random(12);
+    let mut coordinate = |most: usize| random.below(2 * most) as i64 - most as i64;
+    let mut off = 0;
+    for round in 0..2000 {
+        let most = 1 << (4 + round % 16);
+        // Four corners far away, and one within for every face: three triangles in its place.
+        let far = coordinate(1 << 20);
+        let mut corners: Vec<[i64; 3]> = Vec::new();
+        let mut triangles: Vec<[u32; 3]> = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        for corner in 0..4 + round % 40 {
+            corners.push([0; 3].map(|_: i64| far + coordinate(most)));
+            if corner >= 4 {
+                let [a, b, c] = triangles.swap_remove(round % triangles.len());
+                let d = corner as u32;
+                triangles.extend([[a, b, d], [b, c, d], [c, a, d]]);
+            }
+        }
+        let of = |[a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| corners[v as usize].map(i128::from));
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        };
+        let truth: i128 = triangles.iter().map(|&triangle| of(triangle)).sum();
+        let points = corners
+            .iter()
+            .map(|p| DVec3::from_array(p.map(|x| x as f64)));
+        let measure = Mesh::new(points.collect(), triangles).measure();
+        // (Rounded once, and by the division once more.)
+        let truth = truth as f64 / 6.0;
+        let error = (measure.volume - truth).abs();
+        let slack = 2.0 * f64::EPSILON * truth.abs();
+        assert!(
+            error <= measure.volume_rounding + slack,
+            "{round}: {error:e} {measure:?}"
+        );
+        off += u32::from(error > slack);
+        let size = most as f64;
+        assert!(
+            measure.volume_rounding < 1e-12 * size.powi(3),
+            "{measure:?}"
+        );
+    }
+    assert!(off > 20, "{off}");
 }
 
 #[test]

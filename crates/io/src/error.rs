@@ -88,7 +88,7 @@ pub enum Error {
         path: PathBuf,
     },
     /// There is nothing to draw.
-    #[error("the drawing is empty: the plane does not meet the solid")]
+    #[error("the drawing is empty: the plane does not meet the solid, or the shape has no points")]
     EmptyDrawing,
     /// A drawing's curves cannot keep a tolerance that is not above 0.
     #[error("the drawing's tolerance is {tolerance}: give one above 0")]
@@ -131,6 +131,9 @@ pub enum Error {
     /// A slab of a mesh cannot be read, or put together with the others.
     #[error(transparent)]
     Slab(#[from] csg::Error),
+    /// What is to be drawn is faulty.
+    #[error("what is to be drawn is faulty: {0}")]
+    Undrawable(csg::Error),
     /// Any of the others, with the file it happened in.
     #[error("{}: {source}", path.display())]
     InFile {

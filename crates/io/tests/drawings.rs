@@ -5,10 +5,10 @@ use std::process::Command;
 
 use crate::python;
 use csg::glam::{DVec2, DVec3};
-use csg::{BoundaryOptions, LengthUnit, Solid};
+use csg::{BoundaryOptions, LengthUnit, Path, Profile, Solid};
 use io::drawing::{
     Drawing, DrawingFormat, DrawingOptions, Outline, Piece, Section, SectionFrame, Shape, View,
-    write_drawing, write_drawing_to,
+    write_drawing, write_drawing_to, write_profile,
 };
 
 fn section(solid: &Solid, point: [f64; 3], normal: [f64; 3]) -> Section {
@@ -617,4 +617,71 @@ fn views_are_read_by_another_program() {
             .is_some_and(|line| line.contains("2 mm|2 mm|")),
         "{said}"
     );
+}
+
+/// What is written is read back as the same shape: nothing is in one alone.
+#[test]
+fn profiles_are_read_back_as_they_were() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plate = Profile::rounded_rectangle([60.0, 40.0], 5.0)
+        - Profile::circle(3.0).translate([-20.0, 5.0])
+        - Profile::polygon([[10.0, 0.0], [22.0, -4.0], [15.0, 9.5]]);
+    let arcs = Path::from([0.0, 0.0])
+        .arc_to([4.0, 1.0], 2.5)
+        .line_to([3.0, 6.0])
+        .arc_to([-1.0, 4.0], -1.0)
+        .close();
+    let islands = Profile::circle(1e-3) | Profile::rectangle([1.0, 2e-3]).translate([2.0, 0.0]);
+    let cases = [
+        ("plate", plate),
+        ("arcs", arcs.clone()),
+        ("islands", islands),
+        ("moved", arcs.rotate(0.3).scale(1e4).translate([1e5, -1e5])),
+    ];
+    for (name, profile) in &cases {
+        for format in ["svg", "dxf"] {
+            let path = folder.path().join(format!("{name}.{format}"));
+            let drawn = write_profile(&path, profile, &Default::default()).expect("written");
+            assert_eq!(drawn.strays, None, "{name}");
+            let area = profile.exact_area().expect("lines and arcs");
+            assert!((drawn.area.value - area).abs() <= drawn.area.error);
+            let read = io::read_profile_with(&path, &Default::default()).expect("read");
+            assert_eq!(read.warnings, [] as [String; 0], "{name}.{format}");
+            let far = drawn
+                .drawing()
+                .bounds()
+                .map_or(0.0, |[low, high]| low.abs().max(high.abs()).max_element());
+            let low = |profile: &Profile| {
+                let bounds = profile.bounds(1e-9 * far).expect("bounds");
+                bounds.expect("not empty").0
+            };
+            // (A page of SVG has its own origin.)
+            let moved = match format {
+                "svg" => low(profile) - low(&read.profile),
+                _ => DVec2::ZERO,
+            };
+            let read = read.profile.translate(moved);
+            let alone = (profile - &read) | (&read - profile);
+            let alone = alone.area(1e-9 * far).expect("an area");
+            let most = 1e-8 * far * drawn.length.value;
+            assert!(
+                alone.abs() < most,
+                "{name}.{format}: {alone:e}, not {most:e}"
+            );
+        }
+    }
+    let ellipse = Profile::ellipse([2.0, 1.0]).rotate(0.5);
+    let path = folder.path().join("ellipse.svg");
+    let drawn = write_profile(&path, &ellipse, &Default::default()).expect("written");
+    assert!((drawn.area.value - 2.0 * PI).abs() <= drawn.area.error);
+    for (profile, problem) in [
+        (
+            Profile::circle(-1.0),
+            "ellipse.svg: what is to be drawn is faulty",
+        ),
+        (Profile::empty(), "the shape has no points"),
+    ] {
+        let error = write_profile(&path, &profile, &Default::default()).expect_err(problem);
+        assert!(error.to_string().contains(problem), "{error}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Solids from files: `read_solid`, and the nodes `import` and `surface`.
 
-use std::fs;
+use std::fs::{self, File};
+use std::path::Path;
 
 use crate::common;
 use csg::{Mesh, Mesher, Program, Solid};
@@ -151,7 +152,7 @@ fn imports_lie_beside_the_scene_unless_others_are_allowed() {
     let folder = tempfile::tempdir().expect("a folder");
     let inner = folder.path().join("inner");
     fs::create_dir(&inner).expect("a folder");
-    let write = |path: &std::path::Path| {
+    let write = |path: &Path| {
         write_mesh(path, &step(), &WriteOptions::default()).expect("written");
     };
     write(&folder.path().join("step.stl"));
@@ -240,7 +241,77 @@ fn surfaces_are_the_relief_that_openscad_makes() {
             "{max}"
         );
     }
+    for (data, problem) in [
+        (&b"\xff\xfe1"[..], "neither a PNG picture nor a text"),
+        (b"\x89PNG\r\n\x1a\nnothing", "the picture cannot be read"),
+    ] {
+        fs::write(folder.path().join("bad.png"), data).expect("written");
+        let error = read("surface(file = \"bad.png\");", &options).expect_err(problem);
+        assert!(error.to_string().contains(problem), "{error}");
+    }
     fs::write(folder.path().join("bad.dat"), "1 2\n3 x\n").expect("written");
     let error = read("surface(file = \"bad.dat\");", &options).expect_err("no number");
     assert!(error.to_string().contains("line 2: \"x\""), "{error}");
+}
+
+fn picture(path: &Path, [columns, rows]: [u32; 2], color: png::ColorType, bytes: &[u8]) {
+    let mut encoder = png::Encoder::new(File::create(path).expect("a file"), columns, rows);
+    encoder.set_color(color);
+    let mut writer = encoder.write_header().expect("a head");
+    writer.write_image_data(bytes).expect("written");
+}
+
+/// White is 100 high and black 0, the lowest row comes first, and opacity is no matter.
+#[test]
+fn surfaces_of_pictures_are_as_high_as_they_are_light() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = ReadOptions::default().folder(folder.path());
+    let path = folder.path().join("relief.PNG");
+    let corner_heights = |text: &str| {
+        let mesh = mesh(&read(text, &options).expect("a scene").solid);
+        let (min, _) = mesh.bounds().expect("not empty");
+        let at = |x: f64, y: f64| {
+            let above = mesh.positions.iter().filter(|p| (p.x, p.y) == (x, y));
+            above.map(|p| p.z).fold(f64::NEG_INFINITY, f64::max)
+        };
+        [
+            at(0.0, 0.0),
+            at(1.0, 0.0),
+            at(0.0, 1.0),
+            at(1.0, 1.0),
+            min.z,
+        ]
+    };
+    let near = |found: [f64; 5], truth: [f64; 5]| {
+        let off = found.iter().zip(truth).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-11, "{found:?}, not {truth:?}");
+    };
+    let plain = "surface(file = \"relief.PNG\");";
+    let inverted = "surface(file = \"relief.PNG\", invert = true);";
+    picture(
+        &path,
+        [2, 2],
+        png::ColorType::Grayscale,
+        &[51, 102, 255, 204],
+    );
+    near(corner_heights(plain), [100.0, 80.0, 20.0, 40.0, 19.0]);
+    let one = 100.0 / 255.0;
+    let negative = [-100.0, -80.0, -20.0, -40.0, -101.0].map(|height| height + one);
+    near(corner_heights(inverted), negative);
+    // Red, green, blue, and white that is not seen.
+    let bytes = [
+        255, 0, 0, 255, 0, 255, 0, 9, 0, 0, 255, 255, 255, 255, 255, 0,
+    ];
+    picture(&path, [2, 2], png::ColorType::Rgba, &bytes);
+    near(corner_heights(plain), [7.22, 100.0, 21.26, 71.52, 6.22]);
+    // As large as no solid can be, of few bytes.
+    picture(
+        &path,
+        [4000, 4000],
+        png::ColorType::Grayscale,
+        &vec![7; 16_000_000],
+    );
+    let error = read(plain, &options).expect_err("too large");
+    let problem = "relief.PNG: 4000 x 4000 pixels are too many for a solid";
+    assert!(error.to_string().contains(problem), "{error}");
 }

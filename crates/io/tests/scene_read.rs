@@ -183,6 +183,18 @@ fn the_outer_color_wins() {
         ),
         [("cuboid", Some(red)), ("sphere", None)]
     );
+    // By name, in digits, and with an opacity beside.
+    for (text, alpha) in [
+        ("\"blue\", 0.5", 0.5),
+        ("\"Blue\"", 1.0),
+        ("c = \"#00f\", alpha = 0.5", 0.5),
+        ("\"#0000ff80\", alpha = 0.25", 0.25),
+        ("[0, 0, 1], 0.25", 0.25),
+        ("[0, 0, 1, 0.1], 0.25", 0.25),
+    ] {
+        let found = colors(&format!("color({text}) {{ sphere(r = 1); }}"));
+        assert_eq!(found, [("sphere", Some(blue.with_alpha(alpha)))], "{text}");
+    }
     let grey = colors("color([0.5, 0.5, 0.5, 1]) { sphere(r = 1); }");
     let linear = grey[0].1.map_or(0.0, |color| color.rgb[0]);
     assert!((linear - 0.214_041).abs() < 1e-5, "decoded from sRGB");
@@ -226,13 +238,24 @@ fn errors_say_where_and_what() {
         ("\ncube(size = [1, 1, 1], centre = true);", 2, 1, "`centre`"),
         ("sphere(q = 1);", 1, 1, "`q`"),
         ("sphere(r = 1, r = 2);", 1, 1, "twice"),
-        ("color([1, 0, 0], 0.5) { }", 1, 1, "twice"),
+        ("color([1, 0, 0], 0.5, alpha = 1) { }", 1, 1, "twice"),
         ("sphere(r = undef);", 1, 1, "number `r`"),
         ("sphere(r = 1 2);", 1, 14, "the number 2, not `,` or `)`"),
         ("sphere(r = 1..2);", 1, 12, "not a number"),
         ("cylinder(h = 1, r1 = 1);", 1, 1, "`r2`"),
         ("sphere(r = 1) { group(); }", 1, 1, "no children"),
-        ("color(\"red\") { sphere(r = 1); }", 1, 1, "from 0 to 1"),
+        (
+            "color(\"reddish\") { sphere(r = 1); }",
+            1,
+            1,
+            "a name, or #rrggbb",
+        ),
+        (
+            "color(\"red\", \"half\") { sphere(r = 1); }",
+            1,
+            1,
+            "number `alpha`",
+        ),
         ("color([nan, 0, 0, 1]) { sphere(r = 1); }", 1, 1, "from 0"),
         ("multmatrix([[1, 0], [0, 1]]) { }", 1, 1, "four rows"),
         (

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use csg::{BoundaryOptions, Program, Repairs, Solid};
+use io::drawing::{DrawingOptions, write_profile};
 use io::scene::{ReadOptions, Scene};
 use io::step::StepOptions;
 use io::{MeshFormat, WriteOptions};
@@ -14,6 +15,7 @@ use pyo3::types::PyDict;
 
 use crate::errors::{FileError, of_file, of_model, of_scene};
 use crate::mesh::PyMesh;
+use crate::profile::PyProfile;
 use crate::solid::PySolid;
 use crate::unit;
 use crate::waiting::{Follow, wait, wait_out};
@@ -252,6 +254,34 @@ impl PySolid {
         })?;
         let brep = brep.map_err(of_model)?;
         wait_out(py, move || io::step::write_step_file(path, &brep, &step))?.map_err(of_file)
+    }
+}
+
+#[pymethods]
+impl PyProfile {
+    /// Writes the profile as a drawing: .svg, .dxf or .pdf by the path's extension, with lines,
+    /// arcs and ellipses as such.
+    ///
+    /// >>> import pathlib, tempfile, stereotomy as st
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     path = pathlib.Path(folder) / "plate.dxf"
+    /// ...     (st.rectangle([4, 2]) - st.circle(0.5)).save(path)
+    /// ...     "CIRCLE" in path.read_text()
+    /// True
+    #[pyo3(signature = (path, *, title="", unit="mm"))]
+    fn save(&self, py: Python<'_>, path: PathBuf, title: &str, unit: &str) -> PyResult<()> {
+        let options = DrawingOptions::default()
+            .title(title)
+            .unit(unit::named(unit)?);
+        let drawn = wait_out(py, || write_profile(path, &self.0, &options))?;
+        let drawn = drawn.map_err(of_file)?;
+        match drawn.strays {
+            Some(strays) => warn(
+                py,
+                &format!("curves are drawn as chords within {strays:.0e} of them"),
+            ),
+            None => Ok(()),
+        }
     }
 }
 

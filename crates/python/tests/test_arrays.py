@@ -116,6 +116,28 @@ def test_many_points_are_asked_at_once() -> None:
         st.sphere(1).contains([[1, 2]])
 
 
+def test_many_points_have_their_distances() -> None:
+    points = np.random.default_rng(1).normal(size=(300, 3))
+    near = st.sphere(1.5).named("ball").nearest(points, tolerance=1e-3)
+    truth = np.linalg.norm(points, axis=1) - 1.5
+    assert all(abs(n.distance - d) <= n.error for n, d in zip(near, truth, strict=True))
+    assert {n.face.name for n in near} == {"ball"}
+    assert st.sphere(1).nearest(np.zeros((0, 3))) == []
+    with pytest.raises(ValueError, match="point 0 is"):
+        st.sphere(1).nearest([np.nan, 0, 0])
+    with pytest.raises(ValueError, match="the solid is empty"):
+        st.empty().nearest([0, 0, 0])
+
+
+def test_rays_hit_where_they_should() -> None:
+    hits = (st.sphere(1.5) - st.sphere(0.5)).ray([-3, 0, 0], [0.5, 0, 0])
+    assert [hit.t for hit in hits] == pytest.approx([3, 5, 7, 9], abs=1e-12)
+    assert [hit.enters for hit in hits] == [True, False, True, False]
+    assert [hit.normal[0] for hit in hits] == pytest.approx([-1, 1, -1, 1])
+    with pytest.raises(ValueError, match="a direction that is not zero"):
+        st.sphere(1).ray([0, 0, 0], [0, 0, 0])
+
+
 def test_contours_are_arrays() -> None:
     outer, inner = (st.rectangle([2, 2]) - st.circle(0.5)).contours(1e-4)
     assert outer.shape == (4, 2) and inner.shape[1] == 2

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt;
 
-use csg::{Moved, Report};
+use csg::{MeshMeasure, Moved, Report};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -84,7 +84,7 @@ impl fmt::Display for Bounds {
 /// The mesher's report.
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-struct ReportAccount {
+pub(super) struct ReportAccount {
     method: &'static str,
     cell_size: f64,
     cells_visited: u64,
@@ -170,7 +170,7 @@ impl Account {
         }
         seconds.insert("total", total);
         Self {
-            volume: Figure::within(measure.volume, volume_error(product)),
+            volume: Figure::within(measure.volume, volume_error(product, &measure)),
             area: measure.area,
             centroid: measure.centroid.map(|c| c.to_array()),
             triangles: mesh.triangles.len(),
@@ -191,14 +191,19 @@ impl Account {
 /// How far the volume of a mesh may be from that of its solid, if the mesh is proven to deviate
 /// by no more than a distance d: what lies in one alone is nowhere farther from the mesh. Of
 /// such points there are no more than on both sides of all triangles up to d, and within d of
-/// all edges and corners (Steiner).
-fn volume_error(product: &Product) -> Option<f64> {
+/// all edges and corners (Steiner). Corners are off by rounding, too, and so is the sum.
+fn volume_error(product: &Product, measure: &MeshMeasure) -> Option<f64> {
+    /// How far corners are off where they should be, of the farthest coordinate: fewer than 16 roundings
+    /// lead to each.
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
     let report = product
         .report
         .as_ref()
         .filter(|report| report.is_proven())?;
-    let distance = report.deviation?;
     let mesh = &product.mesh;
+    let (low, high) = mesh.bounds()?;
+    let farthest = low.abs().max(high.abs()).max_element();
+    let distance = report.deviation? + ROUNDING * farthest;
     let (mut areas, mut edges) = (0.0, 0.0);
     for triangle in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(triangle);
@@ -207,11 +212,11 @@ fn volume_error(product: &Product) -> Option<f64> {
     }
     let corners = mesh.positions.len() as f64;
     let tube = edges + 4.0 / 3.0 * distance * corners;
-    Some(2.0 * distance * areas + PI * distance * distance * tube)
+    Some(measure.volume_rounding + 2.0 * distance * areas + PI * distance * distance * tube)
 }
 
 impl ReportAccount {
-    fn of(report: &Report) -> Self {
+    pub(super) fn of(report: &Report) -> Self {
         Self {
             method: report.method,
             cell_size: report.cell_size,

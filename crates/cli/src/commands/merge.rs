@@ -6,10 +6,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use csg::Merger;
 use io::shard::{Reading, ShardFile, write_merged};
+use serde::Serialize;
 
+use super::account::ReportAccount;
 use crate::failure::{Failure, exit_codes};
 use crate::interrupt;
-use crate::output::is_stream;
+use crate::output::{self, is_stream};
 use crate::progress::Progress;
 
 /// Options of `merge`.
@@ -24,6 +26,24 @@ pub(crate) struct Options {
     /// once
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     outputs: Vec<PathBuf>,
+    /// Write what was put together, and the mesher's report, as JSON; `-` writes to standard
+    /// output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// What was put together of shards.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(super) struct Account {
+    shards: usize,
+    vertices: usize,
+    triangles: usize,
+    /// Of the model's lengths.
+    unit: &'static str,
+    /// All that were written.
+    files: Vec<String>,
+    report: ReportAccount,
 }
 
 pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure> {
@@ -82,6 +102,18 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
     progress.end();
     for fallback in &merger.report().fallbacks {
         progress.say(fallback);
+    }
+    if let Some(path) = &options.json {
+        let files = written.iter().map(|path| path.display().to_string());
+        let account = Account {
+            shards: options.shards.len(),
+            vertices: merger.vertex_count(),
+            triangles: merger.triangle_count(),
+            unit: merger.unit().symbol(),
+            files: files.collect(),
+            report: ReportAccount::of(merger.report()),
+        };
+        output::write_json(path, &account)?;
     }
     progress.say(format_args!(
         "{} vertices, {} triangles of {} shards",

@@ -1,5 +1,6 @@
 //! Points, planes, lengths and colours as they are written on the command line.
 
+use std::convert::Infallible;
 use std::ops::RangeInclusive;
 
 use csg::Color;
@@ -87,6 +88,14 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A distance from the eye.
+pub(super) fn depth(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(depth) if (0.0..f64::INFINITY).contains(&depth) => Ok(depth),
+        _ => Err("give a distance from the eye, in the model's unit: above 0, or 0 for the near plane of a parallel projection".into()),
+    }
+}
+
 /// An angle in degrees between the least and a half turn.
 pub(crate) fn angle(text: &str) -> Result<f64, String> {
     match text.trim().parse() {
@@ -102,6 +111,11 @@ pub(super) fn color(text: &str) -> Result<Color, String> {
         |_| "give a colour like #ffffff, white or rgb(255,255,255), as style sheets have them",
     )?;
     Ok(Color::from_srgb([parsed.r, parsed.g, parsed.b]).with_alpha(parsed.a))
+}
+
+/// OpenSCAD's colour schemes are not known here.
+pub(super) fn scheme(_: &str) -> Result<Infallible, String> {
+    Err("colour schemes are OpenSCAD's alone: give --background, and colours in the model".into())
 }
 
 #[cfg(test)]

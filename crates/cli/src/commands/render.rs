@@ -1,5 +1,6 @@
 //! `render`: draw a picture.
 
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
 use csg::Color;
@@ -12,7 +13,7 @@ use raster::{
 use super::annotate::Annotations;
 use super::lighting::Lighting;
 use super::looks::Looks;
-use super::parse::color;
+use super::parse::{color, scheme};
 use super::viewing::{Size, Viewing};
 use crate::failure::{Failure, exit_codes};
 use crate::input::Reader;
@@ -31,6 +32,9 @@ pub(crate) struct Options {
     /// Colour behind the model by name or as #RRGGBB, sRGB; transparent by default
     #[arg(long, alias = "background-color", value_name = "COLOR", value_parser = color)]
     background: Option<Color>,
+    // (Said what to give in its place, who knows OpenSCAD's command line.)
+    #[arg(long = "colorscheme", hide = true, value_parser = scheme)]
+    _scheme: Option<Infallible>,
     #[command(flatten)]
     looks: Looks,
     #[command(flatten)]

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use schemars::{JsonSchema, schema_for};
+use schemars::{JsonSchema, Schema, schema_for};
 use serde_json::Value;
 
 use super::account::Account;
 use super::compare::Comparison;
 use super::exact::ExactAccount;
 use super::info::Info;
-use super::{drawing, section};
+use super::{drawing, merge, section, sweep};
 
 /// Of `measure`: of the exact boundary, or of a mesh.
 #[derive(JsonSchema)]
@@ -30,6 +30,12 @@ fn schemas_are_those_in_the_repository() {
         ("drawing", schema_for!(drawing::Account)),
         ("info", schema_for!(Info)),
         ("compare", schema_for!(Comparison)),
+        ("merge", schema_for!(merge::Account)),
+        // (Of a table's columns.)
+        (
+            "sweep",
+            Schema::try_from(sweep::table_schema()).expect("an object"),
+        ),
     ];
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schema");
     for (name, schema) in schemas {

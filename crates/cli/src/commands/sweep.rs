@@ -110,6 +110,34 @@ const LAST: [Column; 2] = [
 /// The name of a column, what its fields are, and what they say.
 struct Column(&'static str, Kind, &'static str);
 
+/// The columns as a Table Schema (Frictionless Data): their names, types and what they say. The
+/// variables of the table of variants stand between the first two, as they are there.
+#[cfg(test)]
+pub(super) fn table_schema() -> serde_json::Value {
+    let field = |&Column(name, kind, says): &Column| {
+        let kind = match kind {
+            Kind::Text => "string",
+            Kind::Count => "integer",
+            Kind::Number => "number",
+        };
+        let mut field = serde_json::json!({ "name": name, "type": kind });
+        if !says.is_empty() {
+            field["description"] = says.into();
+        }
+        field
+    };
+    let columns = [ROW].iter().chain(&MEASURES).chain(&LAST).map(field);
+    let fields: Vec<serde_json::Value> = columns.collect();
+    serde_json::json!({
+        "$schema": "https://datapackage.org/profiles/2.0/tableschema.json",
+        "title": "The table of measures that `csg sweep` writes; the variables follow `row`",
+        "fieldsMatch": ["superset"],
+        "fields": fields,
+        "missingValues": [""],
+        "primaryKey": ["row"],
+    })
+}
+
 /// What the columns of the table of measures are, for `--help`.
 fn columns_help() -> String {
     let mut help = "Columns of OUT, numbers with the digits that are known; what there is not is \

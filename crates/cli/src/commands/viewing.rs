@@ -9,7 +9,7 @@ use raster::{Camera, Framing, Lens, RasterError, StandardView, clear_view};
 
 use super::annotate::Annotations;
 use super::looks::Looks;
-use super::parse::{numbers, point};
+use super::parse::{depth, numbers, point};
 use super::view_reference::{Reference, least_pixel};
 
 /// Size of the picture, camera and projection.
@@ -50,10 +50,10 @@ pub(super) struct Viewing {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
     up: Option<DVec3>,
     /// Distance of the near plane from the eye: what is nearer is not drawn
-    #[arg(long, value_name = "DISTANCE")]
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = depth)]
     near: Option<f64>,
     /// Distance of the far plane, likewise
-    #[arg(long, value_name = "DISTANCE")]
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = depth)]
     far: Option<f64>,
     #[command(flatten)]
     reference: Reference,

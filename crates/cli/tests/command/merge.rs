@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use serde_json::Value;
+
 use crate::{Folder, failed, succeeded};
 
 /// Shards of `in.csg`: `1.shard`, `2.shard` and so on.
@@ -26,11 +28,23 @@ fn shards_put_together_are_the_whole_to_the_byte() {
         let names = shards(&folder, "--cells 40 --unit cm", parts);
         // In any order.
         let names = names.into_iter().rev().collect::<Vec<_>>().join(" ");
-        let merge = format!("merge {names} -o merged.ply -o merged.stl -o merged.obj");
+        let merge =
+            format!("merge {names} -o merged.ply -o merged.stl -o merged.obj --json merged.json");
         let output = folder.run(&merge);
         succeeded(&output);
         let told = String::from_utf8_lossy(&output.stderr);
         assert!(told.contains(&format!("of {parts} shards")), "{told}");
+        let json: Value = serde_json::from_slice(&read("merged.json")).expect("JSON");
+        assert_eq!(
+            (&json["shards"], &json["unit"]),
+            (&parts.into(), &"cm".into())
+        );
+        assert_eq!(
+            json["files"],
+            serde_json::json!(["merged.ply", "merged.stl", "merged.obj"])
+        );
+        let count = format!("{} triangles", json["triangles"]);
+        assert!(told.contains(&count), "{told} {json}");
         for format in ["ply", "stl", "obj"] {
             let (whole, merged) = (format!("whole.{format}"), format!("merged.{format}"));
             assert!(read(&whole) == read(&merged), "{format} of {parts}");

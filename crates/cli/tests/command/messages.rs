@@ -48,6 +48,18 @@ fn failures_have_a_cause_a_hint_and_a_code() {
             "3,-3,2,0,0,0",
         ),
         ("render in.csg -o out.jpg", 2, ".png"),
+        ("render in.csg -o out.png --near -1", 2, "from the eye"),
+        ("render in.csg -o out.png --far inf", 2, "from the eye"),
+        (
+            "render in.csg -o out.png --near 5 --far 2",
+            4,
+            "give 0 < near < far",
+        ),
+        (
+            "render in.csg -o out.png --colorscheme Cornfield",
+            2,
+            "give --background",
+        ),
         ("render in.csg -o out.png --size 0x4", 2, "1024x768"),
         ("render in.csg -o out.png --camera above", 2, "front"),
         ("mesh missing.csg -o out.glb", 3, "missing.csg"),

@@ -19,7 +19,8 @@ use rayon::prelude::*;
 
 use smallvec::SmallVec;
 
-use super::box_tree::{Bounds, BoxTree, Boxed, along_curve};
+use super::box_tree::BoxTree;
+use super::nearest::to_triangle;
 use super::twins::twins;
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::ON_REFINED;
@@ -300,19 +301,16 @@ struct Target<'a> {
     rounding: f64,
 }
 
+/// How far a point is from a triangle.
+fn distance(point: DVec3, corners: [DVec3; 3]) -> f64 {
+    to_triangle(point, corners).0
+}
+
 impl<'a> Target<'a> {
     fn new(mesh: &'a Mesh, rounding: f64) -> Self {
-        let bounds = |index: usize| Bounds::around(&mesh.corners(index));
-        let order = along_curve((0..mesh.triangles.len()).map(bounds));
-        let entries = order.into_iter().map(|index| Boxed {
-            bounds: bounds(index as usize),
-            index,
-            sheet: index,
-            stands: 0,
-        });
         Self {
             mesh,
-            tree: BoxTree::new(entries.collect()),
+            tree: mesh.triangle_tree(),
             twins: twins(&mesh.triangles, |triangle| {
                 let [a, b, c] = mesh.triangles[triangle];
                 a != b && b != c && c != a
@@ -390,65 +388,10 @@ impl<'a> Target<'a> {
     }
 }
 
-/// From a point to a triangle (Ericson, *Real-Time Collision Detection*, 2005, 5.1.5).
-fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let to_segment = |from: DVec3, to: DVec3| {
-        let side = to - from;
-        let share = (point - from).dot(side) / side.length_squared();
-        // (Not a number if it has no length.)
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-        point.distance(from + share * side)
-    };
-    let (u, v) = (b - a, c - a);
-    let normal = u.cross(v);
-    let square = normal.length_squared();
-    let p = point - a;
-    let (along_v, along_u) = (u.cross(p).dot(normal), p.cross(v).dot(normal));
-    if square > 0.0 && along_u >= 0.0 && along_v >= 0.0 && along_u + along_v <= square {
-        return p.dot(normal).abs() / square.sqrt();
-    }
-    let sides = [to_segment(a, b), to_segment(b, c), to_segment(c, a)];
-    sides.into_iter().fold(f64::INFINITY, f64::min)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::elementary;
-
-    /// A grid of points of the triangle is nearest where it should be.
-    #[test]
-    fn distances_to_triangles() {
-        let triangle = [
-            DVec3::new(0.0, 0.0, 1.0),
-            DVec3::new(2.0, 0.5, 0.0),
-            DVec3::new(0.5, 1.5, -1.0),
-        ];
-        let [a, b, c] = triangle;
-        let sampled = |point: DVec3| {
-            let mut least = f64::INFINITY;
-            for i in 0..=200 {
-                for j in 0..=200 - i {
-                    let (s, t) = (f64::from(i) / 200.0, f64::from(j) / 200.0);
-                    let on = a + s * (b - a) + t * (c - a);
-                    least = least.min(on.distance(point));
-                }
-            }
-            least
-        };
-        for k in 0..60 {
-            let t = f64::from(k);
-            let point = 2.0 * DVec3::new((1.1 * t).cos(), (1.7 * t).sin(), (2.3 * t).cos());
-            let (found, wanted) = (distance(point, triangle), sampled(point));
-            assert!(
-                found <= wanted + 1e-12 && wanted < found + 0.015,
-                "{point} {found} {wanted}"
-            );
-        }
-        let needle = [a, b, a.lerp(b, 0.3)];
-        assert!((distance(a, needle)).abs() < 1e-15);
-        assert!((distance(a + DVec3::Z, [a; 3]) - 1.0).abs() < 1e-15);
-    }
 
     /// A square as a fan around a point of it, so that long triangles of two lie across each
     /// other, and at another height around its middle.

@@ -24,6 +24,9 @@ pub struct MeshMeasure {
     /// The enclosed volume, positive if triangles are counter-clockwise seen
     /// from outside.
     pub volume: f64,
+    /// A bound on what rounding does to that, the corners being as they are; how near the mesh is to
+    /// a solid is another matter. Some 1e-15 of the area times the size, more of needles.
+    pub volume_rounding: f64,
     /// The area of all triangles.
     pub area: f64,
     /// The centroid of the enclosed volume; `None` where that is zero or not
@@ -51,9 +54,9 @@ impl Mesh {
     /// ([`Mesh::check`] reports them).
     #[must_use]
     pub fn measure(&self) -> MeshMeasure {
-        let centre = self
-            .bounds()
-            .map_or(DVec3::ZERO, |(low, high)| low.midpoint(high));
+        let (low, high) = self.bounds().unwrap_or_default();
+        let centre = low.midpoint(high);
+        let reach = (high - centre).max(centre - low).max_element();
         let parts: Vec<Sums> = self
             .triangles
             .par_chunks(CHUNK)
@@ -71,7 +74,7 @@ impl Mesh {
         for part in &parts {
             sums.merge(part);
         }
-        sums.measure(centre)
+        sums.measure(centre, reach)
     }
 
     /// The enclosed volume; see [`Mesh::measure`].
@@ -94,6 +97,8 @@ struct Sums {
     area: Compensated,
     /// 6 x volume.
     volume: Compensated,
+    /// Products of the largest coordinates of two sides, which rounding is counted by.
+    sides: f64,
     /// 24 x first moments.
     first: [Compensated; 3],
     /// 120 x second moments: xx, yy, zz, xy, yz, zx.
@@ -103,7 +108,9 @@ struct Sums {
 impl Sums {
     /// Adds the tetrahedron between a triangle and the origin.
     fn add(&mut self, [a, b, c]: [DVec3; 3]) {
-        let normal = (b - a).cross(c - a);
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(v);
+        self.sides += u.abs().max_element() * v.abs().max_element();
         // 6 x volume, as a·n: the small factor n keeps the error near the
         // triangle's own size, which a·(b x c) would not.
         let volume = a.dot(normal);
@@ -127,6 +134,7 @@ impl Sums {
     fn merge(&mut self, other: &Self) {
         self.area.merge(other.area);
         self.volume.merge(other.volume);
+        self.sides += other.sides;
         for (mine, its) in self.first.iter_mut().zip(other.first) {
             mine.merge(its);
         }
@@ -135,13 +143,23 @@ impl Sums {
         }
     }
 
-    fn measure(&self, centre: DVec3) -> MeshMeasure {
+    /// About the centre of the bounds, from which no coordinate is farther than `reach`.
+    fn measure(&self, centre: DVec3, reach: f64) -> MeshMeasure {
+        /// With m the product of the largest coordinates of two sides, a component of their cross
+        /// product is at most 2 m, and off by 8 m ε / 2: of the sides, a product and a difference each
+        /// rounds once. The dot product with a rounds three times more, 42 m |a| ε / 2 in all. Moving
+        /// corners by |a| ε / 2, as taking the centre off does, changes a closed mesh's volume by the areas
+        /// beside them times that: 3 * 2 √3 m √3 |a| ε / 2. Together 30 m |a| ε, and a bit for the sum of
+        /// m itself and what compensation leaves of many terms.
+        const ROUNDINGS: f64 = 33.0 * f64::EPSILON;
         let volume = self.volume.value() / 6.0;
+        let volume_rounding = ROUNDINGS * reach * self.sides / 6.0 + f64::EPSILON * volume.abs();
         let area = self.area.value() / 2.0;
         let arm = DVec3::from_array(self.first.map(Compensated::value)) / 24.0 / volume;
         if !arm.is_finite() || volume == 0.0 {
             return MeshMeasure {
                 volume,
+                volume_rounding,
                 area,
                 centroid: None,
                 second_moments: DMat3::ZERO,
@@ -157,6 +175,7 @@ impl Sums {
         let shift = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z) * volume;
         MeshMeasure {
             volume,
+            volume_rounding,
             area,
             centroid: Some(centre + arm),
             second_moments: about_centre - shift,

@@ -37,7 +37,7 @@ pub(crate) use settle::Settled;
 pub(crate) use uncut::Uncut;
 
 pub use crate::surface::{Bounds, Placement, Side, Surface, SurfaceShape};
-pub(crate) use crate::surface::{Kind, StandardForm, SurfaceId, roots_between};
+pub(crate) use crate::surface::{Kind, StandardForm, SurfaceId, line_roots, roots_between};
 pub use formula::{Formula, Gate, Literal, Operand, Operation};
 use lower::First;
 use lowered::Lowered;

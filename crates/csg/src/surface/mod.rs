@@ -320,6 +320,17 @@ pub(crate) fn roots_between(quadratic: f64, length: f64, f0: f64, f1: f64) -> ([
     )
 }
 
+/// The roots of a t² + b t + c, without cancellation: an infinite one where there is only
+/// one, none where there are none or they are one.
+pub(crate) fn line_roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
+    let discriminant = b * b - 4.0 * a * c;
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    (discriminant > 0.0 && q != 0.0).then(|| {
+        let far = if a == 0.0 { f64::INFINITY } else { q / a };
+        [far.min(c / q), far.max(c / q)]
+    })
+}
+
 impl fmt::Display for Surface {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const TERMS: [&str; 9] = ["x²", "y²", "z²", "xy", "yz", "zx", "x", "y", "z"];

@@ -76,16 +76,19 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    pub fn run(&mut self, control: &Control) -> Result<(), Error> {
+    /// Tells when edges are divided, and when faces are cut.
+    pub fn run(&mut self, control: &Control, tell: &impl Fn()) -> Result<(), Error> {
         self.measure_straight_edges();
         self.measure_curves();
         self.check_size(control)?;
         self.flip_everything();
         self.finish_curved_faces(control)?;
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
+        tell();
         self.put_stuck();
         let far = self.halve_developable();
         let far = self.cut_far_triangles(far, control)?;
+        tell();
         self.free_stuck();
         self.settle(far);
         for subdivision in &self.fine.subdivisions {

@@ -85,6 +85,9 @@ pub(crate) fn to_tolerance(
     control: &Control,
 ) -> Result<Vec<Refined>, Error> {
     let triangles = AtomicUsize::new(0);
+    // Told of every step of every part.
+    let all: usize = parts.iter().map(|part| part.triangles.len()).sum();
+    let stage = control.stage(STEPS * all as u64, 0.0, 1.0);
     let wholes = parts.iter().map(|part| Whole::of(part, surfaces));
     let wholes: Vec<Option<Whole<'_>>> = wholes.collect();
     let refine = |part: usize| {
@@ -92,9 +95,13 @@ pub(crate) fn to_tolerance(
             Some(whole) => geodesic::sphere(&parts[part], whole, goal, control)?,
             None => None,
         };
+        let step = parts[part].triangles.len() as u64;
         let refined = match sphere {
-            Some(sphere) => sphere,
-            None => refine(&parts[part], surfaces, goal, control)?,
+            Some(sphere) => {
+                stage.add(STEPS * step);
+                sphere
+            }
+            None => refine(&parts[part], surfaces, goal, control, &|| stage.add(step))?,
         };
         let count = refined.surfaced.triangles.len();
         let all = count + triangles.fetch_add(count, Ordering::Relaxed);
@@ -124,7 +131,9 @@ pub(crate) fn to_tolerance(
         let image = match (pair, original) {
             ([Some(whole), Some(other)], Some(original)) => {
                 let is_turned = whole.is_void != other.is_void;
-                mirror::image(&parts[part], whole, original, is_turned, goal)
+                let image = mirror::image(&parts[part], whole, original, is_turned, goal);
+                let steps = STEPS * parts[part].triangles.len() as u64;
+                image.inspect(|_| stage.add(steps))
             }
             _ => None,
         };
@@ -138,12 +147,16 @@ pub(crate) fn to_tolerance(
     Ok(refined.into_iter().flatten().collect())
 }
 
+/// What [`refine`] tells of: once it is begun, its edges are divided, its faces cut, all is measured.
+const STEPS: u64 = 4;
+
 /// Brings a mesh to the tolerance on one thread.
 fn refine(
     surfaced: &Surfaced,
     surfaces: &[Surface],
     goal: &Goal,
     control: &Control,
+    tell: &impl Fn(),
 ) -> Result<Refined, Error> {
     let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         let place = surfaced.positions.first().copied().unwrap_or_default();
@@ -166,10 +179,12 @@ fn refine(
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, surfaced.precision);
     grower.cut_contacts();
-    grower.run(control)?;
+    tell();
+    grower.run(control, tell)?;
     let (outcome, fine) = (grower.outcome, grower.fine);
     let mut refined = surfaced.empty();
     hand_back(&mesh, &fine, &mut refined);
+    tell();
     control.check_triangles(refined.triangles.len())?;
     Ok(Refined {
         surfaced: refined,

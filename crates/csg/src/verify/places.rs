@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::proof::{BESIDE, Proof, distance};
-use super::spans::{Tape, roots};
+use super::spans::Tape;
 use super::spread::Spread;
 use crate::mesh::Mesh;
-use crate::program::{Bounds, Program, Surface};
+use crate::program::{Bounds, Program, Surface, line_roots};
 
 /// A place on a surface or a triangle, and the unit normal there.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +102,7 @@ fn on(surface: &Surface, point: DVec3) -> Option<Place> {
     let gradient = surface.gradient(point);
     let direction = gradient.try_normalize()?;
     let (a, b) = (0.5 * surface.curvature_along(direction), gradient.length());
-    let roots = roots(a, b, surface.value(point))?;
+    let roots = line_roots(a, b, surface.value(point))?;
     let nearest = roots
         .into_iter()
         .min_by(|s, t| s.abs().total_cmp(&t.abs()))?;

@@ -2,7 +2,9 @@
 //! between them, for 64 pieces at once.
 
 use super::rays::{Lattice, Ray};
-use crate::program::{Bounds, Cell, Formula, Named, Narrower, Program, Pruner, Surface};
+use crate::program::{
+    Bounds, Cell, Formula, Named, Narrower, Program, Pruner, Surface, line_roots,
+};
 
 /// A part of a ray in the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +131,7 @@ fn changes(surface: &Surface, ray: &Ray) -> (bool, [f64; 2]) {
     let at = ray.at(about);
     let a = surface.quadratic[ray.axis];
     let (b, c) = (surface.gradient(at)[ray.axis], surface.value(at));
-    match roots(a, b, c) {
+    match line_roots(a, b, c) {
         Some(roots) => {
             let far = if a == 0.0 { -b } else { a };
             (far < 0.0, roots.map(|root| about + root))
@@ -144,17 +146,6 @@ fn surface_changes(surface: &Surface, ray: &Ray, tell: &mut dyn FnMut(f64)) -> b
     let (is_inside, roots) = changes(surface, ray);
     roots.into_iter().for_each(tell);
     is_inside
-}
-
-/// The roots of a t² + b t + c, without cancellation: an infinite one where there is only
-/// one, none where there are none or they are one.
-pub(super) fn roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
-    let discriminant = b * b - 4.0 * a * c;
-    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-    (discriminant > 0.0 && q != 0.0).then(|| {
-        let far = if a == 0.0 { f64::INFINITY } else { q / a };
-        [far.min(c / q), far.max(c / q)]
-    })
 }
 
 /// Pieces of rays, a bit each of a word for every surface.

@@ -11,7 +11,7 @@ use std::path::Path;
 use self::reader::{Import, imports};
 
 /// The rooms, each with what it holds: every one may import from those before it.
-const ROOMS: [(&str, &str); 30] = [
+const ROOMS: [(&str, &str); 32] = [
     (
         "elementary",
         "sines and powers that are the same everywhere",
@@ -55,7 +55,12 @@ const ROOMS: [(&str, &str); 30] = [
     ("merger", "a mesh put together from slabs"),
     ("verify", "a mesh held against its program"),
     ("mesher", "the entry: options in, mesh and report out"),
+    ("query", "what a ray meets, and what is nearest"),
     ("section", "what a plane meets of a solid"),
+    (
+        "corners",
+        "what is made of the corners of solids: hulls, sums, projections",
+    ),
     ("theory", "pages on the mathematics, without code"),
 ];
 

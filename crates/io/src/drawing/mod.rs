@@ -24,7 +24,7 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::Path;
 
-use csg::LengthUnit;
+use csg::{BoundaryOptions, LengthUnit, Profile};
 use glam::DVec2;
 
 use crate::{AtomicFile, Error};
@@ -208,6 +208,36 @@ pub fn write_drawing(
         file.commit()
     };
     write().map_err(|error| error.in_file(path))
+}
+
+/// Writes a flat shape to a file as [`write_drawing`] does, filled: lines, arcs and circles stay such,
+/// and so do ellipses; [`crate::read_profile`] reads SVG and DXF back as the same shape, in SVG
+/// counted from the page's corner. The section
+/// that is drawn ([`Section::of_profile`]) tells its area, and if its outlines had to be polygons.
+///
+/// ```no_run
+/// use csg::Profile;
+/// use io::drawing::write_profile;
+///
+/// let plate = Profile::rounded_rectangle([60.0, 40.0], 5.0) - Profile::circle(3.0);
+/// let drawn = write_profile("plate.dxf", &plate, &Default::default())?;
+/// assert_eq!(drawn.strays, None);
+/// # Ok::<(), io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`write_drawing`]; [`Error::Undrawable`] for what is wrong with the profile.
+pub fn write_profile(
+    path: impl AsRef<Path>,
+    profile: &Profile,
+    options: &DrawingOptions,
+) -> Result<Section, Error> {
+    let path = path.as_ref();
+    DrawingFormat::from_path(path)?;
+    let section = Section::of_profile(profile, &BoundaryOptions::new());
+    let section = section.map_err(|error| Error::Undrawable(error).in_file(path))?;
+    write_drawing(path, &section.drawing(), options)?;
+    Ok(section)
 }
 
 /// Writes a drawing in one of the formats.

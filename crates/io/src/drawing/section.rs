@@ -1,7 +1,7 @@
 //! What a plane meets of a solid.
 
 use csg::brep::{Bounded, Coedge, CurveShape, Face};
-use csg::{BoundaryOptions, Brep, Mesher, Moved, Program, Solid};
+use csg::{BoundaryOptions, Brep, Mesher, Moved, Profile, Program, Solid};
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::Drawing;
@@ -138,6 +138,28 @@ impl Section {
             moved: section.moved.filter(|moved| moved.distance > SAME * size),
             ..section
         })
+    }
+
+    /// A flat shape as the section of what it is extruded to: its Boolean operations carried out,
+    /// lines, arcs and ellipses as such. ([`Self::strays`] as for other sections.)
+    ///
+    /// # Errors
+    /// What is wrong with the profile; as [`Program::boundary`].
+    pub fn of_profile(profile: &Profile, options: &BoundaryOptions) -> Result<Self, csg::Error> {
+        let bounds = profile.bounds(f64::MAX);
+        // (What is wrong is told where it is lowered.)
+        let Ok(Some((low, high))) = bounds else {
+            Program::lower(&Solid::extrude(profile, -1.0..1.0))?;
+            return Ok(Self::default());
+        };
+        let half = 0.5 * (high - low).max_element();
+        let solid = Solid::extrude(profile, -half..half);
+        let frame = SectionFrame {
+            origin: DVec3::ZERO,
+            x: DVec3::X,
+            y: DVec3::Y,
+        };
+        Self::of(&solid, &frame, options)
     }
 
     fn is_there(&self) -> bool {

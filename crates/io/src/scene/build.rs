@@ -1,9 +1,9 @@
 //! Meaning: from the text's nodes to a solid.
 
+use csg::corners::Faceting;
 use csg::{Made, Node, Solid};
 use text::Fonts;
 
-use super::corners::{self, Allowance};
 use super::error::{Place, SceneError, Warning};
 use super::facets::Fineness;
 use super::operations::Operation;
@@ -30,7 +30,7 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
         index: 0,
         has_chords: false,
         facets: 0.0,
-        allowance: Allowance::default(),
+        faceting: Faceting::new(),
         fonts: None,
         warnings: Vec::new(),
         cursor: Cursor::default(),
@@ -117,7 +117,7 @@ pub(super) struct Builder<'a> {
     /// Facets made so far.
     facets: f64,
     /// What may still be meshed.
-    pub(super) allowance: Allowance,
+    pub(super) faceting: Faceting,
     /// Loaded when the first text is read.
     pub(super) fonts: Option<Fonts>,
     warnings: Vec<Warning>,
@@ -188,11 +188,11 @@ impl Builder<'_> {
                 Ok(self.nothing(node, "it takes flat children, not solids"))
             }
             (Operation::Projection, Piece::Solid(solid)) => {
-                let shadow = self.of_corners(node, |a| corners::shadow(&solid, a))?;
+                let shadow = self.of_corners(node, |faceting| solid.projection(faceting))?;
                 Ok(Piece::Flat(shadow))
             }
             (Operation::Section, Piece::Solid(solid)) => {
-                let section = self.of_corners(node, |a| corners::section(&solid, a))?;
+                let section = self.of_corners(node, |faceting| solid.faceted_section(faceting))?;
                 self.flat(node, section)
             }
             (Operation::Projection | Operation::Section, _) => {
@@ -207,10 +207,10 @@ impl Builder<'_> {
     pub(super) fn of_corners<T>(
         &mut self,
         node: &NodeText<'_>,
-        of: impl FnOnce(&mut Allowance) -> Result<T, String>,
+        of: impl FnOnce(&mut Faceting) -> Result<T, csg::Error>,
     ) -> Result<T, SceneError> {
-        let made = of(&mut self.allowance).map_err(|e| self.fault(node, &e))?;
-        if let Some(within) = self.allowance.strayed.take() {
+        let made = of(&mut self.faceting).map_err(|e| self.fault(node, &e.to_string()))?;
+        if let Some(within) = self.faceting.take_strayed() {
             let problem = format!(
                 "what is curved in it is taken for faces and edges within {within:.0e} of it"
             );

@@ -9,6 +9,7 @@ use super::build::{Builder, is_size};
 use super::error::{Place, SceneError};
 use super::parse::{NodeText, Value};
 use super::pieces::Piece;
+use super::relief::{self, Heights, Picture};
 use super::values;
 use crate::contents::{Contents, is_outside};
 use crate::profile::{self, ProfileOptions};
@@ -128,32 +129,31 @@ impl Builder<'_> {
 
     pub(super) fn surface(&mut self, node: &NodeText<'_>) -> Result<Piece, SceneError> {
         let keys = ["file", "center", "invert", "convexity", "timestamp"];
-        let [file, center, ..] = self.arguments(node, &keys)?;
+        let [file, center, invert, ..] = self.arguments(node, &keys)?;
         let center = self.flag(node, "center", center)?;
+        let invert = self.flag(node, "invert", invert)?;
         let path = self.file(node, file)?;
         let fault = |problem: &str| self.fault(node, &format!("{}: {problem}", path.display()));
-        if path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-        {
-            return Err(fault("pictures cannot be read yet: give rows of numbers"));
-        }
         let about = std::fs::metadata(&path).map_err(|e| fault(&e.to_string()))?;
         if about.len() > MOST_BYTES {
             return Err(fault("it is too large to be made into a solid"));
         }
         let data = Contents::of(&path).map_err(|e| fault(&e.to_string()))?;
-        let text = std::str::from_utf8(&data).map_err(|e| fault(&e.to_string()))?;
-        let rows = heights(text).map_err(|problem| fault(&problem))?;
-        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-        if rows.len() < 2 || columns < 2 {
+        let picture = Picture::of(&data).map_err(|problem| fault(&problem))?;
+        let heights = match picture {
+            Some(picture) => picture.heights(invert),
+            None => Heights::of_text(&data),
+        };
+        let heights = heights.map_err(|problem| fault(&problem))?;
+        let [columns, rows] = heights.size();
+        if rows < 2 || columns < 2 {
             return Ok(self.nothing(node, "it has fewer than two rows or columns"));
         }
-        let facets = (4 * (rows.len() - 1) * (columns - 1)) as f64;
+        let facets = relief::facets([columns, rows]);
         self.facets(node, facets, facets)?;
-        let (points, faces) = relief(&rows, columns);
+        let (points, faces) = heights.relief();
         let offset = if center {
-            -0.5 * DVec3::new((columns - 1) as f64, (rows.len() - 1) as f64, 0.0)
+            -0.5 * DVec3::new((columns - 1) as f64, (rows - 1) as f64, 0.0)
         } else {
             DVec3::ZERO
         };
@@ -187,74 +187,4 @@ impl Builder<'_> {
         }
         path.canonicalize().map_err(refused)
     }
-}
-
-/// Rows of numbers, without empty lines and those that begin with `#`.
-fn heights(text: &str) -> Result<Vec<Vec<f64>>, String> {
-    let mut rows = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let words = line.split_whitespace().map(|word| {
-            let height = word.parse::<f64>().ok().filter(|h| h.is_finite());
-            height.ok_or_else(|| format!("line {number}: {word:?} is not a number"))
-        });
-        rows.push(words.collect::<Result<Vec<f64>, String>>()?);
-    }
-    Ok(rows)
-}
-
-/// The solid below heights over a grid, as OpenSCAD makes it: the first row at
-/// y = 0; four triangles over every square that meet at its mean height; down to 1
-/// below the least height, or to 0 if that is lower. Heights that a row does not
-/// have are 0.
-fn relief(rows: &[Vec<f64>], columns: usize) -> (Vec<DVec3>, Vec<Vec<u32>>) {
-    let height = |i: usize, j: usize| rows[i].get(j).copied().unwrap_or(0.0);
-    let least = rows.iter().flatten().copied().fold(1.0, f64::min);
-    let bottom = least - 1.0;
-    let mut points = Vec::new();
-    for i in 0..rows.len() {
-        for j in 0..columns {
-            points.push(DVec3::new(j as f64, i as f64, height(i, j)));
-        }
-    }
-    let top = |i: usize, j: usize| (i * columns + j) as u32;
-    let mut faces = Vec::new();
-    for i in 1..rows.len() {
-        for j in 1..columns {
-            let corners = [top(i - 1, j - 1), top(i - 1, j), top(i, j), top(i, j - 1)];
-            let sum: f64 = corners.iter().map(|&c| points[c as usize].z).sum();
-            let middle = DVec3::new(j as f64 - 0.5, i as f64 - 0.5, 0.25 * sum);
-            let center = points.len() as u32;
-            points.push(middle);
-            for k in 0..4 {
-                faces.push(vec![corners[k], corners[(k + 1) % 4], center]);
-            }
-        }
-    }
-    // Around the grid, counter-clockwise.
-    let (last_row, last_column) = (rows.len() - 1, columns - 1);
-    let rim: Vec<u32> = (0..last_column)
-        .map(|j| top(0, j))
-        .chain((0..last_row).map(|i| top(i, last_column)))
-        .chain((1..=last_column).rev().map(|j| top(last_row, j)))
-        .chain((1..=last_row).rev().map(|i| top(i, 0)))
-        .collect();
-    let below = points.len() as u32;
-    let floor = rim.iter().map(|&corner| {
-        let point = points[corner as usize];
-        DVec3::new(point.x, point.y, bottom)
-    });
-    let floor: Vec<DVec3> = floor.collect();
-    points.extend(floor);
-    let count = rim.len() as u32;
-    for k in 0..count {
-        let next = (k + 1) % count;
-        let (a, b) = (rim[k as usize], rim[next as usize]);
-        faces.push(vec![below + k, below + next, b, a]);
-    }
-    faces.push((below..below + count).rev().collect());
-    (points, faces)
 }

@@ -3,7 +3,8 @@
 //! The nodes of the core are read and written: `group`, `union`,
 //! `difference`, `intersection`, `multmatrix`, `color`, `render`, `cube`,
 //! `sphere`, `cylinder`. Read are as well `polyhedron`, `circle`, `square`,
-//! `polygon`, `text`, `import` (of meshes, and of drawings in SVG and DXF), `surface` (of numbers),
+//! `polygon`, `text`, `import` (of meshes, and of drawings in SVG and DXF), `surface` (of numbers, and of
+//! PNG pictures),
 //! `linear_extrude`, `rotate_extrude`, `offset`, `projection`, `hull`,
 //! `minkowski` (of solids) and `resize`; and, for scenes that are written by hand, `translate`, `rotate`,
 //! `scale` and `mirror`. Any other node is an error that names it
@@ -70,7 +71,6 @@
 
 mod arguments;
 mod build;
-mod corners;
 mod error;
 mod facets;
 mod flat;
@@ -83,6 +83,7 @@ mod pieces;
 mod placing;
 mod polyhedra;
 mod primitives;
+mod relief;
 mod shapes;
 mod values;
 mod write;

@@ -3,16 +3,15 @@
 
 use std::ops::Range;
 
-use csg::{Color, Profile};
-use glam::{BVec3, DAffine2, DAffine3, DMat2, DMat3, DMat4, DVec2, DVec3, DVec4};
+use csg::{Color, Profile, Solid, corners};
+use glam::{BVec2, BVec3, DAffine2, DAffine3, DMat2, DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use super::build::{Builder, Open};
-use super::corners;
 use super::error::SceneError;
 use super::flat::{CHORDS, Extrusion, Growth, Revolution};
 use super::parse::{Kind, NodeText, Value};
 use super::pieces::{self, MIXED, Piece, Pieces};
-use super::values::{array, number};
+use super::values::{array, number, text};
 
 /// What a node does with its children, mostly with their union.
 pub(super) enum Operation {
@@ -280,18 +279,28 @@ impl Builder<'_> {
         ))
     }
 
+    /// By numbers, by name or in hexadecimal digits, as style sheets have them; `alpha` is more than
+    /// either says.
     fn color(&mut self, node: &NodeText<'_>) -> Result<Option<Color>, SceneError> {
-        let [color] = self.arguments(node, &[""])?;
-        let rgba = color.and_then(|value| {
-            array(value, number).or_else(|| {
+        let [color, alpha] = self.arguments(node, &["c", "alpha"])?;
+        let rgba = color.and_then(|value| match text(value) {
+            Some(name) => {
+                let parsed = csscolorparser::parse(name).ok()?;
+                Some([parsed.r, parsed.g, parsed.b, parsed.a].map(f64::from))
+            }
+            None => array(value, number).or_else(|| {
                 let [r, g, b] = array(value, number)?;
                 Some([r, g, b, 1.0])
-            })
+            }),
         });
-        let Some(rgba) = rgba.filter(|rgba: &[f64; 4]| rgba.iter().all(|c| c.is_finite())) else {
-            let problem = "it needs a colour: [red, green, blue, alpha], each from 0 to 1";
+        let Some(mut rgba) = rgba.filter(|rgba: &[f64; 4]| rgba.iter().all(|c| c.is_finite()))
+        else {
+            let problem = "it needs a colour: [red, green, blue, alpha], each from 0 to 1; or a name, or #rrggbb";
             return Err(self.fault(node, problem));
         };
+        if let Some(alpha) = alpha {
+            rgba[3] = self.number(node, "alpha", Some(alpha))?;
+        }
         if rgba.iter().any(|&component| component < 0.0) {
             return Ok(None);
         }
@@ -320,15 +329,16 @@ impl Builder<'_> {
                 })))
             }
             Pieces::Flats(flats) => {
-                let sum = self.of_corners(node, |allowance| corners::flat_sum(flats, allowance))?;
+                let sum =
+                    self.of_corners(node, |faceting| Profile::minkowski_sum(flats, faceting))?;
                 self.flat(node, sum)
             }
             Pieces::Solids(solids) => {
-                let solid = self.of_corners(node, |allowance| {
+                let solid = self.of_corners(node, |faceting| {
                     if is_hull {
-                        corners::hull(&solids, allowance)
+                        Solid::hull_of(&solids, faceting)
                     } else {
-                        corners::minkowski(solids, allowance)
+                        Solid::minkowski_sum(solids, faceting)
                     }
                 })?;
                 self.made(node, solid)
@@ -343,45 +353,21 @@ impl Builder<'_> {
         size: DVec3,
         auto: BVec3,
     ) -> Result<Piece, SceneError> {
-        let bounds = match &piece {
-            Piece::Nothing => return Ok(piece),
-            Piece::Solid(solid) => self.of_corners(node, |a| corners::bounds(solid, a))?,
-            Piece::Flat(flat) => flat
-                .bounds(1e-6)
-                .map_err(|e| self.fault(node, &e.to_string()))?
-                .map(|(min, max)| (min.extend(0.0), max.extend(1.0))),
-        };
-        let Some((min, max)) = bounds else {
-            return Ok(Piece::Nothing);
-        };
-        let axes = if matches!(piece, Piece::Flat(_)) {
-            2
-        } else {
-            3
-        };
-        let own = max - min;
-        let mut scale = DVec3::ONE;
-        let mut largest = 0;
-        for axis in 0..axes {
-            if size[axis] != 0.0 {
-                scale[axis] = size[axis] / own[axis];
-                if size[axis] > size[largest] {
-                    largest = axis;
-                }
-            }
-        }
-        if size[largest] != 0.0 {
-            let same = size[largest] / own[largest];
-            for axis in 0..axes {
-                if auto.test(axis) && size[axis] == 0.0 {
-                    scale[axis] = same;
-                }
-            }
-        }
-        if !scale.is_finite() || scale.min_element() == 0.0 {
+        if !size.is_finite() {
             return Ok(self.nothing(node, "the new size is not finite"));
         }
-        let flat = DAffine2::from_scale(scale.truncate());
-        Ok(piece.mapped(&DAffine3::from_scale(scale), &flat))
+        match &piece {
+            Piece::Nothing => Ok(piece),
+            Piece::Solid(solid) => {
+                let resized =
+                    self.of_corners(node, |faceting| solid.resized(size, auto, faceting))?;
+                Ok(Piece::of(resized))
+            }
+            Piece::Flat(flat) => {
+                let resized = flat.resized(size.truncate(), BVec2::new(auto.x, auto.y));
+                let resized = resized.map_err(|e| self.fault(node, &e.to_string()))?;
+                self.flat(node, resized)
+            }
+        }
     }
 }

@@ -1,6 +1,5 @@
 //! What nodes come to: solids, profiles, or nothing.
 
-use csg::glam::{DAffine2, DAffine3};
 use csg::{Made, Node, Primitive, Profile, Solid};
 
 /// The value of a node.
@@ -34,14 +33,6 @@ impl Piece {
 
     fn is_nothing(&self) -> bool {
         matches!(self, Self::Nothing)
-    }
-
-    pub(super) fn mapped(self, solid: &DAffine3, flat: &DAffine2) -> Self {
-        match self {
-            Self::Nothing => Self::Nothing,
-            Self::Solid(piece) => Self::Solid(piece.affine(*solid)),
-            Self::Flat(piece) => Self::Flat(piece.affine(*flat)),
-        }
     }
 }
 

@@ -13,6 +13,7 @@ pub(super) fn names(node: &str) -> &'static [&'static str] {
     match node {
         "translate" | "scale" | "mirror" => &["v"],
         "rotate" => &["a", "v"],
+        "color" => &["c", "alpha"],
         "cube" | "square" => &["size", "center"],
         "sphere" | "circle" | "offset" => &["r"],
         "cylinder" => &["h", "r1", "r2", "center"],

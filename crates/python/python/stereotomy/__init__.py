@@ -22,13 +22,13 @@ from ._stereotomy import Mesh, Profile, Solid
 from ._view import View
 
 __all__ = [
-    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Path",
-    "Picture", "Profile", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
+    "Animation", "Check", "Fallback", "FileError", "LimitReached", "Measure", "Mesh", "Moved", "Nearest", "Path",
+    "Picture", "Profile", "RayHit", "Report", "Solid", "Surface", "Unbounded", "View", "__version__",
     "capsule", "chamfered_cuboid", "chamfered_cylinder", "circle", "cone",
     "convex_polyhedron", "counterbore", "countersink", "cube", "cuboid", "cuboid_between",
     "cylinder", "difference", "distributed", "dodecahedron", "ellipse", "ellipsoid", "elliptic_cylinder",
     "empty", "empty_profile", "from_csg", "frustum", "gear", "half_space",
-    "half_space_through", "hull", "hull_of_balls", "hull_profile", "hyperboloid_one_sheet",
+    "half_space_through", "hull", "hull_of_balls", "hull_of_solids", "hull_profile", "hyperboloid_one_sheet",
     "hyperboloid_two_sheets", "icosahedron", "infinite_cone", "infinite_cylinder",
     "infinite_elliptic_cylinder", "intersection", "knurled", "load", "load_mesh",
     "nut_trap", "octahedron", "paraboloid", "polygon", "polygons", "polyhedron", "prism",

@@ -19,6 +19,9 @@ use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfa
 /// So many times as many triangles are not worth it that a mesh does not run through itself.
 const MOST_GROWTH: usize = 20;
 
+/// Of what follows once all parts were refined, that share is the check of all of them, about.
+const CHECKED: f64 = 0.4;
+
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
     /// only that fits the limits. On other borders of looks than these, within one
@@ -102,6 +105,7 @@ impl Run<'_> {
             let ends: Vec<usize> = ends.collect();
             let right: Vec<usize> = right.collect();
             let wrong = wrong_triangles(&whole.surfaced, task).into_iter().flatten();
+            self.tell_of_parting(CHECKED);
             let wrong = wrong.map(|triangle| ends.partition_point(|&end| end <= triangle as usize));
             // What is wrong of the others is known, and noted.
             let wrong: Vec<usize> = wrong.filter_map(|part| right.get(part).copied()).collect();
@@ -222,7 +226,9 @@ impl Run<'_> {
         } else {
             (FEW_TRIES, 1, FINER)
         };
-        for _ in 1..tries {
+        for round in 1..tries {
+            let done = f64::from(round) / f64::from(tries);
+            self.tell_of_parting(CHECKED + (1.0 - CHECKED) * done);
             // What runs through itself still is better cut up in another way.
             if narrow.is_empty() || in_vain == most_in_vain || best.outcome.is_crossed() {
                 break;
@@ -250,6 +256,11 @@ impl Run<'_> {
             }
         }
         Ok(best)
+    }
+
+    /// Tells what share is done of what follows once all parts were refined.
+    fn tell_of_parting(&self, share: f64) {
+        self.control.tell(REFINED + (PARTED - REFINED) * share);
     }
 
     /// Cuts up the triangles of a mesh that run through each other, or face into the
@@ -281,8 +292,7 @@ impl Run<'_> {
             wrong = separation.wrong();
             for round in 0..MOST_ROUNDS {
                 self.control.check()?;
-                let share = f64::from(round) / f64::from(MOST_ROUNDS);
-                self.control.tell(REFINED + (PARTED - REFINED) * share);
+                self.tell_of_parting(CHECKED * f64::from(round) / f64::from(MOST_ROUNDS));
                 if !separation.cut(&wrong, parting) {
                     break;
                 }
