@@ -43,7 +43,7 @@ impl PySolid {
     /// >>> bar = st.cuboid([1, 2, 3]).resized([2, 0, 0], auto=(False, True, False))
     /// >>> round(bar.measure().volume, 9)
     /// 24.0
-    #[pyo3(signature = (size, auto=(false, false, false), *, within=1e-4))]
+    #[pyo3(signature = (size, auto=(false, false, false), *, within=1e-4), text_signature = "($self, size, auto=(False, False, False), *, within=0.0001)")]
     fn resized(
         &self,
         py: Python<'_>,
@@ -74,7 +74,7 @@ impl PyProfile {
     ///
     /// >>> import math, stereotomy as st
     /// >>> rounded = st.rectangle([2, 1]).minkowski_sum(st.circle(0.5))
-    /// >>> round(rounded.area() - (2 + 3 + math.pi / 4), 3)
+    /// >>> round(rounded.area(1e-6) - (2 + 3 + math.pi / 4), 4)
     /// 0.0
     #[pyo3(signature = (other, *, within=1e-4))]
     fn minkowski_sum(&self, py: Python<'_>, other: &Self, within: f64) -> PyResult<Self> {
@@ -90,7 +90,7 @@ impl PyProfile {
     /// >>> import stereotomy as st
     /// >>> st.rectangle([2, 1]).resized([6, 0], auto=(False, True)).area()
     /// 18.0
-    #[pyo3(signature = (size, auto=(false, false)))]
+    #[pyo3(signature = (size, auto=(false, false)), text_signature = "($self, size, auto=(False, False))")]
     fn resized(&self, size: [f64; 2], auto: (bool, bool)) -> PyResult<Self> {
         let resized = self.0.resized(size, BVec2::new(auto.0, auto.1));
         resized.map(Self).map_err(of_model)
