@@ -171,12 +171,11 @@ fn faceted_meshes_without_fallbacks_are_exact() {
 /// Trees of other nodes that are refused (a surface that does not close, a projective
 /// matrix), or off: faces that are not flat, circles resized as polygons, surfaces merged,
 /// a last digit, and references not understood.
-const NOT_YET: [&str; 11] = [
+const NOT_YET: [&str; 10] = [
     "polyhedron-tests",
     "non-aff-matrix",
     "polyhedron-nonplanar-tests",
     "resize-tests",
-    "candleStand",
     "issue1061",
     "issue1089b",
     "issue1105d",

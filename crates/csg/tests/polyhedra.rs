@@ -29,6 +29,38 @@ fn assert_volume(what: &str, solid: &Solid, volume: f64) {
     );
 }
 
+/// The regular polygon with a corner on the x axis, turned.
+fn regular(corners: u32, radius: f64, turn: f64) -> impl Iterator<Item = DVec2> {
+    let corner = move |k| turn + TAU * f64::from(k) / f64::from(corners);
+    (0..corners).map(move |k| radius * DVec2::from_angle(corner(k)))
+}
+
+/// Prisms over polygons in one circle, of which each corner of the one is one of the other's, with a hole
+/// of many sides: of some the lines between two sides are those of two sides of the other.
+#[test]
+fn prisms_that_share_corners_are_exact() {
+    let mut random = Random(11);
+    let mut number =
+        |least: u32, most: u32| least + (random.unit() * f64::from(most - least + 1)) as u32;
+    for case in 0..60 {
+        let (plate, times, hole) = (number(5, 20), number(2, 6), number(3, 60));
+        let turn = f64::from(number(0, 3)) * 0.1;
+        let radius = 3.2 - 0.1 * f64::from(number(0, 10));
+        let base = f64::from(number(0, 2));
+        let post = Solid::prism(regular(plate * times, 4.0, turn), 0.0..7.0);
+        let post = post - Solid::prism(regular(hole, radius, 0.2 + turn), -1.0..8.0);
+        let solid = post | Solid::prism(regular(plate, 4.0, turn), base..base + 1.0);
+        let area = |corners: u32, radius: f64| {
+            0.5 * f64::from(corners) * radius * radius * (TAU / f64::from(corners)).sin()
+        };
+        let volume = 7.0 * area(plate * times, 4.0) - 6.0 * area(hole, radius);
+        let what = format!("{case}: {plate} by {times}, {hole} of {radius}");
+        assert_volume(&what, &solid, volume);
+        let moved = solid.translate([25.0, 0.0, 46.5]).rotate_x(0.3);
+        assert_volume(&what, &moved, volume);
+    }
+}
+
 fn random_point(random: &mut Random) -> DVec3 {
     dvec3(random.unit(), random.unit(), random.unit()) - 0.5
 }

@@ -2,6 +2,7 @@
 //! the other planes, and which faces meet along each piece.
 
 use crate::elementary;
+use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::block::Block;
@@ -22,6 +23,8 @@ pub(super) struct Tracer {
     sectors: Sectors,
     /// Positions of the planes through the line, but for the first two.
     others: SmallVec<[Position; 4]>,
+    /// Beside polyhedra: the pairs of candidates that are no given edges.
+    lines: FxHashSet<[Position; 2]>,
 }
 
 /// In blocks of no more planes every pair of them is traced: it takes less time
@@ -116,6 +119,14 @@ impl Tracer {
         candidates.clear();
         if let Some(given) = scene.given {
             self.find_beside(scene, given, block, &mut candidates);
+            // Along a line of two planes of one polyhedron only its edges lead.
+            candidates.retain(|Candidate { pair, edge, .. }| {
+                let [one, other] = pair.map(|position| block.id(position));
+                edge.is_some() || !given.are_of_one(one, other)
+            });
+            let lines = candidates.iter().filter(|line| line.edge.is_none());
+            self.lines.clear();
+            self.lines.extend(lines.map(|line| line.pair));
         } else if block.cell.surfaces.len() <= ALL_PAIRS {
             candidates.extend(block.pairs().map(everywhere));
         } else {
@@ -352,17 +363,16 @@ impl Tracer {
         self.sectors
             .crossings
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let Some(given) = scene.given.filter(|_| !self.others.is_empty()) else {
+        if scene.given.is_none() || self.others.is_empty() {
             return true;
-        };
-        // Of several planes through a line the first two that are not of one polyhedron
-        // trace it, and its own edges, where there are no others.
+        }
+        // Of several planes through a line the first two that are looked at trace it, and a
+        // polyhedron's own edges, where there are none.
         let others = self.others.iter().copied();
         let mut through: SmallVec<[Position; 8]> = pair.into_iter().chain(others).collect();
         through.sort_unstable();
-        let differ = |a, b| may_meet(scene, given, block.id(a), block.id(b));
         let mut pairs = (1..through.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-        let first = pairs.find(|&(a, b)| differ(through[a], through[b]));
+        let first = pairs.find(|&(a, b)| self.lines.contains(&[through[a], through[b]]));
         match first {
             Some((a, b)) => [through[a], through[b]] == pair,
             None => true,
