@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use csg::{Error, Program, Surface};
+use csg::{Error, Program};
 use serde::Serialize;
 
 use super::account::Account;
@@ -42,8 +42,7 @@ impl Options {
 /// as exact, but for rounding, and takes a tenth of the time.
 fn is_large_polyhedron(program: &Program) -> bool {
     const MANY: usize = 50_000;
-    let faces = program.carriers();
-    faces.len() > MANY && faces.iter().all(Surface::is_plane)
+    program.carriers().len() > MANY && program.is_polyhedral()
 }
 
 pub(crate) fn run(

@@ -248,7 +248,7 @@ fn points_of_edges_are_on_their_own_stretch() {
                     let chord = boundary.chord(HalfEdgeId(half));
                     let along = round(chord[1] - chord[0]).normalize();
                     let off = round(found - near).dot(along).abs();
-                    assert!(off < 1e-7, "{half}: {found}, not beside {near}");
+                    assert!(off < 1e-8, "{half}: {found}, not beside {near}");
                     assert!(side * found.y > 0.0, "{half}: {found}");
                     assert!(solve::residual(surfaces.iter(), found) < WELD);
                 }

@@ -110,7 +110,7 @@ use self::traced::Traced;
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::numeric::tolerance::{NEAR, ON_PLANE, TOUCH, VALUE, WELD};
-use crate::program::{Origin, Program, Surface, SurfaceId};
+use crate::program::{Origin, Program, SurfaceId};
 use crate::report::Report;
 use crate::task::Task;
 use crate::undecided::{Stop, Undecided};
@@ -120,7 +120,7 @@ use crate::undecided::{Stop, Undecided};
 /// one is on the other, too, by [`ON_PLANE`], and points of both are one, by [`NEAR`]. Planes
 /// alone are told apart as far as their vertices are, by [`WELD`].
 pub(crate) fn unresolved(program: &Program) -> f64 {
-    if is_polyhedral(program) {
+    if program.is_polyhedral() {
         3.0 * WELD
     } else {
         NEAR
@@ -146,11 +146,6 @@ const ABOVE: DVec3 = DVec3::new(
 pub(crate) struct Evaluated {
     pub mesh: Mesh,
     pub borders: Borders,
-}
-
-/// Whether a program has planes alone.
-pub(crate) fn is_polyhedral(program: &Program) -> bool {
-    program.carriers().iter().all(Surface::is_plane)
 }
 
 /// By how much rounding may move points of a scene around `center` whose longest side is
@@ -193,7 +188,7 @@ pub(crate) fn mesh(
             let borders = boundary.borders();
             Ok(Evaluated { mesh, borders })
         })?;
-        if is_polyhedral(task.program) {
+        if task.program.is_polyhedral() {
             let (deviation, farthest) = deviation(scene, &evaluated.mesh);
             report.deviation = Some(deviation);
             report.farthest = Some(farthest + task.origin);

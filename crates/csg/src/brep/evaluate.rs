@@ -100,7 +100,7 @@ impl Program {
         }
         let control = Control::start(&options.caller, options.limits, Demand::ExactBoundary);
         control.check()?;
-        let bounds = if arrangement::is_polyhedral(self) {
+        let bounds = if self.is_polyhedral() {
             self.loose_bounds()?
         } else {
             self.bounds()?

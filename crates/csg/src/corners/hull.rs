@@ -4,16 +4,14 @@ use std::ops::Range;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::{Faceting, corners, is_flat, leaves};
+use super::{Faceting, corners, leaves};
 use crate::error::Error;
 use crate::limits::Limits;
 use crate::mesher::Mesher;
+use crate::numeric::tolerance::{SAME_LENGTH, SIX_DIGITS};
 use crate::program::Program;
 use crate::solid::profile::Profile;
 use crate::solid::{Node, Primitive, Solid};
-
-/// Of lengths, below which they are the same: some thousand roundings, as a chain of maps may make.
-const SAME: f64 = 1e-12;
 
 /// The primitives that solids are the union of, each where it is put; none if they are no such
 /// union.
@@ -30,7 +28,7 @@ fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
 pub(super) fn balls(solids: &[Solid]) -> Option<(Vec<DVec3>, f64)> {
     let all = all_balls(solids)?;
     let &(_, common) = all.first()?;
-    let alike = |&(_, radius): &(DVec3, f64)| (common - radius).abs() <= SAME * radius;
+    let alike = |&(_, radius): &(DVec3, f64)| (common - radius).abs() <= SAME_LENGTH * radius;
     let centers = all.iter().map(|(center, _)| *center).collect();
     all.iter().all(alike).then_some((centers, common))
 }
@@ -45,14 +43,14 @@ fn all_balls(solids: &[Solid]) -> Option<Vec<(DVec3, f64)>> {
         let linear = map.matrix3;
         let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
         let radius = radii.x * x.length();
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME * x.length();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * x.length();
         let round = radii.x == radii.y
             && radii.y == radii.z
             && same(x.length(), y.length())
             && same(x.length(), z.length())
             && [x.dot(y), y.dot(z), z.dot(x)]
                 .iter()
-                .all(|dot| dot.abs() <= SAME * x.length_squared());
+                .all(|dot| dot.abs() <= SAME_LENGTH * x.length_squared());
         if !round {
             return None;
         }
@@ -96,7 +94,7 @@ impl Upright {
             }
             let radius = radii.x * x.length();
             let size = ends[0].length().max(ends[1].length()).max(radius);
-            let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * size;
+            let is_same = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * size;
             let is_upright = radii.x == radii.y
                 && is_same(radius, radii.y * y.length())
                 && is_same(radius * x.dot(y) / x.length_squared(), 0.0)
@@ -123,7 +121,6 @@ impl Upright {
 /// matrices in which they are turned.
 #[must_use]
 pub fn circles(linear: DMat3, radii: DVec2) -> Option<(DVec3, f64)> {
-    const SIX_DIGITS: f64 = 3e-6;
     let (x, y) = (radii.x * linear.x_axis, radii.y * linear.y_axis);
     let is_round = (x.length() - y.length()).abs() <= SIX_DIGITS * x.length()
         && x.dot(y).abs() <= SIX_DIGITS * x.length() * y.length();
@@ -134,7 +131,6 @@ pub fn circles(linear: DMat3, radii: DVec2) -> Option<(DVec3, f64)> {
 /// Whether two planes with these normals are parallel but for the six digits of matrices.
 #[must_use]
 pub fn are_parallel(one: DVec3, other: DVec3) -> bool {
-    const SIX_DIGITS: f64 = 3e-6;
     one.cross(other).length() <= SIX_DIGITS
 }
 
@@ -175,7 +171,7 @@ fn hull_of_discs(solids: &[Solid], faceting: &mut Faceting) -> Result<Option<Sol
     };
     for other in others {
         let program = Program::lower(&other)?;
-        if !is_flat(&program) {
+        if !program.is_polyhedral() {
             return Ok(None);
         }
         let corners = corners(&other, faceting)?;

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::limits::Limits;
 use crate::mesh::Mesh;
 use crate::mesher::Mesher;
-use crate::program::{Program, Surface};
+use crate::program::Program;
 use crate::solid::{Made, Node, Primitive, Solid};
 
 pub use hull::{are_parallel, circles};
@@ -100,7 +100,7 @@ impl Faceting {
         let program = Program::lower(solid)?;
         let [left, most] = self.cells;
         let mut mesher = Mesher::new().limits(Limits::new().cells(left));
-        if !is_flat(&program) {
+        if !program.is_polyhedral() {
             if !(1e-9..=0.1).contains(&self.share) {
                 return Err(Error::InvalidOption(format!(
                     "what is curved may stray by {} of its size: give a share from 1e-9 to 0.1",
@@ -131,10 +131,6 @@ impl Faceting {
             ))
         }
     }
-}
-
-fn is_flat(program: &Program) -> bool {
-    program.carriers().iter().all(Surface::is_plane)
 }
 
 /// The solids that solids are the union of, each with the map that puts it in its place.

@@ -390,6 +390,7 @@ impl<'a> Target<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::shadow::tests::sheet;
     use super::*;
     use crate::elementary;
 
@@ -416,20 +417,9 @@ mod tests {
 
     /// Chords of an arc of radius 1 from z = 0 to 1, along which it is cut so often, too.
     fn barrel(chords: u32, rows: u32) -> Mesh {
-        let mut mesh = Mesh::default();
-        for k in 0..(chords + 1) * (rows + 1) {
-            let (x, y) = (k % (chords + 1), k / (chords + 1));
-            let around = elementary::direction(f64::from(x) / f64::from(chords));
-            mesh.positions
-                .push(around.extend(f64::from(y) / f64::from(rows)));
-        }
-        for k in 0..chords * rows {
-            let corner = k / chords * (chords + 1) + k % chords;
-            let above = corner + chords + 1;
-            mesh.triangles.push([corner, corner + 1, above + 1]);
-            mesh.triangles.push([corner, above + 1, above]);
-        }
-        mesh
+        sheet([chords, rows], |around, y| {
+            elementary::direction(around).extend(y)
+        })
     }
 
     /// Each large triangle is nearly as far from many small ones as the farthest is.

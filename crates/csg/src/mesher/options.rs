@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use crate::arrangement;
 use crate::control::{Caller, CancelToken};
 use crate::error::Error;
 use crate::limits::Limits;
@@ -235,7 +234,7 @@ impl Mesher {
             || self.smallest_feature.is_some()
             || self.tolerance.is_some()
             || self.bounds.is_some();
-        if is_sized || matches!(self.method, Method::Draft) || arrangement::is_polyhedral(program) {
+        if is_sized || matches!(self.method, Method::Draft) || program.is_polyhedral() {
             return Ok(None);
         }
         let size = program
@@ -279,7 +278,7 @@ impl Mesher {
     /// Whether the exact boundary of planes is to be meshed, without cells. It
     /// is that of the whole solid, not of what lies in a box that was given.
     pub(super) fn is_polyhedral(&self, program: &Program) -> bool {
-        self.is_by_boundary() && arrangement::is_polyhedral(program)
+        self.is_by_boundary() && program.is_polyhedral()
     }
 
     /// Whether cells are only the second way.

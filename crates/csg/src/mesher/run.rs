@@ -220,7 +220,7 @@ impl<'a> Run<'a> {
         };
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let least = MAPPED * farthest;
-        if goal.tolerance < least && !arrangement::is_polyhedral(self.program) {
+        if goal.tolerance < least && !self.program.is_polyhedral() {
             return Err(Error::InvalidOption(format!(
                 "a tolerance of {:e}: coordinates of up to {farthest} are rounded by more; \
                  give at least {least:.1e}, or move the solid to the origin",
@@ -411,7 +411,7 @@ impl<'a> Run<'a> {
         let Some(goal) = &self.goal else {
             return Ok(None);
         };
-        let is_tried = arrangement::is_polyhedral(self.program);
+        let is_tried = self.program.is_polyhedral();
         if self.smallest.is_none() || self.mesher.bounds.is_some() || is_tried {
             return Ok(None);
         }

@@ -310,6 +310,17 @@ pub(crate) const UNSEEN: f64 = 0.01;
 /// triangles.
 pub(crate) const SEEN: f64 = 10.0;
 
+/// Are two lengths the same that maps made, of these?
+///
+/// Above rounding: some thousand times that of one, as long chains of maps make.
+pub(crate) const SAME_LENGTH: f64 = 1e-12;
+
+/// Do columns of a matrix that was written in six digits make a turn, of their lengths?
+///
+/// Derived: entries are off by up to 5e-7, and so lengths of columns by √3 times that. Two of these
+/// differ, and two columns are off the right angle, by no more than twice as much, 1.8e-6.
+pub(crate) const SIX_DIGITS: f64 = 3e-6;
+
 /// Was something meant that is missed by less, of the scene?
 ///
 /// Above rounding: numbers of six digits are off by up to five millionths of themselves.

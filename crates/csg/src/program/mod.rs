@@ -128,6 +128,12 @@ impl Program {
         }
     }
 
+    /// Whether all surfaces that may carry faces are planes.
+    #[must_use]
+    pub fn is_polyhedral(&self) -> bool {
+        self.carriers().iter().all(Surface::is_plane)
+    }
+
     /// The solid taken apart; none if too few faces are uncut for that.
     pub(crate) fn apart(&self) -> Option<&Apart> {
         let apart = self.apart.get_or_init(|| {

@@ -104,23 +104,24 @@ fn leads_through([from, to]: [DVec3; 2], sides: &[Plane; 3], rim: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use proptest::prelude::*;
 
     use super::*;
     use crate::mesh::Mesh;
 
     /// A sheet over the unit square of so many squares along each side.
-    fn sheet(count: u32, place: impl Fn(f64, f64) -> DVec3) -> Mesh {
+    pub fn sheet([columns, rows]: [u32; 2], place: impl Fn(f64, f64) -> DVec3) -> Mesh {
         let mut mesh = Mesh::default();
-        for k in 0..(count + 1) * (count + 1) {
-            let share = |k: u32| f64::from(k) / f64::from(count);
+        for k in 0..(columns + 1) * (rows + 1) {
+            let share = |k: u32, count: u32| f64::from(k) / f64::from(count);
+            let [x, y] = [k % (columns + 1), k / (columns + 1)];
             mesh.positions
-                .push(place(share(k % (count + 1)), share(k / (count + 1))));
+                .push(place(share(x, columns), share(y, rows)));
         }
-        for k in 0..count * count {
-            let corner = k / count * (count + 1) + k % count;
-            let above = corner + count + 1;
+        for k in 0..columns * rows {
+            let corner = k / columns * (columns + 1) + k % columns;
+            let above = corner + columns + 1;
             mesh.triangles.push([corner, corner + 1, above + 1]);
             mesh.triangles.push([corner, above + 1, above]);
         }
@@ -138,7 +139,7 @@ mod tests {
             hole in prop_oneof![Just(None), (0..200usize).prop_map(Some)],
             start in 0..200usize,
         ) {
-            let mut mesh = sheet(10, |x, y| {
+            let mut mesh = sheet([10, 10], |x, y| {
                 let (z, bend) = (wave * (9.0 * x + 5.0 * y).sin(), fold * (12.0 * x).sin());
                 DVec3::new(x + bend, y, z)
             });

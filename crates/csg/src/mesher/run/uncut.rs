@@ -294,7 +294,7 @@ mod tests {
             };
             assert_eq!(primitives(found), primitives(truth), "{seed}");
             let off = (found.volume() - truth.volume()).abs();
-            let is_flat = program.carriers().iter().all(crate::Surface::is_plane);
+            let is_flat = program.is_polyhedral();
             let near = if is_flat { 1e-12 } else { 0.02 * truth.area() };
             assert!(
                 off <= near,
