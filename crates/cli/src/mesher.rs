@@ -291,7 +291,6 @@ pub(crate) fn produce(
             let start = Instant::now();
             let program = Program::lower(&solid)?;
             seconds.push(("lower", start.elapsed().as_secs_f64()));
-            progress.stage("meshing");
             let mut mesher = options
                 .mesher()
                 .normals()
@@ -307,9 +306,12 @@ pub(crate) fn produce(
                     mesher = mesher.angle(ANGLE.to_radians());
                 }
             }
-            let mesh = |tolerance: Option<f64>| match tolerance {
-                Some(tolerance) => mesher.clone().tolerance(tolerance).mesh(&program),
-                None => mesher.mesh(&program),
+            let mesh = |tolerance: Option<f64>| {
+                progress.stage("meshing");
+                match tolerance {
+                    Some(tolerance) => mesher.clone().tolerance(tolerance).mesh(&program),
+                    None => mesher.mesh(&program),
+                }
             };
             // The box is larger than the solid, which may need less.
             tolerance = tolerance.map(|tolerance| 0.7 * tolerance);

@@ -3,10 +3,25 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::Error;
+
+/// What [`bytes_written`] tells.
+static WRITTEN: AtomicU64 = AtomicU64::new(0);
+
+/// At most so many bytes are given to the system at a time, or what is counted would stand still.
+const AT_ONCE: usize = 1 << 18;
+
+/// How many bytes this process has given to [`AtomicFile`]s so far, finished or not: something to
+/// show people while a large file is written. All functions of this crate that are given a path
+/// write it as one.
+#[must_use]
+pub fn bytes_written() -> u64 {
+    WRITTEN.load(Ordering::Relaxed)
+}
 
 /// A file being written beside its place, which takes that place only when
 /// [`AtomicFile::commit`] succeeds: after an error, a panic or on a full disk
@@ -120,11 +135,14 @@ impl AtomicFile {
 
 impl Write for AtomicFile {
     fn write(&mut self, data: &[u8]) -> io::Result<usize> {
-        match &mut self.target {
+        let data = &data[..data.len().min(AT_ONCE)];
+        let written = match &mut self.target {
             // (Whose own errors would name it.)
             Target::Beside(file) => file.as_file_mut().write(data),
             Target::Direct(file) => file.write(data),
-        }
+        }?;
+        WRITTEN.fetch_add(written as u64, Ordering::Relaxed);
+        Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {

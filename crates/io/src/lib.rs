@@ -29,7 +29,7 @@ mod tree;
 mod units;
 mod weld;
 
-pub use atomic::AtomicFile;
+pub use atomic::{AtomicFile, bytes_written};
 pub use error::Error;
 pub use format::{
     MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_and_warnings, read_mesh_with,

@@ -41,6 +41,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
     if options.outputs.iter().any(is_exact) {
         let solid = &subject.solid()?;
         for path in options.outputs.iter().filter(|path| is_scene(path)) {
+            progress.stage("writing");
             let text = io::scene::write(solid)
                 .map_err(|error| Failure::output(&path.display().to_string(), error))?;
             output::write_bytes(path, text.as_bytes())?;
@@ -56,6 +57,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
                 .cut_at_seams();
             let brep = Program::lower(solid)?.boundary(&boundary)?;
             let unit = subject.unit(options.mesher.unit);
+            progress.stage("writing");
             output::write_step(path, &brep, unit.length_unit(), options.step)?;
         }
     }

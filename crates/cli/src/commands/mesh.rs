@@ -99,22 +99,26 @@ pub(crate) fn run(
             share_triangles(product, options, progress)
         })?;
     }
-    progress.stage("writing");
     product.stage("write", |product| {
         let mut outputs = options.outputs.iter();
         outputs.try_for_each(|path| {
             if io::step::is_step(path) {
+                progress.stage("boundary");
                 let boundary = options.mesher.boundary(progress).cut_at_seams();
                 let brep = match &product.program {
                     Some(program) => program.boundary(&boundary)?,
                     None => Program::lower(&solid_of(&product.mesh)?)?.boundary(&boundary)?,
                 };
+                progress.stage("writing");
                 return output::write_step(path, &brep, product.mesh.unit, options.step);
             }
+            progress.stage("writing");
             let write = options.write_options();
             output::write_mesh(path, &product.mesh, options.format, &write)
         })
     })?;
+    progress.stage("measuring");
+    let account = Account::of(&mut product);
     progress.end();
     if options
         .outputs
@@ -123,7 +127,7 @@ pub(crate) fn run(
     {
         warn_of_rounding(&product);
     }
-    tell(&Account::of(&mut product), options, progress)
+    tell(&account, options, progress)
 }
 
 fn is_binary_stl(path: &Path, stream: StreamFormat) -> bool {

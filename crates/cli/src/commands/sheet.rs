@@ -68,6 +68,7 @@ impl SheetOptions {
         account: &(impl Serialize + ToString),
         progress: &Progress,
     ) -> Result<(), Failure> {
+        progress.stage("writing");
         let is_empty = drawing.bounds().is_none();
         for path in &self.outputs {
             let mut options = DrawingOptions::default()

@@ -8,6 +8,7 @@ mod measure;
 mod merge;
 mod mesh;
 mod messages;
+mod progress;
 mod render;
 mod section;
 mod sweep;
