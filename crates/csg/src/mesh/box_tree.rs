@@ -82,6 +82,9 @@ const LEAF: usize = 4;
 /// Subtrees of fewer leaves are searched by one task.
 const SERIAL_LEAVES: usize = 64;
 
+/// So many subtrees, a power of two, are told of when they are searched.
+pub(super) const TOLD: usize = 64;
+
 /// Of a node with boxes of several sheets.
 const SEVERAL: u32 = u32::MAX;
 
@@ -146,8 +149,14 @@ impl BoxTree {
     /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
     /// the lower first; in ascending order; but for those of which one stands on a plane
     /// that the other one is in.
-    pub(super) fn pairs(&self, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
-        let mut pairs = self.within(1, test);
+    ///
+    /// Tells of each of at most [`TOLD`] parts that it is done, on whatever thread did it.
+    pub(super) fn pairs(
+        &self,
+        test: &(impl Fn(u32, u32) -> bool + Sync),
+        tell: &(impl Fn() + Sync),
+    ) -> Vec<[u32; 2]> {
+        let mut pairs = self.within(1, test, tell);
         pairs.par_sort_unstable();
         pairs
     }
@@ -203,7 +212,25 @@ impl BoxTree {
     }
 
     /// The pairs of boxes below one node.
-    fn within(&self, node: usize, test: &(impl Fn(u32, u32) -> bool + Sync)) -> Vec<[u32; 2]> {
+    fn within(
+        &self,
+        node: usize,
+        test: &(impl Fn(u32, u32) -> bool + Sync),
+        tell: &(impl Fn() + Sync),
+    ) -> Vec<[u32; 2]> {
+        let pairs = self.pairs_within(node, test, tell);
+        if (TOLD..2 * TOLD).contains(&node) {
+            tell();
+        }
+        pairs
+    }
+
+    fn pairs_within(
+        &self,
+        node: usize,
+        test: &(impl Fn(u32, u32) -> bool + Sync),
+        tell: &(impl Fn() + Sync),
+    ) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         if self.nodes[node].sheet != SEVERAL {
             return pairs;
@@ -219,8 +246,8 @@ impl BoxTree {
         }
         let (left, right) = (2 * node, 2 * node + 1);
         let search = |part: usize| match part {
-            0 => self.within(left, test),
-            1 => self.within(right, test),
+            0 => self.within(left, test, tell),
+            1 => self.within(right, test, tell),
             _ => {
                 let mut pairs = Vec::new();
                 self.between(left, right, test, &mut pairs);

@@ -1,9 +1,11 @@
 //! Where a mesh runs through itself, decided exactly.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec2;
 
 use super::apart::{Face, clearly_apart};
-use super::box_tree::BoxTree;
+use super::box_tree::{BoxTree, TOLD};
 use super::predicates::{Triangle, flattened, side, turn};
 use super::sheets::in_sheets;
 use crate::mesh::Mesh;
@@ -30,20 +32,35 @@ impl Mesh {
     /// apart all at once.
     #[must_use]
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
+        self.self_intersections_told(&|_| ())
+    }
+
+    /// The same, and tells what share of it is done, from whatever thread did it.
+    pub(crate) fn self_intersections_told(&self, tell: &(impl Fn(f64) + Sync)) -> Vec<[u32; 2]> {
         // (As one task: else each step would wait for the pool's threads to wake up.)
-        rayon::scope(|_| pairs_in(self).1)
+        rayon::scope(|_| pairs_in(self, tell).1)
     }
 }
 
 /// The triangles of a mesh, and the pairs that run through each other.
-pub(super) fn pairs_in(mesh: &Mesh) -> (BoxTree, Vec<[u32; 2]>) {
+pub(super) fn pairs_in(mesh: &Mesh, tell: &(impl Fn(f64) + Sync)) -> (BoxTree, Vec<[u32; 2]>) {
+    /// Shares of the whole, about as long as they take.
+    const IN_SHEETS: f64 = 0.4;
+    const IN_TREE: f64 = 0.55;
     let test = |first, second| run_through(mesh, [first, second]);
-    let mut tree = BoxTree::new(in_sheets(mesh));
-    let mut pairs = tree.pairs(&test);
+    let sheets = in_sheets(mesh);
+    tell(IN_SHEETS);
+    let mut tree = BoxTree::new(sheets);
+    tell(IN_TREE);
+    let searched = AtomicUsize::new(0);
+    let mut pairs = tree.pairs(&test, &|| {
+        let searched = 1 + searched.fetch_add(1, Ordering::Relaxed);
+        tell(IN_TREE + (1.0 - IN_TREE) * searched as f64 / TOLD as f64);
+    });
     if !pairs.is_empty() {
         // Where something runs through what others stand on these may, too.
         tree.stand_on_nothing();
-        pairs = tree.pairs(&test);
+        pairs = tree.pairs(&test, &|| ());
     }
     (tree, pairs)
 }

@@ -25,7 +25,7 @@ pub(crate) struct Intersections {
 impl Intersections {
     /// Takes as long as [`Mesh::self_intersections`].
     pub(crate) fn of(mesh: Mesh) -> Self {
-        let (tree, pairs) = pairs_in(&mesh);
+        let (tree, pairs) = pairs_in(&mesh, &|_| ());
         Self {
             is_changed: vec![false; mesh.triangles.len()],
             tree: Arc::new(tree),

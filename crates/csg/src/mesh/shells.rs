@@ -104,7 +104,7 @@ impl Shells {
         if self.bounds.len() < 2 {
             return Vec::new();
         }
-        self.tree.pairs(&|_, _| true)
+        self.tree.pairs(&|_, _| true, &|| ())
     }
 
     /// Whether a box overlaps that of a triangle of another shell than one, of those that pass

@@ -39,9 +39,18 @@ const REST: &str = "rest";
 
 /// Shares of the whole, about as long as they take: where a mesh of the right topology is
 /// there, where it keeps its tolerance, and where it no longer runs through itself.
-const SHAPED: f64 = 0.2;
-const REFINED: f64 = 0.7;
-const PARTED: f64 = 0.85;
+const SHAPED: f64 = 0.1;
+const REFINED: f64 = 0.5;
+const PARTED: f64 = 0.87;
+
+/// Where a mesh without a tolerance is there, if it is then checked.
+const MESHED: f64 = 0.5;
+
+/// Of what is left once the mesh is there: where it has normals, where it is known whether it is
+/// closed, and where its distances are.
+const SHADED: f64 = 0.3;
+const COUNTED: f64 = 0.55;
+const CHECKED: f64 = 0.75;
 
 /// A finished mesh and how it came about.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,14 +111,19 @@ impl<'a> Run<'a> {
         let whole = (start - self.start).as_secs_f64();
         let told: f64 = report.stages.iter().map(|(_, seconds)| seconds).sum();
         report.stages.push((REST, (whole - told).max(0.0)));
-        if self.goal.is_some() {
-            self.control.tell(PARTED);
-        }
+        let made = if self.goal.is_some() {
+            PARTED
+        } else {
+            self.shaped()
+        };
+        let tell = |share: f64| self.control.tell(made + (1.0 - made) * share);
+        tell(0.0);
         if mesher.normals {
             let surface = |triangle: usize| finish::surface_of(self.program, &mesh, triangle);
             mesh.corner_normals = finish::corner_normals(&mesh, surface);
             report.end_stage("normals", start);
         }
+        tell(SHADED);
         let start = Instant::now();
         if let Some(angle) = mesher.feature_angle {
             mesh.feature_edges = finish::feature_edges(self.program, &mesh, angle);
@@ -118,11 +132,13 @@ impl<'a> Run<'a> {
         if mesher.check {
             let start = Instant::now();
             report.check = mesh.check();
+            tell(COUNTED);
             (
                 report.largest_vertex_distance,
                 report.largest_centroid_distance,
             ) = finish::largest_distances(self.program, &mesh);
             let start = report.end_stage("check", start);
+            tell(CHECKED);
             let is_to_tolerance = self.goal.is_some() && self.smallest.is_some();
             if is_to_tolerance || report.method == "polyhedral" {
                 self.hold_against_program(&mesh, &mut report)?;
@@ -393,10 +409,15 @@ impl<'a> Run<'a> {
 
     /// For a mesh of the right topology, which is all there is to do without a tolerance.
     fn shaping(&self, demand: Demand) -> Control {
-        let control = self.control.again(demand);
+        self.control.again(demand).part(0.0, self.shaped())
+    }
+
+    /// The share of the whole where that is done.
+    fn shaped(&self) -> f64 {
         match &self.goal {
-            Some(_) => control.part(0.0, SHAPED),
-            None => control,
+            Some(_) => SHAPED,
+            None if self.mesher.check => MESHED,
+            None => 1.0,
         }
     }
 

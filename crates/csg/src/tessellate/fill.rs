@@ -84,7 +84,12 @@ impl<'m, 's> Tessellator<'m, 's> {
     }
 
     /// Fills all triangles; where the bound fails, again with more rows.
-    pub fn run(mut self, pieces: &[Piece], control: &Control) -> Result<Fine, Error> {
+    pub fn run(
+        mut self,
+        pieces: &[Piece],
+        control: &Control,
+        tell: &mut impl FnMut(),
+    ) -> Result<Fine, Error> {
         const MOST_TRIES: usize = 12;
         for tries in 1.. {
             // Before a point of them is made.
@@ -94,6 +99,7 @@ impl<'m, 's> Tessellator<'m, 's> {
             control.check_triangles(open + fine)?;
             control.check_memory(BYTES_PER_TRIANGLE * open + BYTES_PER_FINE * fine)?;
             self.fill();
+            tell();
             let subdivisions = &mut self.fine.subdivisions;
             let strays = |subdivision: &Subdivision| subdivision.deviation > self.goal.tolerance;
             let is_folded = subdivisions.iter().any(|subdivision| subdivision.is_folded);

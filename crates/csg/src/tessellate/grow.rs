@@ -55,6 +55,14 @@ pub(super) struct Grower<'m, 's> {
     pub fine: Fine,
 }
 
+/// Shares of refining a part, about as long as they take: where that is begun, where its curves
+/// are divided, and its faces filled, halved and cut.
+pub(super) const BEGUN: f64 = 0.05;
+const DIVIDED: f64 = 0.15;
+const FILLED: f64 = 0.75;
+const HALVED: f64 = 0.85;
+const CUT: f64 = 0.9;
+
 /// Twice as many vertices may come as triangles that are too far off, and
 /// round after round they become fewer.
 const MOST_ROUNDS: usize = 12;
@@ -76,19 +84,21 @@ impl<'m, 's> Grower<'m, 's> {
         }
     }
 
-    /// Tells when edges are divided, and when faces are cut.
-    pub fn run(&mut self, control: &Control, tell: &impl Fn()) -> Result<(), Error> {
+    /// Tells what share of refining is done.
+    pub fn run(&mut self, control: &Control, tell: &impl Fn(f64)) -> Result<(), Error> {
         self.measure_straight_edges();
         self.measure_curves();
         self.check_size(control)?;
         self.flip_everything();
-        self.finish_curved_faces(control)?;
+        tell(DIVIDED);
+        self.finish_curved_faces(control, &|share| tell(DIVIDED + (FILLED - DIVIDED) * share))?;
+        tell(FILLED);
         self.halve_all(control, Self::chords_of_piece, Self::chords_of_curved)?;
-        tell();
+        tell(HALVED);
         self.put_stuck();
         let far = self.halve_developable();
         let far = self.cut_far_triangles(far, control)?;
-        tell();
+        tell(CUT);
         self.free_stuck();
         self.settle(far);
         for subdivision in &self.fine.subdivisions {

@@ -52,12 +52,13 @@ mod smooth;
 mod surfaced;
 mod whole;
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
 pub(crate) use self::goal::Goal;
-use self::grow::Grower;
+use self::grow::{BEGUN, Grower};
 use self::half_edges::HalfEdges;
 use self::hand_back::hand_back;
 pub(crate) use self::mirror::mirrored;
@@ -85,7 +86,7 @@ pub(crate) fn to_tolerance(
     control: &Control,
 ) -> Result<Vec<Refined>, Error> {
     let triangles = AtomicUsize::new(0);
-    // Told of every step of every part.
+    // Told of the steps of every part.
     let all: usize = parts.iter().map(|part| part.triangles.len()).sum();
     let stage = control.stage(STEPS * all as u64, 0.0, 1.0);
     let wholes = parts.iter().map(|part| Whole::of(part, surfaces));
@@ -96,13 +97,16 @@ pub(crate) fn to_tolerance(
             None => None,
         };
         let step = parts[part].triangles.len() as u64;
-        let refined = match sphere {
-            Some(sphere) => {
-                stage.add(STEPS * step);
-                sphere
-            }
-            None => refine(&parts[part], surfaces, goal, control, &|| stage.add(step))?,
+        let told = Cell::new(0);
+        let tell = |share: f64| {
+            let now = told.get().max((STEPS as f64 * share) as u64);
+            stage.add(step * (now - told.replace(now)));
         };
+        let refined = match sphere {
+            Some(sphere) => sphere,
+            None => refine(&parts[part], surfaces, goal, control, &tell)?,
+        };
+        tell(1.0);
         let count = refined.surfaced.triangles.len();
         let all = count + triangles.fetch_add(count, Ordering::Relaxed);
         control.check_triangles(all)?;
@@ -147,16 +151,16 @@ pub(crate) fn to_tolerance(
     Ok(refined.into_iter().flatten().collect())
 }
 
-/// What [`refine`] tells of: once it is begun, its edges are divided, its faces cut, all is measured.
-const STEPS: u64 = 4;
+/// Of a part that is refined.
+const STEPS: u64 = 100;
 
-/// Brings a mesh to the tolerance on one thread.
+/// Brings a mesh to the tolerance on one thread. Tells what share of it is done.
 fn refine(
     surfaced: &Surfaced,
     surfaces: &[Surface],
     goal: &Goal,
     control: &Control,
-    tell: &impl Fn(),
+    tell: &impl Fn(f64),
 ) -> Result<Refined, Error> {
     let Some(mut mesh) = HalfEdges::new(surfaced, surfaces) else {
         let place = surfaced.positions.first().copied().unwrap_or_default();
@@ -179,12 +183,11 @@ fn refine(
     control.check()?;
     let mut grower = Grower::new(&mut mesh, goal, surfaced.precision);
     grower.cut_contacts();
-    tell();
+    tell(BEGUN);
     grower.run(control, tell)?;
     let (outcome, fine) = (grower.outcome, grower.fine);
     let mut refined = surfaced.empty();
     hand_back(&mesh, &fine, &mut refined);
-    tell();
     control.check_triangles(refined.triangles.len())?;
     Ok(Refined {
         surfaced: refined,

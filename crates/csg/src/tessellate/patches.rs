@@ -43,12 +43,23 @@ const FEWEST_CHORDS_OF_EDGE: f64 = 2.0;
 impl Grower<'_, '_> {
     /// Tessellates the faces that bend both ways, once their triangles are all
     /// of like size and small enough to be nearly flat. Those where that folds
-    /// a triangle are left to be cut one by one.
-    pub(super) fn finish_curved_faces(&mut self, control: &Control) -> Result<(), Error> {
+    /// a triangle are left to be cut one by one. Nobody knows how often that is:
+    /// each try tells that less is left to do by the same share.
+    pub(super) fn finish_curved_faces(
+        &mut self,
+        control: &Control,
+        tell: &impl Fn(f64),
+    ) -> Result<(), Error> {
+        const OF_TRY: f64 = 0.2;
+        let mut left = 1.0;
+        let mut tell = || {
+            left *= 1.0 - OF_TRY;
+            tell(1.0 - left);
+        };
         self.choose();
         while self.mesh.regions.iter().any(|r| r.way == Way::AtOnce) {
             let before = (self.mesh.clone(), self.pieces.clone(), self.stuck.clone());
-            let mut failed = self.try_at_once(control)?;
+            let mut failed = self.try_at_once(control, &mut tell)?;
             if failed.is_empty() {
                 failed = self.note_fine_edges();
             }
@@ -89,8 +100,12 @@ impl Grower<'_, '_> {
     }
 
     /// Tessellates the chosen faces; returns the surfaces of those where that
-    /// folds a triangle.
-    fn try_at_once(&mut self, control: &Control) -> Result<Vec<SurfaceId>, Error> {
+    /// folds a triangle. Tells of every try.
+    fn try_at_once(
+        &mut self,
+        control: &Control,
+        tell: &mut impl FnMut(),
+    ) -> Result<Vec<SurfaceId>, Error> {
         const MOST_TRIES: usize = 2;
         self.halve_all(control, Self::parts_of_piece, Self::parts_of_edge)?;
         smooth(self.mesh, &mut self.waiting);
@@ -98,7 +113,7 @@ impl Grower<'_, '_> {
         let mut tries = 0;
         loop {
             control.check()?;
-            self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces, control)?;
+            self.fine = Tessellator::new(self.mesh, self.goal).run(&self.pieces, control, tell)?;
             tries += 1;
             let subdivisions = self
                 .fine

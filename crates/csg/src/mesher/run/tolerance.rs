@@ -20,7 +20,7 @@ use crate::tessellate::{self, Goal, Outcome, Parting, Refined, Separation, Surfa
 const MOST_GROWTH: usize = 20;
 
 /// Of what follows once all parts were refined, that share is the check of all of them, about.
-const CHECKED: f64 = 0.4;
+const CHECKED: f64 = 0.7;
 
 impl Run<'_> {
     /// Brings a mesh in the task's frame to the tolerance, or to a larger one if
@@ -104,7 +104,10 @@ impl Run<'_> {
             });
             let ends: Vec<usize> = ends.collect();
             let right: Vec<usize> = right.collect();
-            let wrong = wrong_triangles(&whole.surfaced, task).into_iter().flatten();
+            let tell = |share: f64| self.tell_of_parting(CHECKED * share);
+            let wrong = wrong_triangles(&whole.surfaced, task, &tell)
+                .into_iter()
+                .flatten();
             self.tell_of_parting(CHECKED);
             let wrong = wrong.map(|triangle| ends.partition_point(|&end| end <= triangle as usize));
             // What is wrong of the others is known, and noted.
@@ -148,7 +151,7 @@ impl Run<'_> {
         let coarse = tessellate::join(wrong.clone().map(|part| &parts[part]));
         let first: Vec<&Refined> = wrong.map(|part| &alone[part]).collect();
         let first = tessellate::join_refined(&first);
-        if self.mesher.check && !wrong_triangles(&first.surfaced, task).is_empty() {
+        if self.mesher.check && !wrong_triangles(&first.surfaced, task, &|_| ()).is_empty() {
             let goal = Goal {
                 keeps_vertices: true,
                 ..goal.clone()
@@ -341,23 +344,29 @@ fn merge_alike(mesh: &mut Mesh, program: &Program) {
 
 /// The same with faces as images of others, if fewer of its triangles run through each other so.
 fn mirrored(refined: &Refined, task: &Task<'_>, goal: &Goal) -> Option<Refined> {
-    let wrong = wrong_triangles(&refined.surfaced, task);
+    let wrong = wrong_triangles(&refined.surfaced, task, &|_| ());
     let mirrored = tessellate::mirrored(refined, &task.surfaces, goal, &wrong)?;
-    let left = wrong_triangles(&mirrored.surfaced, task);
+    let left = wrong_triangles(&mirrored.surfaced, task, &|_| ());
     (left.len() < wrong.len()).then_some(mirrored)
 }
 
 /// The pairs of triangles that run through each other once a mesh's points are
 /// about the true origin, as rounding decides where faces meet in a plane; and twice
-/// each that faces into the solid.
-fn wrong_triangles(surfaced: &Surfaced, task: &Task<'_>) -> Vec<[u32; 2]> {
+/// each that faces into the solid. Tells what share of it is done.
+fn wrong_triangles(
+    surfaced: &Surfaced,
+    task: &Task<'_>,
+    tell: &(impl Fn(f64) + Sync),
+) -> Vec<[u32; 2]> {
+    /// All but the search for those that face into the solid.
+    const CROSSED: f64 = 0.9;
     let positions = surfaced.positions.iter();
     let mesh = Mesh {
         positions: positions.map(|&p| p + task.origin).collect(),
         triangles: surfaced.triangles.clone(),
         ..Mesh::default()
     };
-    let mut wrong = mesh.self_intersections();
+    let mut wrong = mesh.self_intersections_told(&|share| tell(CROSSED * share));
     let folded = tessellate::folded(surfaced, &task.surfaces).into_iter();
     wrong.extend(folded.map(|triangle| [triangle; 2]));
     wrong
