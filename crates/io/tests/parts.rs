@@ -1,5 +1,7 @@
 //! Parts of assemblies: bodies by the names around them, in every format that has a place for them.
 
+use std::io::{Cursor, Read};
+
 use csg::{Color, Mesh, Mesher, Program, Solid};
 use gltf::Node;
 use io::gltf::{read_glb, write_glb};
@@ -107,6 +109,71 @@ fn objects_of_3mf_are_parts_with_their_voids() {
     near(volume(&back, &["pump", "shaft & key"]), 2.0);
     near(volume(&back, &["pump", "ball"]), 0.125);
     near(volume(&back, &["pump", "housing"]), HOUSING);
+}
+
+/// The text of an entry of an archive, if there is one.
+fn entry(file: &[u8], name: &str) -> Option<String> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(file)).expect("an archive");
+    let mut entry = archive.by_name(name).ok()?;
+    let mut text = String::new();
+    entry.read_to_string(&mut text).expect("text");
+    Some(text)
+}
+
+#[test]
+fn slicers_are_told_of_parts_in_several_colors() {
+    const FOR_PRUSA: &str = "Metadata/Slic3r_PE_model.config";
+    let mut file = Vec::new();
+    write_3mf(&mesh(&pump()), &mut file).expect("written");
+    let [model, told] = ["3D/3dmodel.model", FOR_PRUSA].map(|name| {
+        let text = entry(&file, name);
+        text.unwrap_or_else(|| panic!("no {name}"))
+    });
+    let model = roxmltree::Document::parse(&model).expect("a model");
+    let told = roxmltree::Document::parse(&told).expect("what is told");
+    let mut extruders = Vec::new();
+    for object in told
+        .descendants()
+        .filter(|node| node.has_tag_name("object"))
+    {
+        let value = |of: &str, key: &str| {
+            let is_it = |node: &roxmltree::Node<'_, '_>| {
+                node.attribute("type") == Some(of) && node.attribute("key") == Some(key)
+            };
+            object.descendants().find(is_it)?.attribute("value")
+        };
+        let own = model.descendants().find(|node| {
+            node.tag_name().name() == "object" && node.attribute("id") == object.attribute("id")
+        });
+        let own = own.expect("of the model");
+        let name = own.attribute("name");
+        assert_eq!(
+            (value("object", "name"), value("volume", "name")),
+            (name, name)
+        );
+        let volume = object.children().find(|node| node.has_tag_name("volume"));
+        let volume = volume.expect("a volume");
+        let named = |node: &roxmltree::Node<'_, '_>| node.tag_name().name() == "triangle";
+        let last = own.descendants().filter(named).count() - 1;
+        assert_eq!(volume.attribute("firstid"), Some("0"));
+        assert_eq!(volume.attribute("lastid"), Some(&*last.to_string()));
+        extruders.push((name, value("object", "extruder")));
+    }
+    extruders.sort_unstable();
+    let one = Some("1");
+    assert_eq!(
+        extruders,
+        [
+            (None, one),
+            (Some("ball"), Some("2")),
+            (Some("housing"), one),
+            (Some("shaft & key"), one),
+        ]
+    );
+    // One colour is for one extruder.
+    let mut file = Vec::new();
+    write_3mf(&mesh(&Solid::cube(1.0).named("alone")), &mut file).expect("written");
+    assert_eq!(entry(&file, FOR_PRUSA), None);
 }
 
 #[test]

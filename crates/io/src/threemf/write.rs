@@ -16,7 +16,7 @@ use crate::tree::tree;
 use crate::{Error, MeshFormat};
 
 const CONTENT_TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>
+<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/><Default Extension="config" ContentType="text/xml"/></Types>
 "#;
 const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
@@ -28,6 +28,12 @@ const MANY: usize = 500_000;
 /// Writes a 3MF file, with the mesh's unit and the colours of its triangles
 /// (as base materials), and a named object for each part; names of faces within them, normals and
 /// surfaces are lost.
+///
+/// `PrusaSlicer` knows no base materials: where parts differ in colour the file tells it, in an entry
+/// of its own, to print each colour with another extruder, numbered as colours appear among the
+/// parts. (A body of several colours goes by the one that [`crate::read_3mf`] gives its object.)
+/// Version 2.5.0 was seen to take names, unit and extruders, and to print all with one where a
+/// printer has no more; it lowers each object onto its bed, so what stands above others comes down.
 ///
 /// # Errors
 /// An empty or invalid mesh; failed writing.
@@ -50,8 +56,60 @@ pub fn write_3mf(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
     zip.start_file("3D/3dmodel.model", options)
         .map_err(io::Error::from)?;
     write_model(mesh, &parts, &mut zip)?;
+    if let Some(extruders) = extruders(&parts) {
+        zip.start_file(FOR_PRUSA, options)
+            .map_err(io::Error::from)?;
+        write_for_prusa(&parts, &extruders, &mut zip)?;
+    }
     zip.finish().map_err(io::Error::from)?;
     Ok(())
+}
+
+/// Where `PrusaSlicer` looks for what it knows of objects.
+const FOR_PRUSA: &str = "Metadata/Slic3r_PE_model.config";
+
+/// The extruder of each part, from 1; none if one is enough.
+fn extruders(parts: &Parts<'_>) -> Option<Vec<usize>> {
+    let mut colors: Vec<usize> = Vec::new();
+    let extruders = parts.parts.iter().map(|part| {
+        let color = color_of(part);
+        let known = colors.iter().position(|&known| known == color);
+        1 + known.unwrap_or_else(|| {
+            colors.push(color);
+            colors.len() - 1
+        })
+    });
+    let extruders: Vec<usize> = extruders.collect();
+    (colors.len() > 1).then_some(extruders)
+}
+
+/// The colour that stands for a part.
+fn color_of(part: &Part<'_>) -> usize {
+    part.groups.first().map_or(0, |group| group.color)
+}
+
+fn write_for_prusa(parts: &Parts<'_>, extruders: &[usize], out: &mut impl Write) -> io::Result<()> {
+    out.write_all(b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<config>\n")?;
+    for (index, (part, extruder)) in parts.parts.iter().zip(extruders).enumerate() {
+        let triangles = part.groups.iter().map(|group| group.triangles.len());
+        let last = triangles.sum::<usize>().saturating_sub(1);
+        let name = |of: &str| {
+            let name = part.names.last().map(|name| escaped(name));
+            name.map_or_else(String::new, |name| {
+                format!("<metadata type=\"{of}\" key=\"name\" value=\"{name}\"/>")
+            })
+        };
+        writeln!(
+            out,
+            "<object id=\"{}\">{}<metadata type=\"object\" key=\"extruder\" value=\"{extruder}\"/>\
+             <volume firstid=\"0\" lastid=\"{last}\">{}\
+             <metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/></volume></object>",
+            FIRST + index,
+            name("object"),
+            name("volume"),
+        )?;
+    }
+    out.write_all(b"</config>\n")
 }
 
 /// A stream that fails once and then takes everything: an archive that is
@@ -114,8 +172,7 @@ fn write_model(mesh: &Mesh, parts: &Parts<'_>, out: &mut impl Write) -> io::Resu
         let name = attribute(part.names.last());
         write!(out, "<object id=\"{}\" type=\"model\"{name}", FIRST + index)?;
         if colored {
-            let color = part.groups.first().map_or(0, |group| group.color);
-            write!(out, " pid=\"1\" pindex=\"{color}\"")?;
+            write!(out, " pid=\"1\" pindex=\"{}\"", color_of(part))?;
         }
         out.write_all(b">")?;
         if parts.parts.len() == 1 {
@@ -196,14 +253,16 @@ fn alone<'a>(mesh: &Mesh, part: &Part<'a>) -> (Mesh, Vec<Group<'a>>) {
     (alone, groups)
 }
 
-/// A name as an attribute; nothing for none. XML has no place for control characters.
+/// A name as an attribute; nothing for none.
 fn attribute(name: Option<&&str>) -> String {
-    let Some(name) = name else {
-        return String::new();
-    };
+    name.map_or_else(String::new, |name| format!(" name=\"{}\"", escaped(name)))
+}
+
+/// A name within an attribute. XML has no place for control characters.
+fn escaped(name: &str) -> String {
     let clean = |c: char| if c.is_control() { '_' } else { c };
     let name: String = name.chars().map(clean).collect();
-    format!(" name=\"{}\"", quick_xml::escape::escape(&name))
+    quick_xml::escape::escape(&name).into_owned()
 }
 
 fn write_mesh(
