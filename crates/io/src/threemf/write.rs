@@ -31,7 +31,7 @@ const MANY: usize = 500_000;
 ///
 /// `PrusaSlicer` knows no base materials: where parts differ in colour the file tells it, in an entry
 /// of its own, to print each colour with another extruder, numbered as colours appear among the
-/// parts. (A body of several colours goes by the one that [`crate::read_3mf`] gives its object.)
+/// parts. (A body of several colours goes by the one that [`super::read_3mf`] gives its object.)
 /// Version 2.5.0 was seen to take names, unit and extruders, and to print all with one where a
 /// printer has no more; it lowers each object onto its bed, so what stands above others comes down.
 ///
