@@ -6,11 +6,12 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use csg::{BoundaryOptions, Meshed, Mesher, Program, Solid};
-use glam::{DMat3, DVec3, dvec3};
+use glam::{DAffine3, DMat3, DVec3, dvec3};
 use stereotomy::io::scene::ReadOptions;
 use stereotomy::{csg, io};
 
 use crate::ROOT;
+use crate::random::Random;
 
 use super::defects::{largest_miss, measure, size};
 
@@ -552,6 +553,60 @@ fn what_misses_touching_by_little_is_moved_until_it_touches() {
             let moved = report.moved.map_or(0.0, |moved| moved.distance);
             assert!(moved < 1e-5, "{what}: {moved}");
         }
+    }
+}
+
+/// A rod touches a wider one from within at a point of its own rim, or nearly so, and nearly round:
+/// all three pairs of surfaces are told to meet there alike, and nothing is moved by more than what
+/// made it not quite round.
+#[test]
+fn rims_beside_contacts_are_told_alike_along_all_curves() {
+    let decided = |what: &str, solid: &Solid, off: f64| {
+        let program = Program::lower(solid).expect("a valid solid");
+        let meshed = Mesher::new().tolerance(0.01).mesh(&program);
+        let Meshed { report, .. } = meshed.expect("a mesh");
+        assert_eq!(report.undecided, [], "{what}");
+        assert_eq!(report.fallbacks, [], "{what}");
+        let moved = report.moved.map_or(0.0, |moved| moved.distance);
+        assert!(moved <= 10.0 * off, "{what}: moved by {moved}");
+        assert!(report.check.is_manifold(), "{what}: {}", report.check);
+        let boundary = program.boundary(&BoundaryOptions::new());
+        boundary.expect("a boundary").measure().volume
+    };
+    decided("six digits", &model("rod-touches-a-pipe-at-its-rim"), 0.0);
+    let rod = Solid::cylinder(0.25, 0.0..1.25).rotate_x(7.0 * PI / 6.0);
+    let pipe = Solid::cylinder(0.5, 0.0..1.0).rotate_x(11.0 * PI / 12.0);
+    let down = 0.25 * dvec3(0.0, (PI / 12.0).sin(), (PI / 12.0).cos());
+    let parts = [
+        rod.translate([-0.5, -0.25, 0.5]),
+        pipe.translate(dvec3(-0.25, 0.5, -0.25) + down)
+            .rotate_x(2.0 * PI / 3.0),
+    ];
+    let exact = decided("exact", &Solid::union(parts.clone()), 0.0);
+    let mut random = Random::new(1);
+    for (round, off) in [1e-8, 1e-9, 1e-11, 1e-12, 1e-13]
+        .repeat(10)
+        .into_iter()
+        .enumerate()
+    {
+        let parts = parts.clone().map(|part| {
+            let mut number = || off * (2.0 * random.unit() - 1.0);
+            let mut vector = || dvec3(number(), number(), number());
+            let columns = DMat3::from_cols(vector(), vector(), vector());
+            part.affine(DAffine3 {
+                matrix3: DMat3::IDENTITY + columns,
+                translation: vector(),
+            })
+        });
+        let what = format!("{round}: {off}");
+        let volume = decided(&what, &Solid::union(parts), off);
+        // A contact is told to the square root of what its surfaces are.
+        assert!(volume.error < 1e-6, "{what}: {volume:?}");
+        let miss = (volume.value - exact.value).abs();
+        assert!(
+            miss <= volume.error + 10.0 * off,
+            "{what}: {volume:?}, {exact:?}"
+        );
     }
 }
 

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::ball::Ball;
 use super::block::Block;
 use super::chords::Chord;
 use super::contacts::Contact;
@@ -14,6 +15,7 @@ use super::roots::Roots;
 use super::scene::Scene;
 use super::sectors::{HalfPlane, Place, Wedges, emit};
 use super::triple::Triple;
+use crate::numeric::tolerance::CROSSING;
 use crate::program::{Ends as EdgeEnds, Surface, SurfaceId};
 
 /// What ends a stretch of a curve.
@@ -160,6 +162,22 @@ impl Arc<'_> {
             }
             None => self.slanting_on_seam(start, [self.id.first, third], b),
         }
+    }
+
+    /// The contact that a crossing of a third surface at a small sine is part of, as another curve
+    /// of the three does not tell it from others.
+    pub fn contact_at(&self, crossing: DVec3, third: SurfaceId) -> Option<DVec3> {
+        let scene = self.scene;
+        let [first, second] = self.id.pair().filter(|_| self.edge.is_none())?;
+        let [a, b] = self.surfaces;
+        if scene.sine([a, b, scene.surface(third)], crossing) > CROSSING {
+            return None;
+        }
+        let contacts = scene.contacts([first, second, third]);
+        let is_here = |known: &Ball| known.center.distance(crossing) <= known.radius + scene.weld;
+        let mut contacts = contacts.iter();
+        let contact = contacts.find(|contact| contact.crossings.iter().any(is_here))?;
+        Some(contact.ball.center)
     }
 
     /// The point where the curve crosses a seam of one of its surfaces.

@@ -277,9 +277,10 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
     ];
     with_scene(&surfaces, |scene| {
         let found = scene.contacts([0, 1, 2].map(SurfaceId));
-        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found.len(), 1);
+        assert!(found[0].crossings.is_empty());
         // Rounding blurs a place to the fourth order to a quarter of its digits.
-        let at = found[0].center;
+        let at = found[0].ball.center;
         assert!(at.length() < 1e-3, "{at}");
         for surface in &surfaces[..3] {
             let off = surface.value(at).abs() / surface.gradient(at).length();
@@ -288,7 +289,7 @@ fn contacts_of_fourth_order_are_one_for_all_three() {
         for ids in [[0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
             let same = scene.contacts(ids.map(SurfaceId));
             assert_eq!(same.len(), 1);
-            assert_eq!(same[0].center, at);
+            assert_eq!(same[0].ball.center, at);
         }
         // They cross.
         assert!(scene.contacts([0, 2, 3].map(SurfaceId)).is_empty());

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::ball::Ball;
+use super::ball::Touching;
 use super::curve::{Branch, Curve, Meets};
 use super::intersection::Unknown;
 use super::pairs::curves;
@@ -154,9 +154,8 @@ impl Scene<'_> {
         curves.flat_map(cross).collect()
     }
 
-    /// Where three surfaces touch: in each ball is one point of all three, its centre. The
-    /// same in whatever order they are named.
-    pub fn contacts(&self, mut ids: [SurfaceId; 3]) -> Arc<[Ball]> {
+    /// Where three surfaces touch. The same in whatever order they are named.
+    pub fn contacts(&self, mut ids: [SurfaceId; 3]) -> Arc<[Touching]> {
         ids.sort_unstable();
         let decide = || contacts(self, ids).into_iter().collect();
         self.relations.triples.get(ids, decide)

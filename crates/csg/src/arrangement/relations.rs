@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use glam::DVec3;
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
-use super::ball::Ball;
+use super::ball::Touching;
 use super::curve::{Branch, Meets};
 use super::intersection::Unknown;
 use super::piece::CurveId;
@@ -24,7 +24,7 @@ pub(super) struct Relations {
     /// By the first of the curves.
     pub pairs: Table<CurveId, Common>,
     /// By three surfaces, ascending.
-    pub triples: Table<[SurfaceId; 3], Arc<[Ball]>>,
+    pub triples: Table<[SurfaceId; 3], Arc<[Touching]>>,
     /// The same of where they cross at small sines.
     pub crossings: Table<[SurfaceId; 3], Arc<[DVec3]>>,
     /// By a curve and a third surface.

@@ -8,7 +8,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::ball::Ball;
+use super::ball::{Ball, Touching};
 use super::curve::{Curve, Meets};
 use super::piece::CurveId;
 use super::roots::{Roots, bracketed};
@@ -69,10 +69,12 @@ fn clusters(
     simple.sort_unstable_by(f64::total_cmp);
     let mut places: SmallVec<[(f64, Found); 8]> =
         simple.iter().map(|&t| (t, Found::Root)).collect();
-    let alone = touching.iter().filter(|t| !simple.contains(t));
-    places.extend(alone.map(|&t| (t, Found::Touch)));
     // Far from them it is not 0.
     let doubtful = DOUBTFUL * rounding;
+    let alone = touching
+        .iter()
+        .filter(|&&t| !simple.contains(&t) && value(t).abs() <= doubtful);
+    places.extend(alone.map(|&t| (t, Found::Touch)));
     let on_it = nodes.iter().filter(|&&t| value(t).abs() <= doubtful);
     places.extend(on_it.map(|&t| (t, Found::Node)));
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -224,11 +226,11 @@ impl Ball {
     }
 }
 
-/// Where three surfaces, ascending, touch: in each ball is one point of all three, its
-/// centre. To be asked for by [`Scene::contacts`].
-pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball; 2]> {
+/// Where three surfaces, ascending, touch. To be asked for by [`Scene::contacts`].
+pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Touching; 2]> {
     let surfaces = ids.map(|id| scene.surface(id));
     let mut found: SmallVec<[Doubtful; 8]> = SmallVec::new();
+    let mut sharp: SmallVec<[Crossing; 8]> = SmallVec::new();
     for [a, b, third] in [[0, 1, 2], [0, 2, 1], [1, 2, 0]] {
         let common = scene.common(CurveId::first_of([ids[a], ids[b]]));
         for branch in common.iter().flat_map(|branches| branches.iter()) {
@@ -238,7 +240,11 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
                 pair: [surfaces[a], surfaces[b]],
                 third: surfaces[third],
             };
-            triple.add_doubtful(scene, &mut found);
+            if let Some((range, clusters)) = triple.met(scene) {
+                let on = [a, b, third];
+                found.extend(triple.doubtful(scene, on, range, &clusters));
+                sharp.extend(triple.crossings(scene, on, &clusters));
+            }
         }
     }
     // The curve on which a contact is sharpest tells where it is: where one surface meets
@@ -248,9 +254,11 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
     // Whatever cannot be told from one of them is the same. What pairs have in common alone
     // tells sharper still where it is.
     let nodes = scene.nodes(&ids);
-    let mut contacts: SmallVec<[Ball; 2]> = SmallVec::new();
+    let mut contacts: SmallVec<[Touching; 2]> = SmallVec::new();
     while let Some(first) = found.iter().position(|place| place.is_contact) {
-        let Doubtful { mut ball, blur, .. } = found.remove(first);
+        let Doubtful {
+            mut ball, blur, on, ..
+        } = found.remove(first);
         while let Some(same) = found
             .iter()
             .position(|other| ball.is_same(scene, &surfaces, &other.ball))
@@ -264,13 +272,58 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Ball
             let radius = 0.0;
             ball.is_same(scene, &surfaces, &Ball { center, radius })
         });
-        let sharper = || sharper(scene, ids, ball.center, blur);
+        let touched = ball.center;
+        let sharper = || sharper(scene, ids, touched, blur);
         if let Some(sharp) = near.next().or(node).or_else(sharper) {
             ball.center = sharp;
         }
-        contacts.push(ball);
+        let parts = parts(scene, &surfaces, ball.center, &sharp);
+        let told = sharp.iter().filter(|crossing| {
+            let Crossing { at, blur: own, .. } = **crossing;
+            let curve = on.map(|k| surfaces[k]);
+            own <= scene.weld
+                && at.distance(touched) <= blur
+                && off_between(scene, curve, [touched, at]) <= scene.touch
+        });
+        let crossings = parts.into_iter().chain(told.map(Crossing::ball)).collect();
+        contacts.push(Touching { ball, crossings });
+    }
+    for &center in &nodes {
+        let radius = 0.0;
+        let ball = Ball { center, radius };
+        let crossings = parts(scene, &surfaces, center, &sharp);
+        let is_same = |known: &Touching| known.ball.is_same(scene, &surfaces, &ball);
+        if !crossings.is_empty() && !contacts.iter().any(is_same) {
+            contacts.push(Touching { ball, crossings });
+        }
     }
     contacts
+}
+
+/// Where three surfaces are found to cross beside a point in which two of them are said to touch
+/// that nearly do: they do not, if the third one passes there.
+fn parts(
+    scene: &Scene<'_>,
+    surfaces: &[&Surface; 3],
+    contact: DVec3,
+    found: &[Crossing],
+) -> SmallVec<[Ball; 2]> {
+    /// It is in the middle of both: they are apart by twice what it is off.
+    const BOTH: f64 = 2.0;
+    let off = solve::residual(surfaces.iter().copied(), contact);
+    let is_part = |&&Crossing { at, on, .. }: &&Crossing| {
+        let curve = on.map(|k| surfaces[k]);
+        at.distance(contact) <= scene.touching_reach()
+            && off_between(scene, curve, [contact, at]) <= BOTH * off
+    };
+    let found = found.iter().filter(|_| off <= scene.weld);
+    found.filter(is_part).map(Crossing::ball).collect()
+}
+
+/// How far, between two places on a curve of two surfaces, a third one is from it.
+fn off_between(scene: &Scene<'_>, [a, b, third]: [&Surface; 3], [from, to]: [DVec3; 2]) -> f64 {
+    let middle = scene.common_to(&[a, b], from.midpoint(to));
+    third.value(middle).abs() / third.gradient(middle).length()
 }
 
 /// Where two of three surfaces cross another one next to a contact of the three that none of
@@ -312,12 +365,14 @@ pub(super) fn crossings(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[DVe
                 pair: [surfaces[a], surfaces[b]],
                 third: surfaces[third],
             };
-            triple.add_crossings(scene, &mut found);
+            if let Some((_, clusters)) = triple.met(scene) {
+                found.extend(triple.crossings(scene, [a, b, third], &clusters));
+            }
         }
     }
     found.sort_by(|one, other| one.blur.total_cmp(&other.blur));
     let mut points: SmallVec<[DVec3; 2]> = SmallVec::new();
-    for Crossing { at, blur } in found {
+    for Crossing { at, blur, .. } in found {
         if points.iter().all(|known| known.distance(at) > blur) {
             points.push(at);
         }
@@ -339,6 +394,17 @@ struct Crossing {
     at: DVec3,
     /// How far from there it may as well be.
     blur: f64,
+    /// Which two of the three that curve is on, and the third one.
+    on: [usize; 3],
+}
+
+impl Crossing {
+    fn ball(&self) -> Ball {
+        Ball {
+            center: self.at,
+            radius: self.blur,
+        }
+    }
 }
 
 /// Where roots along a curve cannot be told apart for sure.
@@ -348,6 +414,8 @@ struct Doubtful {
     is_contact: bool,
     /// How far along the curve it may as well be.
     blur: f64,
+    /// Which two of the three that curve is on, and the third one.
+    on: [usize; 3],
 }
 
 impl Triple<'_> {
@@ -365,23 +433,25 @@ impl Triple<'_> {
         self.curve.at(at + reach).distance(self.curve.at(at))
     }
 
-    /// Adds where the curve crosses the third surface, also where roots cannot be told apart
+    /// Where the curve crosses the third surface, also where roots cannot be told apart
     /// for sure: whether they are a contact is another question.
-    fn add_crossings(&self, scene: &Scene<'_>, found: &mut SmallVec<[Crossing; 8]>) {
-        let Some((_, clusters)) = self.met(scene) else {
-            return;
-        };
+    fn crossings(
+        &self,
+        scene: &Scene<'_>,
+        on: [usize; 3],
+        clusters: &[Cluster],
+    ) -> impl Iterator<Item = Crossing> {
         let [a, b] = self.pair;
         let apart = clusters
             .iter()
             .filter(|cluster| !cluster.is_contact && cluster.node.is_none());
-        for &root in apart.flat_map(|cluster| &cluster.roots) {
+        apart.flat_map(|cluster| &cluster.roots).map(move |&root| {
             let at = scene.common_to(&[a, b, self.third], self.curve.at(root));
             let [normal, along] = [self.third.gradient(at), self.curve.direction(root)];
             let sine = normal.normalize_or_zero().dot(along.normalize_or_zero());
             let blur = crossing_blur(scene.rounding, sine);
-            found.push(Crossing { at, blur });
-        }
+            Crossing { at, blur, on }
+        })
     }
 
     /// How long the curve is in the scene, by its parameter, and where it meets the third
@@ -399,22 +469,27 @@ impl Triple<'_> {
         })
     }
 
-    /// Adds where roots cannot be told apart for sure.
-    fn add_doubtful(&self, scene: &Scene<'_>, found: &mut SmallVec<[Doubtful; 8]>) {
-        let Some((range, clusters)) = self.met(scene) else {
-            return;
-        };
-        for cluster in clusters.iter().filter(|cluster| !cluster.is_single_root()) {
+    /// Where roots cannot be told apart for sure.
+    fn doubtful(
+        &self,
+        scene: &Scene<'_>,
+        on: [usize; 3],
+        range: f64,
+        clusters: &[Cluster],
+    ) -> impl Iterator<Item = Doubtful> {
+        let [a, b] = self.pair;
+        let several = clusters.iter().filter(|cluster| !cluster.is_single_root());
+        several.map(move |cluster| {
             let at = self.place(cluster, range);
             let mut ball = self.around(cluster, at);
-            let [a, b] = self.pair;
             ball.center = scene.common_to(&[a, b], ball.center);
-            found.push(Doubtful {
+            Doubtful {
                 ball,
                 is_contact: cluster.is_contact,
                 blur: self.blur(at, range, scene.rounding),
-            });
-        }
+                on,
+            }
+        })
     }
 }
 

@@ -7,6 +7,7 @@ use smallvec::SmallVec;
 use super::ArcTracer;
 use super::event::{Cutting, Event};
 use crate::arrangement::arc::{Arc, Ends};
+use crate::arrangement::ball::Touching;
 use crate::arrangement::curve::Meets;
 use crate::arrangement::frame::Frame;
 use crate::arrangement::ids::Position;
@@ -194,7 +195,17 @@ impl ArcTracer {
         };
         // Along the curve it is where it is best known, too: other surfaces may cross there.
         let crossing = |at: f64| {
-            let slanting = arc.slanting_crossing(arc.curve.at(at), id);
+            let here = arc.curve.at(at);
+            if let Some(contact) = arc.contact_at(here, id) {
+                let is_nearer =
+                    |&at: &f64| arc.curve.at(at).distance(contact) <= here.distance(contact);
+                let place = arc.curve.place(contact).filter(is_nearer);
+                return Event {
+                    point: Some(contact),
+                    ..event(place.unwrap_or(at), true)
+                };
+            }
+            let slanting = arc.slanting_crossing(here, id);
             let place = slanting.and_then(|point| arc.curve.place(point));
             event(place.unwrap_or(at), true)
         };
@@ -218,12 +229,12 @@ impl ArcTracer {
                 continue;
             }
             // Seams are no surfaces of the solid.
-            let contact = arc.id.pair().and_then(|[first, second]| {
+            let contacts = arc.id.pair().map(|[a, b]| scene.contacts([a, b, id]));
+            let contact = contacts.as_ref().and_then(|contacts| {
                 let surfaces = [one, other, triple.third];
                 let here = triple.around(cluster, at);
-                let contacts = scene.contacts([first, second, id]);
-                let mut contacts = contacts.iter().copied();
-                contacts.find(|contact| contact.is_same(scene, &surfaces, &here))
+                let is_here = |found: &&Touching| found.ball.is_same(scene, &surfaces, &here);
+                contacts.iter().find(is_here)
             });
             if contact.is_none() && !cluster.is_contact {
                 let roots = cluster.roots.iter();
@@ -231,7 +242,7 @@ impl ArcTracer {
                 continue;
             }
             let point = match contact {
-                Some(contact) => Some(contact.center),
+                Some(contact) => Some(contact.ball.center),
                 None => arc.touched_on_seam(arc.curve.at(at), id),
             };
             let known = point.and_then(|point| arc.curve.place(point));
