@@ -14,7 +14,7 @@ pub(super) struct Ball {
 pub(super) struct Touching {
     /// In it is one point of all three, its centre.
     pub ball: Ball,
-    /// Where another one of their curves crosses the third surface clearly, but no farther from
-    /// there than the first one tells: parts of the contact.
+    /// Where another one of their curves crosses the third surface, but no farther from it than the
+    /// two are from each other that are said to touch: parts of the contact.
     pub crossings: SmallVec<[Ball; 2]>,
 }

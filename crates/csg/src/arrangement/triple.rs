@@ -241,9 +241,8 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Touc
                 third: surfaces[third],
             };
             if let Some((range, clusters)) = triple.met(scene) {
-                let on = [a, b, third];
-                found.extend(triple.doubtful(scene, on, range, &clusters));
-                sharp.extend(triple.crossings(scene, on, &clusters));
+                found.extend(triple.doubtful(scene, range, &clusters));
+                sharp.extend(triple.crossings(scene, [a, b, third], &clusters));
             }
         }
     }
@@ -256,9 +255,7 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Touc
     let nodes = scene.nodes(&ids);
     let mut contacts: SmallVec<[Touching; 2]> = SmallVec::new();
     while let Some(first) = found.iter().position(|place| place.is_contact) {
-        let Doubtful {
-            mut ball, blur, on, ..
-        } = found.remove(first);
+        let Doubtful { mut ball, blur, .. } = found.remove(first);
         while let Some(same) = found
             .iter()
             .position(|other| ball.is_same(scene, &surfaces, &other.ball))
@@ -272,20 +269,11 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Touc
             let radius = 0.0;
             ball.is_same(scene, &surfaces, &Ball { center, radius })
         });
-        let touched = ball.center;
-        let sharper = || sharper(scene, ids, touched, blur);
+        let sharper = || sharper(scene, ids, ball.center, blur);
         if let Some(sharp) = near.next().or(node).or_else(sharper) {
             ball.center = sharp;
         }
-        let parts = parts(scene, &surfaces, ball.center, &sharp);
-        let told = sharp.iter().filter(|crossing| {
-            let Crossing { at, blur: own, .. } = **crossing;
-            let curve = on.map(|k| surfaces[k]);
-            own <= scene.weld
-                && at.distance(touched) <= blur
-                && off_between(scene, curve, [touched, at]) <= scene.touch
-        });
-        let crossings = parts.into_iter().chain(told.map(Crossing::ball)).collect();
+        let crossings = parts(scene, &surfaces, ball.center, &sharp);
         contacts.push(Touching { ball, crossings });
     }
     for &center in &nodes {
@@ -414,8 +402,6 @@ struct Doubtful {
     is_contact: bool,
     /// How far along the curve it may as well be.
     blur: f64,
-    /// Which two of the three that curve is on, and the third one.
-    on: [usize; 3],
 }
 
 impl Triple<'_> {
@@ -473,7 +459,6 @@ impl Triple<'_> {
     fn doubtful(
         &self,
         scene: &Scene<'_>,
-        on: [usize; 3],
         range: f64,
         clusters: &[Cluster],
     ) -> impl Iterator<Item = Doubtful> {
@@ -487,7 +472,6 @@ impl Triple<'_> {
                 ball,
                 is_contact: cluster.is_contact,
                 blur: self.blur(at, range, scene.rounding),
-                on,
             }
         })
     }
