@@ -45,7 +45,7 @@ def take():
         pass
 taker = threading.Thread(target=take)
 taker.start()
-writing += heard("wrote", 1.5 if quiet else PATIENCE)
+writing += heard("wrote out.stl", 1.5 if quiet else PATIENCE)
 taker.join()
 assert child.wait() == 0, child.returncode
 print(reading)
