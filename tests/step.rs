@@ -65,9 +65,10 @@ fn read_back(script: &mut Script, brep: &Brep, options: &StepOptions) -> Read {
     script.read(&path, brep.faces().len() < 100)
 }
 
-/// Whether all solids are tried, which takes longer, or a part of them.
-fn is_whole() -> bool {
-    std::env::var_os("STEREOTOMY_STEP").is_some_and(|text| text == "whole")
+/// Whether all solids of a kind are tried, which takes longer, or a part of them.
+fn is_whole(kind: &str) -> bool {
+    let asked = std::env::var("STEREOTOMY_STEP").unwrap_or_default();
+    asked.split(',').any(|one| one == kind || one == "whole")
 }
 
 /// How many faces may be written: those of a whole ellipsoid of revolution are one, and those around
@@ -299,7 +300,7 @@ fn corpus_is_read_back_of(kind: &str, faceted: bool) {
         };
         let program = Program::lower(&scene.solid).expect("a valid solid");
         // (Tori out of tori, as cones, take a minute.)
-        let longest = Duration::from_secs(if is_whole() { 600 } else { 4 });
+        let longest = Duration::from_secs(if is_whole(kind) { 600 } else { 4 });
         let options = BoundaryOptions::new()
             .limits(Limits::new().time(longest))
             .cut_at_seams();
@@ -307,14 +308,14 @@ fn corpus_is_read_back_of(kind: &str, faceted: bool) {
             refused.push(name);
             continue;
         };
-        if is_whole() || brep.faces().len() <= FEW {
+        if is_whole(kind) || brep.faces().len() <= FEW {
             tally.check_boundary(&mut script, &name, &brep);
         }
     }
     println!("no boundary: {refused:?}");
     let read = tally.finish();
     println!("{read} read back");
-    assert!(read >= if is_whole() { 90 } else { 40 }, "{read}");
+    assert!(read >= if is_whole(kind) { 90 } else { 40 }, "{read}");
 }
 
 /// Flat ellipsoids of up to 1 : 10,000: along their rims charts are so steep that the volume of what
@@ -337,7 +338,7 @@ fn plates_are_read_back() {
 #[test]
 fn random_solids_are_read_back() {
     let mut script = start();
-    let count = if is_whole() { 200 } else { 24 };
+    let count = if is_whole("random") { 200 } else { 24 };
     let mut tally = Tally::default();
     for seed in 0..count {
         let solid = Random::new(seed).solid();
