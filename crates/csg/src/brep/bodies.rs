@@ -7,6 +7,8 @@ use super::bounded::Bounded;
 use super::chart;
 use super::data::{Brep, Patch, range};
 use super::view::Shell;
+use crate::numeric::tolerance::NEAR;
+use crate::program::Bounds;
 
 impl Shell<'_> {
     /// The volume that it is around: above 0 for the outside of a body, below 0 for the wall
@@ -19,6 +21,12 @@ impl Shell<'_> {
             value: sum.values[0] / 3.0,
             error: sum.errors[0] / 3.0,
         }
+    }
+
+    /// The least box around it, as near as [`Brep::bounds`].
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.brep().bounds_of(self.patches())
     }
 
     fn patches(&self) -> &[Patch] {
@@ -67,11 +75,25 @@ impl Brep {
             bodies[0].extend(voids);
             return bodies;
         }
-        let outlines: Vec<Vec<Outline<'_>>> = outer.iter().map(|(_, s)| outlines(*s)).collect();
+        // From the smallest: most voids are within the first one that is around a point of theirs.
+        let mut order: Vec<usize> = (0..bodies.len()).collect();
+        order.sort_by(|&a, &b| outer[a].0.total_cmp(&outer[b].0));
+        let boxes: Vec<Option<Bounds>> = outer.iter().map(|(_, s)| s.bounds()).collect();
+        let mut known: Vec<Option<Vec<Outline<'_>>>> = outer.iter().map(|_| None).collect();
         for shell in voids {
-            let around = (0..bodies.len()).filter(|&k| is_within(&outlines[k], shell));
-            let smallest = around.min_by(|&a, &b| outer[a].0.total_cmp(&outer[b].0));
-            bodies[smallest.unwrap_or(0)].push(shell);
+            let point = shell.faces().flat_map(|face| face.points()).next();
+            let around = order.iter().copied().find(|&k| {
+                let is_near = |bounds: Bounds| {
+                    let near = NEAR * self.size;
+                    point.is_none_or(|p| {
+                        p.cmpge(bounds.min - near).all() && p.cmple(bounds.max + near).all()
+                    })
+                };
+                let of_body = || outlines(outer[k].1);
+                boxes[k].is_none_or(is_near)
+                    && is_within(known[k].get_or_insert_with(of_body), shell)
+            });
+            bodies[around.unwrap_or(0)].push(shell);
         }
         bodies
     }

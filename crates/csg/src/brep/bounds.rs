@@ -19,7 +19,7 @@ impl Brep {
         self.bounds_of(&self.patches)
     }
 
-    fn bounds_of(&self, patches: &[Patch]) -> Option<Bounds> {
+    pub(super) fn bounds_of(&self, patches: &[Patch]) -> Option<Bounds> {
         let mut found: Option<[DVec3; 2]> = None;
         let mut add = |point: DVec3| {
             let [low, high] = found.unwrap_or([point; 2]);
