@@ -1,4 +1,4 @@
-//! A place of some extent.
+//! Where three surfaces meet that rounding does not tell apart: a place of some extent.
 
 use glam::DVec3;
 use smallvec::SmallVec;

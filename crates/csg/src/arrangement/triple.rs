@@ -289,7 +289,7 @@ pub(super) fn contacts(scene: &Scene<'_>, ids: [SurfaceId; 3]) -> SmallVec<[Touc
 }
 
 /// Where three surfaces are found to cross beside a point in which two of them are said to touch
-/// that nearly do: they do not, if the third one passes there.
+/// that nearly do, if the third one passes through it: there these crossings are.
 fn parts(
     scene: &Scene<'_>,
     surfaces: &[&Surface; 3],
@@ -299,13 +299,15 @@ fn parts(
     /// It is in the middle of both: they are apart by twice what it is off.
     const BOTH: f64 = 2.0;
     let off = solve::residual(surfaces.iter().copied(), contact);
+    if off > scene.weld {
+        return SmallVec::new();
+    }
     let is_part = |&&Crossing { at, on, .. }: &&Crossing| {
         let curve = on.map(|k| surfaces[k]);
         at.distance(contact) <= scene.touching_reach()
             && off_between(scene, curve, [contact, at]) <= BOTH * off
     };
-    let found = found.iter().filter(|_| off <= scene.weld);
-    found.filter(is_part).map(Crossing::ball).collect()
+    found.iter().filter(is_part).map(Crossing::ball).collect()
 }
 
 /// How far, between two places on a curve of two surfaces, a third one is from it.
