@@ -376,7 +376,8 @@ fn try_pair(
 /// The order of boxes along a Morton curve through their centres: n log n.
 pub(crate) fn along_curve(boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Vec<u32> {
     let whole = Bounds::around_all(boxes.clone());
-    let scale = CELLS / (whole.high - whole.low);
+    // The same along all axes: cells of a long row would be as long as it is.
+    let scale = CELLS / (whole.high - whole.low).max_element();
     let place = |bounds: Bounds| (bounds.low.midpoint(bounds.high) - whole.low) * scale;
     // The first bits of the code and the number: the order is the same every time.
     let numbers = (boxes.len() as u64).next_power_of_two() - 1;
@@ -398,7 +399,7 @@ const CELLS: f64 = (1 << 21) as f64;
 /// The place along a Morton curve: the bits of the three cells, 21 each, interleaved.
 fn morton(place: DVec3) -> u64 {
     place.to_array().into_iter().fold(0, |code, cell| {
-        // (A flat direction is NaN, which becomes 0.)
+        // (Of a single point it is NaN, which becomes 0.)
         code << 1 | spread((cell as u64).min((1 << 21) - 1))
     })
 }
