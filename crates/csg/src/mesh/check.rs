@@ -213,6 +213,38 @@ impl Mesh {
     /// triangles are sorted); needs some 24 bytes a triangle and 8 a vertex.
     #[must_use]
     pub fn check(&self) -> MeshCheck {
+        let (tally, components) = rayon::join(|| self.tally(), || Components::of(self).count);
+        let [
+            out_of_range_triangles,
+            degenerate_triangles,
+            duplicate_triangles,
+            open_edges,
+            non_manifold_edges,
+            misoriented_edges,
+            non_manifold_vertices,
+            unreferenced_vertices,
+            non_finite_vertices,
+        ] = tally.counts;
+        MeshCheck {
+            triangles: self.triangles.len(),
+            vertices: self.positions.len() - unreferenced_vertices,
+            edges: tally.edges,
+            components,
+            out_of_range_triangles,
+            degenerate_triangles,
+            duplicate_triangles,
+            open_edges,
+            non_manifold_edges,
+            misoriented_edges,
+            non_manifold_vertices,
+            unreferenced_vertices,
+            non_finite_vertices,
+            places: tally.places.into_iter().flatten().collect(),
+        }
+    }
+
+    /// The defects of triangles and of vertices' stars, and the edges.
+    fn tally(&self) -> Tally {
         let mut tally = Tally::default();
         self.check_triangles(&mut tally);
         let stars = Stars::new(self);
@@ -233,33 +265,7 @@ impl Mesh {
         for part in parts {
             tally.merge(part);
         }
-        let [
-            out_of_range_triangles,
-            degenerate_triangles,
-            duplicate_triangles,
-            open_edges,
-            non_manifold_edges,
-            misoriented_edges,
-            non_manifold_vertices,
-            unreferenced_vertices,
-            non_finite_vertices,
-        ] = tally.counts;
-        MeshCheck {
-            triangles: self.triangles.len(),
-            vertices: vertices - unreferenced_vertices,
-            edges: tally.edges,
-            components: Components::of(self).count,
-            out_of_range_triangles,
-            degenerate_triangles,
-            duplicate_triangles,
-            open_edges,
-            non_manifold_edges,
-            misoriented_edges,
-            non_manifold_vertices,
-            unreferenced_vertices,
-            non_finite_vertices,
-            places: tally.places.into_iter().flatten().collect(),
-        }
+        tally
     }
 
     fn check_triangles(&self, tally: &mut Tally) {

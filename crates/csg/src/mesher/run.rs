@@ -46,10 +46,9 @@ const PARTED: f64 = 0.87;
 /// Where a mesh without a tolerance is there, if it is then checked.
 const MESHED: f64 = 0.5;
 
-/// Of what is left once the mesh is there: where it has normals, where it is known whether it is
-/// closed, and where its distances are.
+/// Of what is left once the mesh is there: where it has normals, and where it is known whether it is
+/// closed and what its distances are.
 const SHADED: f64 = 0.3;
-const COUNTED: f64 = 0.55;
 const CHECKED: f64 = 0.75;
 
 /// A finished mesh and how it came about.
@@ -131,12 +130,13 @@ impl<'a> Run<'a> {
         }
         if mesher.check {
             let start = Instant::now();
-            report.check = mesh.check();
-            tell(COUNTED);
+            let largest = || finish::largest_distances(self.program, &mesh);
+            let (check, largest) = rayon::join(|| mesh.check(), largest);
+            report.check = check;
             (
                 report.largest_vertex_distance,
                 report.largest_centroid_distance,
-            ) = finish::largest_distances(self.program, &mesh);
+            ) = largest;
             let start = report.end_stage("check", start);
             tell(CHECKED);
             let is_to_tolerance = self.goal.is_some() && self.smallest.is_some();

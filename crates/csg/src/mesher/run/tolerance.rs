@@ -366,8 +366,10 @@ fn wrong_triangles(
         triangles: surfaced.triangles.clone(),
         ..Mesh::default()
     };
-    let mut wrong = mesh.self_intersections_told(&|share| tell(CROSSED * share));
-    let folded = tessellate::folded(surfaced, &task.surfaces).into_iter();
-    wrong.extend(folded.map(|triangle| [triangle; 2]));
+    let (mut wrong, folded) = rayon::join(
+        || mesh.self_intersections_told(&|share| tell(CROSSED * share)),
+        || tessellate::folded(surfaced, &task.surfaces),
+    );
+    wrong.extend(folded.into_iter().map(|triangle| [triangle; 2]));
     wrong
 }
