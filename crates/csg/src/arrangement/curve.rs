@@ -279,11 +279,11 @@ impl Curve {
         Bounds { min, max }
     }
 
-    /// Whether it closes on itself.
     pub fn is_line(&self) -> bool {
         matches!(self, Self::Line { .. })
     }
 
+    /// Whether it closes on itself.
     pub fn is_closed(&self) -> bool {
         match self {
             Self::Ellipse { .. } => true,

@@ -93,7 +93,13 @@ impl Brep {
                 size: self.size,
                 off,
             };
-            sum.add(&along(&chart, |t| curve.at(t), places, &scene));
+            sum.add(&along(
+                &chart,
+                |t| curve.at(t),
+                curve.is_line(),
+                places,
+                &scene,
+            ));
         }
         sum
     }

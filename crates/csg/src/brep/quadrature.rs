@@ -117,7 +117,7 @@ impl Rule {
 
 /// Along edges.
 static ALONG: LazyLock<Rule> = LazyLock::new(|| Rule::new(12));
-/// Across patches; exact for what is integrated over planes.
+/// Exact for what is integrated over planes, across patches and along lines.
 static FLAT: LazyLock<Rule> = LazyLock::new(|| Rule::new(2));
 static COARSE: LazyLock<Rule> = LazyLock::new(|| Rule::new(14));
 static FINE: LazyLock<Rule> = LazyLock::new(|| Rule::new(20));
@@ -170,11 +170,12 @@ struct Along<'a, C> {
     strips: u32,
 }
 
-/// The part of integrals over a patch that one of its edges gives: a curve that runs from
-/// one place to another with the patch on its left.
+/// The part of integrals over a patch that one of its edges gives: a curve, or a line, that runs
+/// from one place to another with the patch on its left.
 pub(super) fn along(
     chart: &Chart<'_>,
     curve: impl Fn(f64) -> DVec3,
+    is_line: bool,
     places: [f64; 2],
     scale: &Scale,
 ) -> Sum {
@@ -187,8 +188,16 @@ pub(super) fn along(
         sum: Sum::default(),
         strips: 0,
     };
-    let once = along.strip(places, &COARSE);
-    along.refine(places, &once.values);
+    if is_line && chart.is_flat() {
+        let Strip { values, noise, .. } = along.strip(places, &FLAT, &FLAT);
+        along.sum = Sum {
+            values,
+            errors: noise,
+        };
+    } else {
+        let once = along.strip(places, &ALONG, &COARSE);
+        along.refine(places, &once.values);
+    }
     // The strips between where it ends and where it should.
     for end in places {
         let row = row(
@@ -233,7 +242,7 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
     fn part(&mut self, [from, to]: [f64; 2], once: &Integrals, halvings: u32) -> Part {
         let middle = 0.5 * (from + to);
         let halves = [[from, middle], [middle, to]];
-        let [a, b] = halves.map(|half| self.strip(half, &FINE));
+        let [a, b] = halves.map(|half| self.strip(half, &ALONG, &FINE));
         let both = |one: &Integrals, other: &Integrals| -> Integrals {
             std::array::from_fn(|k| one[k] + other[k])
         };
@@ -254,9 +263,8 @@ impl<C: Fn(f64) -> DVec3> Along<'_, C> {
         }
     }
 
-    fn strip(&mut self, [from, to]: [f64; 2], across: &Rule) -> Strip {
+    fn strip(&mut self, [from, to]: [f64; 2], rule: &Rule, across: &Rule) -> Strip {
         self.strips += 1;
-        let rule = &*ALONG;
         let flat = |node: f64| self.chart.flatten((self.curve)(from + node * (to - from)));
         let points: Vec<DVec2> = rule.nodes.iter().map(|&node| flat(node)).collect();
         // Differences keep their digits about a point near by.
