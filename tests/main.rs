@@ -21,6 +21,7 @@ mod python;
 #[path = "meshing/random.rs"]
 mod random;
 mod step;
+mod sweeps;
 
 // Where the fuzz targets look for them.
 use stereotomy::{csg, io, raster};

@@ -9,6 +9,7 @@ use csg::{
 use stereotomy::{csg, scenes};
 
 use super::tolerance::sampled_deviation;
+use crate::sweeps::one_in;
 
 fn lower(solid: &Solid) -> Program {
     Program::lower(solid).expect("a valid solid")
@@ -22,6 +23,8 @@ struct Way {
 }
 
 fn ways() -> Vec<Way> {
+    // The triangles of some are inversely proportional to it.
+    let coarser = one_in(4) as f64;
     let way = |name, solid, mesher| Way {
         name,
         program: lower(&solid),
@@ -42,12 +45,12 @@ fn ways() -> Vec<Way> {
         way(
             "to a tolerance",
             scenes::flange(),
-            Mesher::new().tolerance(1e-5),
+            Mesher::new().tolerance(1e-5 * coarser),
         ),
         way(
             "to an angle",
             scenes::flange(),
-            Mesher::new().tolerance(1e-2).angle(0.02),
+            Mesher::new().tolerance(1e-2).angle(0.02 * coarser.sqrt()),
         ),
         way(
             "polyhedral",

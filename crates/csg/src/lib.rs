@@ -71,6 +71,9 @@ mod shapes;
 pub mod solid;
 mod surface;
 mod surface_nets;
+#[cfg(test)]
+#[path = "../../../tests/sweeps.rs"]
+mod sweeps;
 mod task;
 mod tessellate;
 pub mod theory;

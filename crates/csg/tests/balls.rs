@@ -4,6 +4,7 @@ use csg::{BoundaryOptions, Mesher, Program, Solid};
 use glam::DVec3;
 
 use crate::random::Random;
+use crate::sweeps::one_in;
 
 /// United and subtracted balls in and around a cube, nested, apart, touching or crossing each other, of
 /// one size or of many, sometimes mapped to what only rounding knows to be balls.
@@ -59,8 +60,9 @@ fn solid(random: &mut Random) -> Solid {
 /// in another way.
 #[test]
 fn whole_ones_are_where_the_boundary_has_them() {
+    let step = one_in(7);
     let mut whole = 0;
-    for seed in 0..60 {
+    for seed in (0..60).step_by(step) {
         let mut random = Random(seed);
         let solid = solid(&mut random);
         let program = Program::lower(&solid).expect("valid");
@@ -102,5 +104,5 @@ fn whole_ones_are_where_the_boundary_has_them() {
             .filter(|face| face.edges().next().is_none())
             .count();
     }
-    assert!(whole > 250, "{whole}");
+    assert!(whole * step > 250, "{whole}");
 }

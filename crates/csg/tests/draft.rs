@@ -8,6 +8,8 @@ use csg::{Bounds, CancelToken, Color, Error, Mesh, Meshed, Mesher, Program, Soli
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
 
+use crate::sweeps::one_in;
+
 fn lower(solid: &Solid) -> Program {
     Program::lower(solid).expect("a valid solid")
 }
@@ -321,7 +323,7 @@ fn winding_number(mesh: &Mesh, point: DVec3) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig {
         failure_persistence: None,
-        ..ProptestConfig::with_cases(150)
+        ..ProptestConfig::with_cases(150 / one_in(5) as u32)
     })]
 
     #[test]

@@ -4,6 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::random::Random;
+use crate::sweeps::one_in;
 use csg::glam::{DQuat, DVec3, dvec3};
 use csg::{BoundaryOptions, Limits, Mesher, Program, Solid};
 
@@ -354,8 +355,9 @@ fn degenerate_ones() {
 #[test]
 fn random_ones() {
     const CASES: usize = 100;
-    let mut proven = 0;
-    for case in 0..CASES {
+    let step = one_in(7);
+    let (mut tried, mut proven) = (0, 0);
+    for case in (0..CASES).step_by(step) {
         let mut random = Random(7 + case as u64);
         let (discs, points) = (1 + case % 4, case / 4 % 6);
         let count = if points == 0 { discs + 1 } else { discs };
@@ -386,9 +388,11 @@ fn random_ones() {
             .iter()
             .map(|&(center, radius)| (turn * center, radius))
             .collect();
+        tried += 1;
         proven += usize::from(hold(&what, &turned, normal, &mut random).is_some());
     }
-    assert!(proven >= 97, "{proven}");
+    let most = 3usize.div_ceil(step);
+    assert!(proven + most >= tried, "{proven} of {tried}");
 }
 
 #[test]

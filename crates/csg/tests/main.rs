@@ -25,6 +25,8 @@ mod regions;
 mod sections;
 mod shapes;
 mod slabs;
+#[path = "../../../tests/sweeps.rs"]
+mod sweeps;
 mod theory;
 
 #[test]

@@ -5,6 +5,8 @@ use csg::Mesh;
 use glam::{DQuat, DVec3, I64Vec3, dvec3};
 use proptest::prelude::*;
 
+use crate::sweeps::one_in;
+
 /// The points common to two triangles with integer corners, up to their
 /// convex hull, each as (numerators, denominator): corners of one inside the
 /// other, and edges of one through the other. Exact in 64 bits for small
@@ -97,7 +99,7 @@ fn flat_triangle() -> impl Strategy<Value = [I64Vec3; 3]> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(20_000 / one_in(5) as u32))]
 
     /// Corners on a tiny lattice: every kind of contact occurs.
     #[test]

@@ -8,6 +8,8 @@ use csg::{Mesh, Mesher, Program, Solid};
 use glam::{DVec3, dvec3};
 use proptest::prelude::*;
 
+use crate::sweeps::one_in;
+
 /// Each triangle with vertices of its own: no two are neighbours.
 fn loose(mesh: &Mesh) -> Mesh {
     let corners = mesh.triangles.iter().flatten();
@@ -87,7 +89,7 @@ fn index_pair() -> impl Strategy<Value = (prop::sample::Index, prop::sample::Ind
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(2000 / one_in(5) as u32))]
 
     /// A height field, with some vertices moved far enough to fold it, and some made one.
     #[test]
@@ -219,7 +221,7 @@ fn solid() -> impl Strategy<Value = Solid> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(200 / one_in(5) as u32))]
 
     /// Meshes of solids with some vertices elsewhere.
     #[test]
@@ -270,8 +272,9 @@ fn a_rim_of_two_turns_through_one_vertex() {
 /// Meshes of many more triangles than are looked at together.
 #[test]
 fn large_meshes() {
+    let around = 500 / one_in(2) as u32;
     for minor in [0.5, 1.1] {
-        let mesh = torus(1.0, minor, 500, 200);
+        let mesh = torus(1.0, minor, around, 200);
         assert_eq!(assert_same_as_loose(&mesh) > 0, minor > 1.0);
         // In an order without neighbours side by side.
         let mut shuffled = mesh.clone();

@@ -21,6 +21,7 @@ mod scene_read;
 mod scene_shapes;
 mod scene_text;
 mod scene_write;
+mod shards;
 mod svg_files;
 mod threemf;
 mod untrusted_files;

@@ -118,6 +118,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::sweeps::one_in;
 
     /// Triangles strewn about the unit cube, of which some share vertices.
     fn strewn() -> impl Strategy<Value = Mesh> {
@@ -131,6 +132,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(256 / one_in(4) as u32))]
+
         /// What is kept is what is told anew, whatever changes.
         #[test]
         fn intersections_are_kept_while_the_mesh_changes(

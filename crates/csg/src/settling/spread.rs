@@ -147,6 +147,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::sweeps::one_in;
     use crate::{Mesher, Program, Solid};
 
     /// A mesh, and the farthest that its edges are moved if each surface is by as much.
@@ -166,6 +167,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(256 / one_in(4) as u32))]
+
         /// Of tetrahedra, some as sharp as blades and needles.
         #[test]
         fn corners_and_edges_are_moved_no_farther_than_is_said(
