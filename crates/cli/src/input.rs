@@ -81,7 +81,7 @@ impl Subject {
 pub(crate) fn solid_of(mesh: &Mesh) -> Result<Solid, Failure> {
     let solid = match Solid::from_mesh(mesh) {
         Err(faults) if faults.inside_out => {
-            eprintln!("warning: the faces of the mesh are inside out: they are turned");
+            say!("warning: the faces of the mesh are inside out: they are turned");
             let mut turned = mesh.clone();
             for triangle in &mut turned.triangles {
                 triangle.reverse();
@@ -145,14 +145,14 @@ impl Reading {
             Contents::Mesh(mesh) => Ok(Subject::Mesh(mesh)),
             Contents::Repaired(solid, repairs) => {
                 if let Some(warning) = repaired(path, &repairs) {
-                    eprintln!("warning: {warning}");
+                    say!("warning: {warning}");
                 }
                 Ok(Subject::Solid(solid))
             }
             Contents::Scene(scene) => {
                 let scene = scene.map_err(|error| scene_failure(&name_of(path), error))?;
                 for warning in &scene.warnings {
-                    eprintln!("warning: {warning}");
+                    say!("warning: {warning}");
                 }
                 Ok(Subject::Solid(scene.solid))
             }
@@ -195,7 +195,7 @@ impl Reading {
             let (mesh, warnings) = io::read_mesh_and_warnings(path, &options)
                 .map_err(|error| mesh_failure(&name, error))?;
             for warning in warnings {
-                eprintln!("warning: {name}: {warning} (--any-folder)");
+                say!("warning: {name}: {warning} (--any-folder)");
             }
             if self.repair {
                 let (solid, repairs) = Solid::repaired(&mesh).map_err(no_solid)?;

@@ -15,6 +15,11 @@
 //! so that `cargo run -- mesh -o part.glb` and `cargo run -- render -o
 //! part.png` work for it. [`run_with`] adds arguments of the model's own.
 
+#![warn(clippy::print_stderr)]
+
+#[macro_use]
+mod say;
+
 mod commands;
 mod failure;
 mod input;

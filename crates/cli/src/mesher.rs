@@ -325,7 +325,7 @@ pub(crate) fn produce(
                 seconds.extend(&meshed.report.stages);
             }
             if meshed.mesh.triangles.is_empty() {
-                eprintln!("{}", Nothing::of(&solid));
+                say!("{}", Nothing::of(&solid));
             }
             Ok(Product {
                 mesh: meshed.mesh,

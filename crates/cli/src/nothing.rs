@@ -12,7 +12,7 @@ use crate::failure::{Failure, exit_codes};
 pub(crate) fn refuse_empty(solid: &Solid, boundary: &BoundaryOptions) -> Result<(), Failure> {
     match Program::lower(solid)?.boundary(boundary) {
         Ok(brep) if brep.is_empty() => {
-            eprintln!("{}", Nothing::of(solid));
+            say!("{}", Nothing::of(solid));
             let cause = "the model is empty";
             Err(Failure::new(
                 exit_codes::MODEL,

@@ -71,7 +71,7 @@ impl Progress {
     /// Says something on standard error, which is not carrying data.
     pub(crate) fn say(&self, what: impl Display) {
         if !self.is_quiet {
-            self.bar.suspend(|| eprintln!("{what}"));
+            self.bar.suspend(|| say!("{what}"));
         }
     }
 

@@ -340,8 +340,8 @@ fn arguments<P: Parser>() -> Result<P, ExitCode> {
             .print()
             .and_then(|()| std::io::Write::flush(&mut std::io::stdout()));
         exit(match printed {
-            Ok(()) if said.exit_code() == 0 => Ok(()),
-            Ok(()) => return ExitCode::from(exit_codes::USAGE),
+            _ if said.use_stderr() => return ExitCode::from(exit_codes::USAGE),
+            Ok(()) => Ok(()),
             Err(error) => Err(Failure::output("standard output", error)),
         })
     })
@@ -351,7 +351,7 @@ fn exit(result: Result<(), Failure>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{failure}");
+            say!("{failure}");
             ExitCode::from(failure.code)
         }
     }

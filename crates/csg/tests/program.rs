@@ -116,6 +116,32 @@ fn primitives_contain_what_their_equations_say() {
 }
 
 #[test]
+fn chains_of_many_maps_round_no_more_than_as_many_of_one() {
+    let nested = |solid: &Solid, count: u32, map: &dyn Fn(&Solid) -> Solid| {
+        (0..count).fold(solid.clone(), |solid, _| map(&solid))
+    };
+    let cube = Solid::cube(1.0);
+    for count in [10, 60, 400] {
+        // Cubes a little apart, and one that comes back.
+        let step = 0.125;
+        let far = 1.0001 - step * f64::from(count);
+        let moved = |gap: f64| {
+            let other = cube.translate([far + gap, 0.0, 0.0]);
+            nested(&other, count, &|solid| solid.translate([step, 0.0, 0.0]))
+        };
+        assert_eq!(lower(&(&cube | moved(0.0))).surfaces().len(), 8, "{count}");
+        assert_eq!(
+            lower(&(&cube | moved(-1e-4))).surfaces().len(),
+            7,
+            "{count}"
+        );
+        let turned = nested(&cube, count, &|solid| solid.rotate_z(0.3).rotate_x(0.7));
+        let back = nested(&turned, count, &|solid| solid.rotate_x(-0.7).rotate_z(-0.3));
+        assert_eq!(lower(&(&cube | back)).surfaces().len(), 6, "{count}");
+    }
+}
+
+#[test]
 fn coincident_surfaces_are_one_through_any_transforms() {
     let quarter = std::f64::consts::FRAC_PI_2;
     // A cube has six planes; turned, moved there and back, mirrored or seen

@@ -1,7 +1,7 @@
 //! Serving a model and making it again.
 
 use std::collections::BTreeMap;
-use std::io;
+use std::io::{self, Write};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::{Arc, mpsc};
 use std::thread;
@@ -100,7 +100,11 @@ pub fn view(
     if options.open
         && let Err(error) = open::that_detached(&address)
     {
-        eprintln!("warning: no browser could be opened ({error}): open the address yourself");
+        // (Nobody may read it.)
+        let _ = writeln!(
+            io::stderr(),
+            "warning: no browser could be opened ({error}): open the address yourself"
+        );
     }
     desk.status
         .send_modify(|status| status.parameters = source.parameters());

@@ -112,7 +112,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     let (volumes, witness) = match volumes(&solids, &boundary) {
         Ok((volumes, witness)) => (Some(volumes), witness),
         Err(error @ (Error::Undecided(_) | Error::TooLarge { .. })) => {
-            eprintln!("warning: no volumes: {error}");
+            say!("warning: no volumes: {error}");
             (None, None)
         }
         Err(error) => return Err(error.into()),
@@ -124,7 +124,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
         ];
         for ((volume, path), solid) in of.into_iter().zip(&solids) {
             if volume.is_nothing() {
-                eprintln!("{}", Nothing::of(solid).in_file(path));
+                say!("{}", Nothing::of(solid).in_file(path));
             }
         }
     }

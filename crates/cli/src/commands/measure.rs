@@ -64,12 +64,12 @@ pub(crate) fn run(
             Ok((account, _)) => {
                 progress.end();
                 if account.is_empty() {
-                    eprintln!("{}", Nothing::of(solid));
+                    say!("{}", Nothing::of(solid));
                 }
                 return options.tell(&account);
             }
             // A mesh is better than nothing.
-            Err(error @ Error::Undecided(_)) => eprintln!("warning: {error}"),
+            Err(error @ Error::Undecided(_)) => say!("warning: {error}"),
             Err(error) => return Err(error.into()),
         }
     }

@@ -162,7 +162,7 @@ fn warn_of_rounding(product: &Product) {
     let crossings = rounded.self_intersections().len();
     let merged = coinciding(&rounded.positions).saturating_sub(coinciding(&mesh.positions));
     if crossings > 0 || merged > 0 {
-        eprintln!(
+        say!(
             "warning: binary STL rounds these coordinates to steps of up to {step:.1e}: there \
              {merged} vertices fall together with others, and {crossings} pairs of triangles run \
              through each other; move the model to the origin, or write PLY, 3MF or OBJ"
@@ -276,7 +276,7 @@ fn write_exact(
         (None, program.boundary(&boundary)?)
     };
     if brep.is_empty() {
-        eprintln!("{}", Nothing::of(solid));
+        say!("{}", Nothing::of(solid));
     }
     progress.stage("writing");
     for path in &options.outputs {

@@ -91,10 +91,10 @@ pub(crate) fn run(
     product.stage("write", |_| output::write_picture(&options.output, &png))?;
     if options.looks.stats {
         if let Some(tolerance) = product.tolerance {
-            eprintln!("{:<22}{tolerance:>12.3e}", "tolerance");
+            say!("{:<22}{tolerance:>12.3e}", "tolerance");
         }
         for (stage, seconds) in &product.seconds {
-            eprintln!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
+            say!("{:<22}{:>12.1} ms", stage, seconds * 1e3);
         }
     }
     Ok(())
@@ -220,7 +220,7 @@ fn draw(product: &mut Product, options: &Options) -> Result<Vec<u8>, Refused> {
         )
     })?;
     if looks.stats {
-        eprint!("{stats}");
+        say!("{}", stats.to_string().trim_end());
     }
     let (camera, behind) = ((&camera, &view), render.background);
     options.annotations.draw(

@@ -59,7 +59,7 @@ pub(crate) fn run(
         refuse_empty(&solid, &boundary)?;
     }
     if section.is_at_face {
-        eprintln!(
+        say!(
             "warning: the solid has a face in the plane: drawn is what lies just behind it, \
              which is not what lies just before it"
         );
@@ -67,14 +67,14 @@ pub(crate) fn run(
     let unit = options.sheet.tell.unit.symbol();
     if let Some(strays) = section.strays {
         let strays = short(strays, 2);
-        eprintln!(
+        say!(
             "warning: it could not be told how surfaces meet in the plane: drawn are polygons that \
              stray by up to {strays} {unit}"
         );
     }
     if let Some(moved) = section.moved {
         let distance = at_most(moved.distance, 2);
-        eprintln!(
+        say!(
             "warning: surfaces that nearly touch in the plane were moved by up to \
              {distance} {unit}"
         );

@@ -178,3 +178,39 @@ fn help_that_cannot_be_written_is_an_error() {
         assert!(message.contains("No space left"), "{message}");
     }
 }
+
+/// As `csg … 2>&1 | head -1` leaves it.
+#[test]
+fn what_nobody_reads_on_standard_error_ends_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("a.csg");
+    fs::write(&scene, "cube(size = [1, 1, 1]); sphere(r = 1, $fn = 8);").expect("written");
+    let name = |file: &str| folder.path().join(file).display().to_string();
+    let (scene, missing) = (scene.display().to_string(), name("missing.csg"));
+    let cases: [(&[&str], i32); 8] = [
+        (&["mesh", &scene, "-o", &name("a.stl")], 0),
+        (&["convert", &scene, &name("a.ply")], 0),
+        (
+            &["section", &scene, "--plane", "z=0", "-o", &name("a.svg")],
+            0,
+        ),
+        (&["measure", &scene, "--json", &name("a.json")], 0),
+        (&["render", &scene, "--stats", "-o", &name("a.png")], 0),
+        (&["info", &scene], 0),
+        (&["compare", &scene, &missing], 3),
+        (&["mesh", &scene, "--misspelt"], 2),
+    ];
+    for (arguments, code) in cases {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let output = Command::new(env!("CARGO_BIN_EXE_csg"))
+            .args(arguments)
+            .stderr(writer)
+            .output()
+            .expect("the command runs");
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+    }
+    for file in ["a.stl", "a.ply", "a.svg", "a.json", "a.png"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+}

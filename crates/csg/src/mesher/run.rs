@@ -46,9 +46,10 @@ const PARTED: f64 = 0.87;
 /// Where a mesh without a tolerance is there, if it is then checked.
 const MESHED: f64 = 0.5;
 
-/// Of what is left once the mesh is there: where it has normals, and where it is known whether it is
-/// closed and what its distances are.
+/// Of what is left once the mesh is there: where it has normals, where it is known whether it is
+/// closed, and where its distances are.
 const SHADED: f64 = 0.3;
+const COUNTED: f64 = 0.55;
 const CHECKED: f64 = 0.75;
 
 /// A finished mesh and how it came about.
@@ -130,8 +131,13 @@ impl<'a> Run<'a> {
         }
         if mesher.check {
             let start = Instant::now();
+            let count = || {
+                let check = mesh.check();
+                tell(COUNTED);
+                check
+            };
             let largest = || finish::largest_distances(self.program, &mesh);
-            let (check, largest) = rayon::join(|| mesh.check(), largest);
+            let (check, largest) = rayon::join(count, largest);
             report.check = check;
             (
                 report.largest_vertex_distance,

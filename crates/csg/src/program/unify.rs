@@ -11,8 +11,10 @@ const EPS: f64 = f64::EPSILON;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WorldMap {
     pub map: DAffine3,
-    /// Bound on the error of the linear part, as a matrix norm.
-    linear_error: f64,
+    /// Bound on the norm of E A⁻¹, E the error of the linear part A: what rounding does in front
+    /// of further inner maps these do not change, so that it adds up and does not multiply
+    /// however many maps there are.
+    relative_error: f64,
     /// Bound on the error of the translation, as a length.
     offset_error: f64,
 }
@@ -25,24 +27,30 @@ fn norm(m: &DMat3) -> f64 {
 impl WorldMap {
     pub const IDENTITY: Self = Self {
         map: DAffine3::IDENTITY,
-        linear_error: 0.0,
+        relative_error: 0.0,
         offset_error: 0.0,
     };
 
     /// This map after `inner`: points go through `inner` first.
     pub fn then_inner(&self, inner: &DAffine3) -> Self {
+        let map = self.map * *inner;
         let outer_norm = norm(&self.map.matrix3);
-        let inner_norm = norm(&inner.matrix3);
         let inner_offset = inner.translation.length();
         // A caller's own entries (a cosine, say) are right to 2 eps; each
         // product below adds fewer than 4.
+        let product = 6.0 * EPS * outer_norm * norm(&inner.matrix3);
         Self {
-            map: self.map * *inner,
-            linear_error: self.linear_error * inner_norm + 6.0 * EPS * outer_norm * inner_norm,
+            map,
+            relative_error: self.relative_error + product * norm(&map.matrix3.inverse()),
             offset_error: self.offset_error
-                + self.linear_error * inner_offset
+                + self.linear_error() * inner_offset
                 + 6.0 * EPS * (outer_norm * inner_offset + self.map.translation.length()),
         }
+    }
+
+    /// Bound on the error of the linear part, as a matrix norm.
+    fn linear_error(&self) -> f64 {
+        self.relative_error * norm(&self.map.matrix3)
     }
 
     pub fn is_identity(&self) -> bool {
@@ -73,8 +81,8 @@ impl WorldMap {
         } else {
             linear.inverse()
         };
-        let shape_error = 8.0 * EPS + 4.0 * self.linear_error * norm(&inverse);
-        let per_length = self.linear_error + 8.0 * EPS * norm(&linear);
+        let shape_error = 8.0 * EPS + 4.0 * self.relative_error;
+        let per_length = self.linear_error() + 8.0 * EPS * norm(&linear);
         let offset_error = self.offset_error + 8.0 * EPS * map.translation.length();
         move |local| {
             let surface = if is_identity {
