@@ -52,7 +52,7 @@ pub(super) fn build(
     }
     let is_edge = |half| is_edge(&all, half, seams.as_ref());
     let faces = Faces::new(&all, regions, is_edge)?;
-    let links = Links::new(&all, is_edge);
+    let links = Links::new(&all, is_edge, cut_at_seams);
     let chains = links.edges(&all);
     let mut vertex_of = vec![NONE; all.points.len()];
     let mut coedge_of = vec![NONE; all.half_edges.len()];

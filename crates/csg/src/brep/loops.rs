@@ -1,8 +1,12 @@
 //! Half-edges linked to edges and loops: seams, and where other parts touch, are passed over.
 
 use std::f64::consts::TAU;
+use std::mem::replace;
 
-use crate::arrangement::{Arrangement, HalfEdge, HalfEdgeId};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::slits::place;
+use crate::arrangement::{Arrangement, HalfEdge, HalfEdgeId, VertexId};
 use crate::numeric::tolerance::SAME_PLACE;
 
 /// For each half-edge of a face's border the one that follows along it.
@@ -21,8 +25,13 @@ pub(super) struct Chain {
 }
 
 impl Links {
-    /// Of half-edges of which some are edges, on both sides, and others lie within a face.
-    pub fn new(all: &Arrangement, is_edge: impl Fn(HalfEdgeId) -> bool) -> Self {
+    /// Of half-edges of which some are edges, on both sides, and others lie within a face. Edges end
+    /// where their loops touch themselves, if so asked.
+    pub fn new(
+        all: &Arrangement,
+        is_edge: impl Fn(HalfEdgeId) -> bool,
+        ends_at_touches: bool,
+    ) -> Self {
         let next = |half: HalfEdgeId| {
             is_edge(half).then(|| {
                 let mut at = all.at(half).next;
@@ -33,6 +42,11 @@ impl Links {
             })
         };
         let next: Vec<Option<HalfEdgeId>> = all.halves().map(next).collect();
+        let is_touched = if ends_at_touches {
+            touched(all, &next)
+        } else {
+            FxHashSet::default()
+        };
         let goes_on = |half: HalfEdgeId| {
             let Some(after) = next[half.index()] else {
                 return false;
@@ -40,7 +54,8 @@ impl Links {
             let pair = [half, after].map(|half| all.at(half));
             let back = [pair[1], pair[0]].map(|half| all.at(half.twin));
             let is_alone = next[pair[1].twin.index()] == Some(pair[0].twin);
-            is_alone && is_one_curve(pair) && is_one_curve(back)
+            let is_touched = is_touched.contains(&pair[1].from);
+            is_alone && !is_touched && is_one_curve(pair) && is_one_curve(back)
         };
         Self {
             goes_on: all.halves().map(goes_on).collect(),
@@ -90,6 +105,31 @@ impl Links {
     fn after(&self, half: HalfEdgeId) -> Option<HalfEdgeId> {
         self.next[half.index()].filter(|_| self.goes_on[half.index()])
     }
+}
+
+/// The vertices at places through which a loop leads more than once: one for each part of the solid
+/// that touches another one there.
+fn touched(all: &Arrangement, next: &[Option<HalfEdgeId>]) -> FxHashSet<VertexId> {
+    let mut touched = FxHashSet::default();
+    let mut is_seen = vec![false; next.len()];
+    for start in all.halves().filter(|half| next[half.index()].is_some()) {
+        let mut at: FxHashMap<[u64; 3], VertexId> = FxHashMap::default();
+        let mut here = start;
+        while !replace(&mut is_seen[here.index()], true) {
+            let vertex = all.at(here).from;
+            let other = *at
+                .entry(place(all.points[vertex.index()]))
+                .or_insert(vertex);
+            if other != vertex {
+                touched.extend([other, vertex]);
+            }
+            let Some(after) = next[here.index()] else {
+                break;
+            };
+            here = after;
+        }
+    }
+    touched
 }
 
 /// Whether two half-edges that follow each other run on along one curve. Where this passes

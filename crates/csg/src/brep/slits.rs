@@ -91,7 +91,7 @@ fn have_own_vertices(all: &Arrangement, region_of: &[u32]) -> bool {
 }
 
 /// A point by its coordinates: those of vertices at one place are the same.
-fn place(point: DVec3) -> [u64; 3] {
+pub(super) fn place(point: DVec3) -> [u64; 3] {
     // (Zeros differ in their signs.)
     point.to_array().map(|x| (x + 0.0).to_bits())
 }
