@@ -102,6 +102,25 @@ fn near_lines(
     [off, -off].into_iter().map(part).collect()
 }
 
+/// The line in which a plane of that normal cuts a quadric that is linear in it, by a point of the plane
+/// and the gradient there along the plane: so are those along the axis of a hyperbolic paraboloid and
+/// one of the lines on it.
+fn straight(
+    quadric: &Surface,
+    foot: DVec3,
+    (normal, gradient): (DVec3, DVec3),
+) -> Result<Branches, Unknown> {
+    let steep = gradient.length();
+    if steep <= CANCELLED * quadric.gradient(foot).length() {
+        return Err(Unknown::NoForm);
+    }
+    let across = gradient / steep;
+    Ok(smallvec![Branch::new(Curve::Line {
+        point: foot - quadric.value(foot) / steep * across,
+        direction: normal.cross(across),
+    })])
+}
+
 /// The conic in which a plane cuts a quadric.
 pub(super) fn conic(
     plane: &Surface,
@@ -132,8 +151,7 @@ pub(super) fn conic(
     }
     let [(first, u, x), (second, v, y)] = axes;
     if first == 0.0 {
-        // A plane in which the quadric is linear: never two generic ones.
-        return Err(Unknown::NoForm);
+        return straight(quadric, foot, (plane.linear, x * u + y * v));
     }
     let mut branches = Branches::new();
     let mut center = foot - x / (2.0 * first) * u;

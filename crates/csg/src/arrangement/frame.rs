@@ -82,12 +82,11 @@ impl Frame {
                     facing = [outward, -outward];
                     Shape::Graph
                 }
-                Kind::EllipticParaboloid => {
+                Kind::EllipticParaboloid | Kind::HyperbolicParaboloid => {
                     facing = [slope.signum(); 2];
                     Shape::Graph
                 }
                 Kind::Plane
-                | Kind::HyperbolicParaboloid
                 | Kind::HyperbolicCylinder
                 | Kind::ParabolicCylinder
                 | Kind::ParallelPlanes => return None,

@@ -33,6 +33,7 @@ pub(crate) struct HalfEdge {
 }
 
 /// The contours of a solid's faces, each cut into patches along seams.
+#[derive(Default)]
 pub(crate) struct Arrangement {
     /// Of the vertices: a place where the solid touches itself once for each fan of
     /// faces around it.
@@ -118,7 +119,7 @@ impl Arrangement {
 
     /// Makes half-edges reach from vertex to vertex: along lines they may have been joined,
     /// and where surfaces touch a place is known to fewer digits than the point.
-    fn fit_places(&mut self) {
+    pub fn fit_places(&mut self) {
         for half in 0..self.half_edges.len() {
             let HalfEdge {
                 from, twin, curve, ..

@@ -90,7 +90,7 @@ pub(crate) use self::conic::conics;
 pub(crate) use self::curve::Curve;
 pub(crate) use self::frame::Frame;
 pub(crate) use self::half_edges::{Arrangement, HalfEdge};
-pub(crate) use self::ids::{HalfEdgeId, VertexId};
+pub(crate) use self::ids::{FaceId, HalfEdgeId, VertexId};
 #[cfg(test)]
 pub(crate) use self::pairs::tests::quadric as random_quadric;
 pub(crate) use self::piece::{CurveId, Other, Side};

@@ -6,11 +6,12 @@ use super::build::build;
 use super::data::Brep;
 use glam::DVec3;
 
-use crate::arrangement;
+use super::uncut::Joining;
+use crate::arrangement::{self, Arrangement};
 use crate::control::{Caller, CancelToken, Control};
 use crate::error::Error;
 use crate::limits::{Demand, Limits};
-use crate::program::{Bounds, Program};
+use crate::program::{Apart, Bounds, Program, Surface};
 use crate::report::Report;
 use crate::settling::{Prepared, Settling};
 use crate::task::Task;
@@ -113,6 +114,10 @@ impl Program {
         };
         let unseen = MOST_MOVED * bounds.size().max_element();
         let most_moved = options.most_moved.unwrap_or(unseen);
+        if let Some(brep) = with_uncut(self, bounds, options, &control)? {
+            control.tell(1.0);
+            return Ok(brep);
+        }
         let mut undecided: Vec<Undecided> = Vec::new();
         for settling in Settling::ALL {
             let places: Vec<DVec3> = undecided.iter().map(|undecided| undecided.place).collect();
@@ -140,6 +145,52 @@ impl Program {
     }
 }
 
+/// The boundary of a solid with many uncut faces; none if there are few, or if the rest is
+/// undecided or does not fit them.
+fn with_uncut(
+    program: &Program,
+    bounds: Bounds,
+    options: &BoundaryOptions,
+    control: &Control,
+) -> Result<Option<Brep>, Error> {
+    let Some(Apart { uncut, rest }) = program.apart() else {
+        return Ok(None);
+    };
+    let control = control.again(Demand::ExactBoundary);
+    let task = Task::new(rest, bounds, 0.0, &control);
+    let carriers = program.carriers().iter();
+    let carriers = carriers.map(|surface| surface.relative_to(task.origin));
+    let surfaces: Vec<Surface> = carriers.chain(task.surfaces.iter().cloned()).collect();
+    let origins = program.origins();
+    let rest = if task.surfaces.is_empty() {
+        Arrangement {
+            rounding: arrangement::rounding(task.origin, task.size.max_element()),
+            ..Arrangement::default()
+        }
+    } else {
+        match arrangement::arrangement(&task, &mut Report::default())? {
+            Ok(arrangement) => arrangement,
+            Err(_) => return Ok(None),
+        }
+    };
+    let joining = Joining {
+        uncut,
+        surfaces: &surfaces,
+        origins,
+        origin: task.origin,
+    };
+    let Some(whole) = joining.with(rest) else {
+        return Ok(None);
+    };
+    let brep = Brep {
+        origin: task.origin,
+        surfaces,
+        origins: origins.to_vec(),
+        ..Brep::empty()
+    };
+    Ok(built(brep, whole, bounds, options).ok())
+}
+
 fn evaluated(
     program: &Program,
     bounds: Bounds,
@@ -152,20 +203,31 @@ fn evaluated(
         Ok(arrangement) => arrangement,
         Err(undecided) => return Ok(Err(undecided)),
     };
-    let size = bounds.size().length();
-    let origins = program.origins().to_vec();
     let brep = Brep {
         origin: task.origin,
         surfaces: task.surfaces,
-        origins,
-        rounding: arrangement.rounding,
-        size,
-        is_cut_at_seams: options.cut_at_seams,
+        origins: program.origins().to_vec(),
         ..Brep::empty()
     };
-    let built = build(brep, arrangement, options.cut_at_seams);
-    Ok(built.map_err(|undecided| Undecided {
-        place: undecided.place + task.origin,
+    Ok(built(brep, arrangement, bounds, options))
+}
+
+/// The boundary of an arrangement on given surfaces.
+fn built(
+    on: Brep,
+    arrangement: Arrangement,
+    bounds: Bounds,
+    options: &BoundaryOptions,
+) -> Result<Brep, Undecided> {
+    let brep = Brep {
+        rounding: arrangement.rounding,
+        size: bounds.size().length(),
+        is_cut_at_seams: options.cut_at_seams,
+        ..on
+    };
+    let origin = brep.origin;
+    build(brep, arrangement, options.cut_at_seams).map_err(|undecided| Undecided {
+        place: undecided.place + origin,
         ..undecided
-    }))
+    })
 }

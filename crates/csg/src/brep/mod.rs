@@ -36,6 +36,7 @@ mod patches;
 mod quadrature;
 mod seams;
 mod slits;
+mod uncut;
 mod view;
 
 pub use self::bounded::Bounded;

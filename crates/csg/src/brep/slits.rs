@@ -115,7 +115,7 @@ fn are_one(all: &Arrangement, curves: &Curves, halves: [HalfEdgeId; 2], off: f64
 }
 
 /// Vertices anew: each point once for every fan of faces around it.
-fn number_vertices(all: &mut Arrangement) {
+pub(super) fn number_vertices(all: &mut Arrangement) {
     let count = all.half_edges.len();
     let mut previous = vec![HalfEdgeId(0); count];
     for half in all.halves() {
