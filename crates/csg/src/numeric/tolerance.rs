@@ -369,3 +369,9 @@ pub(crate) const INTEGRAL: f64 = 64.0 * f64::EPSILON;
 /// Above rounding: a sum of terms of that size is right to ε / 2 of it, 1e-16; ten times that, so
 /// that halving ends where rounding is all that changes.
 pub(crate) const CONVERGED: f64 = 1e-15;
+
+/// Is a corner of a profile that is turned on the axis, of the profile's size?
+///
+/// Far above rounding (of `5 cos(π/2)` 3e-16 are left), and below any bore: one as narrow could neither be
+/// made nor seen.
+pub(crate) const ON_AXIS: f64 = 1e-9;

@@ -16,14 +16,15 @@ use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::Solid;
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
+use crate::numeric::tolerance::{IN_PROFILE, ON_AXIS, PROFILE_CHORD};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;
 
 impl Solid {
     /// The profile turned about its y axis, which becomes the z axis; its x is
-    /// the distance from the axis and must not be negative.
+    /// the distance from the axis and must not be negative. What is within 1e-9 of the profile's size
+    /// of the axis is on it, on either side.
     ///
     /// Lines become planes, cylinders and cones, and circles and ellipses
     /// centred on the axis spheres and spheroids. Others would become tori: these
@@ -75,9 +76,9 @@ type Boxed = (Solid, [DVec3; 2]);
 
 fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let (set, corners) = half_plane_set(profile, tolerance, &is_on_axis)?;
+    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, &is_on_axis)?;
     let solid = set.solid(|leaf| match *leaf {
-        Leaf::HalfPlane { from, to } => match Side::of(from, to) {
+        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
             Side::Flat { height, up } => flat(height, up),
             Side::Wall {
                 radius,
@@ -104,16 +105,42 @@ fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
     Ok((solid, corners))
 }
 
-/// The profile's formula, and the corners of a box around its revolution.
+/// A profile to be turned.
+struct Turned {
+    set: PlaneSet,
+    /// Of a box around its revolution.
+    corners: [DVec3; 2],
+    axis: Axis,
+}
+
+/// How near to the axis something is on it.
+#[derive(Clone, Copy)]
+struct Axis(f64);
+
+impl Axis {
+    fn snapped(self, point: DVec2) -> DVec2 {
+        if point.x.abs() <= self.0 {
+            DVec2::new(0.0, point.y)
+        } else {
+            point
+        }
+    }
+}
+
 fn half_plane_set(
     profile: &Profile,
     tolerance: f64,
     keeps: &dyn Fn(&DAffine2) -> bool,
-) -> Result<(PlaneSet, [DVec3; 2]), NodeFault> {
+) -> Result<Turned, NodeFault> {
     let Some((min, max)) = profile.bounds(tolerance)? else {
-        return Ok((PlaneSet::EMPTY, [DVec3::ZERO; 2]));
+        return Ok(Turned {
+            set: PlaneSet::EMPTY,
+            corners: [DVec3::ZERO; 2],
+            axis: Axis(0.0),
+        });
     };
-    if min.x < -IN_PROFILE * max.abs().max(min.abs()).max_element() {
+    let axis = Axis(ON_AXIS * max.abs().max(min.abs()).max_element());
+    if min.x < -axis.0 {
         return Err(ProfileFault::BeyondAxis { x: min.x }.into());
     }
     let sagitta = Sagitta {
@@ -123,7 +150,11 @@ fn half_plane_set(
     let set = plane_set(profile, sagitta, keeps)?;
     let corner = |radius: f64, height: f64| DVec3::new(radius, radius, height);
     let (radius, below, above) = (max.x + tolerance, min.y - tolerance, max.y + tolerance);
-    Ok((set, [corner(-radius, below), corner(radius, above)]))
+    Ok(Turned {
+        set,
+        corners: [corner(-radius, below), corner(radius, above)],
+        axis,
+    })
 }
 
 /// Whether an ellipse is centred on the axis, with its axes along x and y.
@@ -151,16 +182,21 @@ enum Side {
 }
 
 impl Side {
-    fn of(from: DVec2, to: DVec2) -> Self {
+    fn of(ends: [DVec2; 2], axis: Axis) -> Self {
+        let [from, to] = ends.map(|end| axis.snapped(end));
         let along = to - from;
-        if along.y == 0.0 {
+        if along.y.abs() <= IN_PROFILE * along.x.abs() {
             return Self::Flat {
-                height: from.y,
+                height: from.midpoint(to).y,
                 up: along.x > 0.0,
             };
         }
         let inside = along.y > 0.0;
-        let slope = along.x / along.y;
+        let slope = if along.x.abs() <= IN_PROFILE * along.y.abs() {
+            0.0
+        } else {
+            along.x / along.y
+        };
         let middle = from.midpoint(to);
         if slope == 0.0 && middle.x <= 0.0 {
             return Self::Everything(!inside);
@@ -211,7 +247,7 @@ fn within((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
 }
 
 /// The polyhedron through contours at all angles; none if its faces bound no solid.
-fn polyhedron(contours: &[Vec<DVec2>], radians: f64, steps: usize) -> Option<Solid> {
+fn polyhedron(contours: &[Vec<DVec2>], axis: Axis, radians: f64, steps: usize) -> Option<Solid> {
     let is_full = radians.abs() == TAU;
     let count: usize = contours.iter().map(Vec::len).sum();
     let places = if is_full { steps } else { steps + 1 };
@@ -225,7 +261,7 @@ fn polyhedron(contours: &[Vec<DVec2>], radians: f64, steps: usize) -> Option<Sol
         let along = direction(k);
         let points = contours.iter().flatten();
         points.map(move |point| {
-            let flat = point.x.max(0.0) * along;
+            let flat = axis.snapped(*point).x * along;
             DVec3::new(flat.x, sign * flat.y, point.y)
         })
     });
@@ -262,8 +298,8 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
         return Err(NodeFault::TooFewSteps { steps });
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let (set, corners) = half_plane_set(profile, tolerance, &|_| false)?;
-    if let Some(solid) = polyhedron(&profile.contours(tolerance)?, radians, steps) {
+    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, &|_| false)?;
+    if let Some(solid) = polyhedron(&profile.contours(tolerance)?, axis, radians, steps) {
         return Ok((solid, corners));
     }
     // The directions of the middles of steps, and how far they fall short.
@@ -278,7 +314,7 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
         .collect();
     let short = elementary::cos(0.5 * radians / steps as f64);
     let solid = set.solid(|leaf| match *leaf {
-        Leaf::HalfPlane { from, to } => match Side::of(from, to) {
+        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
             Side::Flat { height, up } => flat(height, up),
             Side::Wall {
                 radius,

@@ -95,6 +95,16 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             paraboloid(to, face, &scaled, bends)
         }
+        SurfaceShape::HyperbolicParaboloid {
+            placement,
+            bends: [a, b],
+        } => {
+            let scaled = Scaled {
+                placement,
+                scales: [1.0; 3],
+            };
+            paraboloid(to, face, &scaled, [a, -b])
+        }
         SurfaceShape::EllipticCylinder { placement, radii } => {
             extruded(to, face, &placement, radii)
         }
@@ -543,7 +553,7 @@ fn stereographic(to: &mut Entities, face: &Face<'_>, scaled: &Scaled) -> Written
     bezier(to, face, scaled, &net)
 }
 
-/// z = a x² + b y², whose x and y are its parameters.
+/// z = a x² + b y², whose x and y are its parameters; a saddle if the signs differ.
 fn paraboloid(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, [a, b]: [f64; 2]) -> Written {
     let [x0, x1] = scaled.range(face, |p| p.x);
     let [y0, y1] = scaled.range(face, |p| p.y);
