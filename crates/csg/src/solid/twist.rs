@@ -11,7 +11,7 @@ use super::profile::Profile;
 use super::tree::Solid;
 use crate::error::NodeFault;
 use crate::mesh::triangulate::{Named, Scratch, triangulate};
-use crate::numeric::tolerance::{ON_FACE, PROFILE_CHORD, SAME_FACE};
+use crate::numeric::tolerance::{IN_PROFILE, ON_FACE, PROFILE_CHORD, SAME_FACE};
 
 /// How an extrusion turns and narrows on its way up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -346,31 +346,109 @@ fn sides<'a>(
     })
 }
 
+/// The end of an extrusion that is scaled to nothing along one axis alone: corners on both sides of it
+/// are one.
+struct Ridge {
+    /// With corners wherever others are on the same place of the ridge.
+    contours: Vec<Vec<DVec2>>,
+    points: Vec<DVec3>,
+    /// Of each corner, in turn.
+    number: Vec<u32>,
+}
+
+impl Ridge {
+    /// None if the level is no ridge.
+    fn of(contours: &[Vec<DVec2>], level: &Level) -> Option<Self> {
+        let axis = match level.scale.to_array() {
+            [0.0, y] if y > 0.0 => 1,
+            [x, 0.0] if x > 0.0 => 0,
+            _ => return None,
+        };
+        let along = |point: &DVec2| level.turn.rotate(*point)[axis];
+        let mut places: Vec<f64> = contours.iter().flatten().map(along).collect();
+        let reach = places
+            .iter()
+            .fold(0.0f64, |most, place| most.max(place.abs()));
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|next, place| *next - *place <= IN_PROFILE * reach);
+        // The place at or before one, but for rounding.
+        let number = |place: f64| {
+            let beyond = places.partition_point(|&other| other <= place + IN_PROFILE * reach);
+            beyond.saturating_sub(1)
+        };
+        let divided = |[from, to]: [DVec2; 2]| {
+            let ends = [from, to].map(|end| along(&end));
+            let [first, last] = ends.map(number);
+            let between = first.min(last) + 1..first.max(last);
+            let mut all = vec![from];
+            let share = |k: usize| (places[k] - ends[0]) / (ends[1] - ends[0]);
+            all.extend(between.map(|k| from.lerp(to, share(k))));
+            if last < first {
+                all[1..].reverse();
+            }
+            all
+        };
+        let divide = |contour: &Vec<DVec2>| sides_of(contour).flat_map(divided).collect();
+        let contours: Vec<Vec<DVec2>> = contours.iter().map(divide).collect();
+        let points = places.iter().map(|&place| {
+            let mut flat = [0.0; 2];
+            flat[axis] = level.scale[axis] * place;
+            DVec2::from_array(flat).extend(level.z)
+        });
+        let numbers = contours.iter().flatten();
+        let numbers = numbers.map(|point| number(along(point)) as u32);
+        Some(Self {
+            points: points.collect(),
+            number: numbers.collect(),
+            contours,
+        })
+    }
+}
+
 /// The polyhedron through all levels; none if its faces run through each other, or if it has
 /// none at its end.
 fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Option<Solid> {
+    let (last, below) = levels.split_last()?;
+    let ridge = Ridge::of(contours, last);
+    let contours = ridge.as_ref().map_or(contours, |ridge| &ridge.contours);
     let count: usize = contours.iter().map(Vec::len).sum();
-    let points = || contours.iter().flatten().copied();
-    let vertices = levels
-        .iter()
-        .flat_map(|level| points().map(|point| level.place(point)));
+    let at = |level: &Level| {
+        let points = contours.iter().flatten();
+        points.map(|&point| level.place(point)).collect()
+    };
+    let mut vertices: Vec<DVec3> = below.iter().flat_map(at).collect();
+    let top = vertices.len() as u32;
+    vertices.extend(match &ridge {
+        Some(ridge) => ridge.points.clone(),
+        None => at(last),
+    });
+    let number = |corner: u32| match &ridge {
+        Some(ridge) if corner >= top => top + ridge.number[(corner - top) as usize],
+        _ => corner,
+    };
     let mut faces: Vec<Vec<u32>> = Vec::with_capacity(2 * count * levels.len());
     for (step, pair) in levels.windows(2).enumerate() {
         let mut first = step * count;
         for contour in contours {
             for (k, triangles) in sides(contour, [&pair[0], &pair[1]], turns_back) {
                 let next = (k + 1) % contour.len();
-                let corners = [k, next, next + count, k + count].map(|at| (first + at) as u32);
-                faces.extend(triangles.map(|triangle| triangle.map(|at| corners[at]).to_vec()));
+                let corners = [k, next, next + count, k + count];
+                let corners = corners.map(|at| number((first + at) as u32));
+                let triangles = triangles.map(|triangle| triangle.map(|at| corners[at]));
+                let has_area = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+                let triangles = triangles.into_iter().filter(has_area);
+                faces.extend(triangles.map(Vec::from));
             }
             first += contour.len();
         }
     }
-    let top = ((levels.len() - 1) * count) as u32;
     for [a, b, c] in cap(contours)? {
-        faces.extend([[c, b, a], [a + top, b + top, c + top]].map(Vec::from));
+        faces.push(vec![c, b, a]);
+        if ridge.is_none() {
+            faces.push(vec![a + top, b + top, c + top]);
+        }
     }
-    Solid::of_faces(vertices.collect(), &faces)
+    Solid::of_faces(vertices, &faces)
 }
 
 /// The triangles of what contours enclose, counter-clockwise, by the numbers of their corners.
