@@ -375,6 +375,10 @@ fn every_kind_of_surface_is_read_back() {
         ),
         ("paraboloid", Solid::paraboloid([0.8, 1.1]) & within()),
         (
+            "saddle",
+            Solid::quadric([1.2, -0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.1]) & within(),
+        ),
+        (
             "round hyperboloid of one sheet",
             Solid::hyperboloid_one_sheet([0.5, 0.5, 0.6]) & within(),
         ),

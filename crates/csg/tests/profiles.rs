@@ -126,6 +126,119 @@ fn scaled_extrusions() {
     assert_volume("pointed", &pyramid, 1.0);
 }
 
+/// The exact volume of a solid, which has to have an exact boundary.
+fn exact(solid: &Solid) -> csg::brep::Bounded {
+    let program = Program::lower(solid).expect("valid");
+    let brep = program
+        .boundary(&BoundaryOptions::new())
+        .expect("a boundary");
+    assert_eq!(brep.moved(), None);
+    brep.measure().volume
+}
+
+/// Sides of a polygon that is scaled unevenly on its way up are saddles: the volume is the area times
+/// the integral of (1 + (a - 1) t)(1 + (b - 1) t). Where the boundary is told, it is exact.
+#[test]
+fn polygons_scaled_unevenly_are_exact() {
+    let mut random = Random(3);
+    let (mut told, cases) = (0, 24);
+    for case in 0..cases {
+        let mut number = |from: f64, to: f64| from + (to - from) * random.unit();
+        let corners = 3 + case % 5;
+        let profile = Profile::regular_polygon(corners, 1.0)
+            .scale_xy([number(0.5, 2.0), number(0.5, 2.0)])
+            .rotate(number(0.0, TAU));
+        let area = profile.area(1e-9).expect("an area");
+        let [a, b] = [number(0.2, 1.8), [number(0.2, 1.8), 0.0][case % 2]];
+        let share = 1.0 + 0.5 * (a + b - 2.0) + (a - 1.0) * (b - 1.0) / 3.0;
+        let solid = Solid::extrude_scaled(&profile, 0.0..3.0, [a, b]);
+        let program = Program::lower(&solid).expect("valid");
+        let Ok(brep) = program.boundary(&BoundaryOptions::new()) else {
+            continue;
+        };
+        told += 1;
+        let volume = brep.measure().volume;
+        let off = (volume.value - 3.0 * area * share).abs();
+        assert!(off <= volume.error.max(1e-13), "{case}: {off:e}");
+        assert!(volume.error < 1e-9, "{case}: {}", volume.error);
+        assert_eq!(
+            brep.faces().len(),
+            corners + 1 + usize::from(b > 0.0),
+            "{case}"
+        );
+    }
+    assert!(2 * told > cases, "{told} of {cases}");
+}
+
+/// Round outlines end in a ridge, too, with corners on both sides of it that match or do not.
+#[test]
+fn round_outlines_end_in_a_ridge() {
+    let slot = Profile::slot(1.0, 0.3);
+    for (profile, area) in [
+        (
+            Profile::rounded_rectangle([3.0, 2.0], 0.5),
+            6.0 - 0.25 * (4.0 - PI),
+        ),
+        (slot.clone(), 0.6 + 0.09 * PI),
+        (slot.rotate(0.4).translate([0.1, 0.2]), 0.6 + 0.09 * PI),
+    ] {
+        for scale in [[1.0, 0.0], [0.0, 0.7]] {
+            let larger = scale[0] + scale[1];
+            let solid = Solid::extrude_scaled(&profile, 0.0..2.0, scale);
+            let program = Program::lower(&solid).expect("a program");
+            let meshed = Mesher::new().mesh(&program).expect("a mesh");
+            let (mesh, report) = (meshed.mesh, meshed.report);
+            assert_eq!(
+                (report.method, &report.fallbacks[..]),
+                ("polyhedral", &[][..])
+            );
+            assert!(report.check.is_manifold() && mesh.triangles.len() < 60_000);
+            let expected = 2.0 * area * (0.5 + (larger - 1.0) / 6.0);
+            // By chords and flat faces.
+            let off = mesh.volume() / expected - 1.0;
+            assert!(off.abs() < 1e-3, "{scale:?}: {off}");
+        }
+    }
+}
+
+/// What rounding leaves beside the axis is on it: a half disc by sines and cosines is a ball.
+#[test]
+fn corners_beside_the_axis_are_on_it() {
+    let cylinder = |off: f64| {
+        let rounding = off.abs().min(1e-15);
+        Profile::polygon([
+            [off, 0.0],
+            [5.0, rounding],
+            [5.0, 5.0],
+            [-off, 5.0 - rounding],
+        ])
+    };
+    for off in [0.0, 6e-17, 3e-16, 1e-12, 1e-9, -3e-16] {
+        for (radians, share) in [(TAU, 1.0), (PI, 0.5), (5.0, 5.0 / TAU)] {
+            let volume = exact(&Solid::revolve_by(&cylinder(off), radians));
+            let expected = 125.0 * PI * share;
+            // (The corners are off their places by as much.)
+            let allowed = volume.error + 200.0 * off.abs();
+            assert!(
+                (volume.value - expected).abs() <= allowed,
+                "{off} {radians}"
+            );
+        }
+        let steps = Solid::revolve_in_steps(&cylinder(off), TAU, 8);
+        let expected = 4.0 * 125.0 * std::f64::consts::FRAC_PI_4.sin();
+        assert!((exact(&steps).value - expected).abs() <= 1e-12 + 200.0 * off.abs());
+    }
+    let beyond = Solid::revolve(&cylinder(-1e-6));
+    let fault = Program::lower(&beyond).expect_err("beyond the axis");
+    assert!(matches!(
+        fault,
+        Error::InvalidNode {
+            fault: NodeFault::Profile(ProfileFault::BeyondAxis { .. }),
+            ..
+        }
+    ));
+}
+
 #[test]
 fn revolutions() {
     let vase = Path::from([0.0, 0.0])

@@ -83,12 +83,13 @@ pub(super) mod tests {
         let turn = turn(random);
         let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
         let (a, b, c) = (number(0.3, 1.0), number(0.3, 1.0), number(0.2, 1.0));
-        let (values, slope, constant) = match number(0.0, 6.0) as u32 {
+        let (values, slope, constant) = match number(0.0, 7.0) as u32 {
             0 => ([1.0, a, b], 0.0, -c),
             1 => ([1.0, a, 0.0], 0.0, -c),
             2 => ([1.0, a, -b], 0.0, 0.0),
             3 => ([1.0, a, -b], 0.0, -c),
             4 => ([1.0, a, -b], 0.0, c),
+            5 => ([1.0, -a, 0.0], b, 0.0),
             _ => ([1.0, a, 0.0], b, 0.0),
         };
         let center = DVec3::new(number(-0.5, 0.5), number(-0.5, 0.5), number(-0.5, 0.5));

@@ -165,17 +165,8 @@ impl Steps {
         // mean by a quarter of that: at most two thirds.
         let warp = widest * angle + (scale.x - scale.y).abs();
         let pieces = 3.0 / 8.0 * warp / deviation;
-        // Up to a ridge there are no pieces of sides: it would have corners on both sides of it
-        // that do not match. Else as many steps as make pieces as long as these are high, if all is as
-        // high as wide.
-        let ends_in_ridge = scale.min_element() == 0.0 && scale.max_element() > 0.0;
-        let warped = if ends_in_ridge {
-            let sides = contours.iter().flat_map(|contour| sides_of(contour));
-            let lengths = sides.map(|[from, to]| from.distance(to));
-            pieces * lengths.fold(0.0, f64::max)
-        } else {
-            (pieces * reach).sqrt()
-        };
+        // As many steps as make pieces as long as these are high, if all is as high as wide.
+        let warped = (pieces * reach).sqrt();
         let least = (angle / MOST_TURN).max(1.0);
         Self {
             reach,
