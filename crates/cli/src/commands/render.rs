@@ -42,7 +42,7 @@ pub(crate) struct Options {
     #[command(flatten)]
     annotations: Annotations,
     #[command(flatten)]
-    mesher: MesherOptions,
+    pub(crate) mesher: MesherOptions,
 }
 
 impl Options {

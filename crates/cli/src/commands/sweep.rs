@@ -53,7 +53,7 @@ pub(crate) struct Options {
     step: StepArguments,
     /// The unit of the models' lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
-    unit: Unit,
+    pub(crate) unit: Unit,
     #[command(flatten)]
     limits: LimitOptions,
 }
@@ -406,7 +406,7 @@ fn measured(
     model: &Model<'_>,
     options: &Options,
 ) -> Result<Vec<Field>, Failure> {
-    let solid = model(variables)?.solid()?;
+    let solid = model(variables)?.solid(options.unit)?;
     let program = Program::lower(&solid)?;
     let limits = options.limits.limits();
     let files: Vec<PathBuf> = options

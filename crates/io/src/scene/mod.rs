@@ -90,7 +90,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-use csg::Solid;
+use csg::{LengthUnit, Solid};
 
 use crate::contents::Contents;
 
@@ -118,6 +118,9 @@ pub struct ReadOptions {
     /// Whether imported meshes that bound no solid are mended, with a warning that says
     /// what was changed ([`Solid::repaired`]).
     pub repair: bool,
+    /// The unit of the scene's lengths, into which those of imported 3MF and glTF files are
+    /// converted; others have none and are taken as they are.
+    pub unit: LengthUnit,
 }
 
 impl ReadOptions {
@@ -153,6 +156,13 @@ impl ReadOptions {
     #[must_use]
     pub fn repair(mut self, repair: bool) -> Self {
         self.repair = repair;
+        self
+    }
+
+    /// The same options with another unit of the scene's lengths.
+    #[must_use]
+    pub fn unit(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
         self
     }
 }
