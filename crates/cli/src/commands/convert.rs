@@ -35,6 +35,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
         .cloned()
         .collect();
     output::check(&meshes, None)?;
+    output::check_folders(options.outputs.iter().map(PathBuf::as_path))?;
     progress.stage("reading");
     let given = options.mesher.unit;
     let subject = options.input.read(false, given)?;

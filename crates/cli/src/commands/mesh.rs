@@ -231,6 +231,7 @@ fn write_shard(
                      for all shards";
         return Err(usage("a shard without cells", cause.to_owned()));
     }
+    output::check_folders(options.outputs.iter().map(PathBuf::as_path))?;
     progress.stage("reading");
     let Subject::Solid(solid, own) = subject()? else {
         let cause = "the input is a mesh, of which no other one is made".to_owned();

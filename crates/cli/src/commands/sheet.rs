@@ -48,7 +48,8 @@ impl SheetOptions {
             DrawingFormat::from_path(path)
                 .map_err(|error| Failure::new(exit_codes::USAGE, "no such format", error))?;
         }
-        Ok(())
+        let json = self.tell.json.as_deref();
+        output::check_folders(self.outputs.iter().map(PathBuf::as_path).chain(json))
     }
 
     pub fn boundary(&self, progress: &Progress) -> BoundaryOptions {

@@ -1,6 +1,6 @@
 //! `text`: OpenSCAD's rules for what it says, and the profile of it.
 
-use text::{Curves, Font, Fonts, HorizontalAlign, Text, VerticalAlign};
+use text::{Curves, Font, Fonts, HorizontalAlign, Text, TextError, VerticalAlign};
 
 use super::build::{Builder, is_size};
 use super::error::SceneError;
@@ -10,6 +10,9 @@ use super::values;
 
 /// More letters than this make more corners than a profile may have.
 const MOST_LETTERS: usize = 10_000;
+
+/// How many characters that a font lacks are named.
+const MOST_NAMED: usize = 8;
 
 /// What OpenSCAD 2021.01 takes for 1 where letters are placed, not drawn.
 const METRICS: f64 = 1000.0 / 1024.0;
@@ -102,7 +105,7 @@ impl Builder<'_> {
             }
         };
         let font = self.font(node, &font)?;
-        let profile = Text::new(written)
+        let text = Text::new(written)
             .size(size)
             .spacing(spacing)
             .metrics(METRICS)
@@ -111,9 +114,28 @@ impl Builder<'_> {
             .direction(direction)
             .language(language)
             .script(script)
-            .curves(curves)
-            .profile(&font)
-            .map_err(|e| self.fault(node, &e.to_string()))?;
+            .curves(curves);
+        let set = || Ok::<_, TextError>((text.profile(&font)?, text.missing(&font)?));
+        let (profile, missing) = set().map_err(|e| self.fault(node, &e.to_string()))?;
+        if !missing.is_empty() {
+            let many = missing.len().saturating_sub(MOST_NAMED);
+            let named = missing.iter().take(MOST_NAMED);
+            let named: Vec<String> = named
+                .map(|c| format!("{c:?} (U+{:04X})", u32::from(*c)))
+                .collect();
+            let more = if many > 0 {
+                format!(" and {many} more")
+            } else {
+                String::new()
+            };
+            let problem = format!(
+                "{} has no glyph for {}{more}: boxes stand for them, unless `font` names a font \
+                 that has",
+                font.family(),
+                named.join(", ")
+            );
+            self.warn(node, problem);
+        }
         self.flat(node, profile)
     }
 
