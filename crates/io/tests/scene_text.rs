@@ -49,7 +49,8 @@ fn what_is_not_as_asked_is_said() {
         panic!("{:?}", lacking.warnings)
     };
     let said = warning.to_string();
-    let named = "Liberation Sans has no glyph for '漢' (U+6F22), '😀' (U+1F600): boxes";
+    let named =
+        "the font Liberation Sans has no glyph for '漢' (U+6F22), '😀' (U+1F600), and boxes";
     assert!(said.contains(named), "{said}");
     let many: String = ('\u{4e00}'..'\u{4e0a}').collect();
     let lacking = scene(&format!("text = \"{many}\""), &options);

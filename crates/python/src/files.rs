@@ -65,7 +65,7 @@ fn warned(py: Python<'_>, scene: Scene) -> PyResult<PySolid> {
     Ok(PySolid(scene.solid))
 }
 
-fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let text = CString::new(text.replace('\0', " "))?;
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)
 }

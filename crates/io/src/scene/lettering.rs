@@ -11,9 +11,6 @@ use super::values;
 /// More letters than this make more corners than a profile may have.
 const MOST_LETTERS: usize = 10_000;
 
-/// How many characters that a font lacks are named.
-const MOST_NAMED: usize = 8;
-
 /// What OpenSCAD 2021.01 takes for 1 where letters are placed, not drawn.
 const METRICS: f64 = 1000.0 / 1024.0;
 
@@ -118,23 +115,7 @@ impl Builder<'_> {
         let set = || Ok::<_, TextError>((text.profile(&font)?, text.missing(&font)?));
         let (profile, missing) = set().map_err(|e| self.fault(node, &e.to_string()))?;
         if !missing.is_empty() {
-            let many = missing.len().saturating_sub(MOST_NAMED);
-            let named = missing.iter().take(MOST_NAMED);
-            let named: Vec<String> = named
-                .map(|c| format!("{c:?} (U+{:04X})", u32::from(*c)))
-                .collect();
-            let more = if many > 0 {
-                format!(" and {many} more")
-            } else {
-                String::new()
-            };
-            let problem = format!(
-                "{} has no glyph for {}{more}: boxes stand for them, unless `font` names a font \
-                 that has",
-                font.family(),
-                named.join(", ")
-            );
-            self.warn(node, problem);
+            self.warn(node, font.lacking(&missing));
         }
         self.flat(node, profile)
     }
