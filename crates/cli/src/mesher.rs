@@ -347,12 +347,8 @@ pub(crate) fn produce(
                     file.objects.len()
                 );
             }
-            let unit = match file.has_unit {
-                true => file.mesh.unit,
-                false => options.unit.length_unit(),
-            };
             Ok(Product {
-                mesh: file.in_unit(unit).mesh,
+                mesh: file.or_in(options.unit.length_unit()).mesh,
                 report: None,
                 program: None,
                 tolerance: None,

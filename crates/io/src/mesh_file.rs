@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use csg::{LengthUnit, Mesh, MeshFaults, Repairs, Solid};
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::assemble::Assembled;
@@ -57,6 +58,13 @@ impl MeshFile {
             self.mesh.unit = unit;
         }
         self
+    }
+
+    /// The same with lengths in `unit` where the file has none.
+    #[must_use]
+    pub fn or_in(self, unit: LengthUnit) -> Self {
+        let unit = if self.has_unit { self.mesh.unit } else { unit };
+        self.in_unit(unit)
     }
 
     /// The same with all triangles turned round.
@@ -148,13 +156,16 @@ impl MeshFile {
             holds(one, other).or_else(|| holds(other, one))
         });
         nested.take(MOST_NESTED).find(|&[outer, inner]| {
-            let inner = self.part([&self.objects[inner]]);
-            let outer = self.part([&self.objects[outer]]);
-            let Some(&[corner, ..]) = inner.triangles.first() else {
-                return false;
-            };
-            let point = inner.positions[corner as usize];
-            inner.volume() > 0.0 && windings(&outer, point) > 0.5
+            let [outer, inner] = [outer, inner].map(|object| &self.objects[object]);
+            let point = self.mesh.corners(inner.start)[0];
+            let six_volumes: f64 = inner
+                .clone()
+                .map(|triangle| {
+                    let [a, b, c] = self.mesh.corners(triangle).map(|corner| corner - point);
+                    a.dot(b.cross(c))
+                })
+                .sum();
+            six_volumes > 0.0 && windings(&self.mesh, outer, point) > 0.5
         })
     }
 
@@ -213,10 +224,10 @@ impl MeshFile {
     }
 }
 
-/// How often a closed mesh winds around a point that is not on it (A. van Oosterom, J. Strackee,
-/// "The Solid Angle of a Plane Triangle", 1983).
-fn windings(mesh: &Mesh, point: DVec3) -> f64 {
-    let angles = (0..mesh.triangles.len()).map(|triangle| {
+/// How often closed triangles wind around a point that is not on them (A. van Oosterom,
+/// J. Strackee, "The Solid Angle of a Plane Triangle", 1983).
+fn windings(mesh: &Mesh, triangles: &Range<usize>, point: DVec3) -> f64 {
+    let angles = triangles.clone().into_par_iter().map(|triangle| {
         let [a, b, c] = mesh.corners(triangle).map(|corner| corner - point);
         let lengths = [a.length(), b.length(), c.length()];
         let over = lengths[0] * lengths[1] * lengths[2]

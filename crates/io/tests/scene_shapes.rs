@@ -494,3 +494,15 @@ fn warnings_and_errors_say_where() {
         }
     }
 }
+
+#[test]
+fn profiles_on_both_sides_of_the_axis_are_told_with_their_extent() {
+    for (flat, extent) in [
+        ("circle(r = 5);", "from -5.00 to 5.00"),
+        ("translate([1, 0]) circle(r = 1234);", "from -1233 to 1235"),
+    ] {
+        let text = format!("rotate_extrude(angle = 180) {{ {flat} }}");
+        let said = scene(&text, false).warnings[0].to_string();
+        assert!(said.contains(extent), "{said}");
+    }
+}

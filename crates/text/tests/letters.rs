@@ -126,7 +126,7 @@ fn characters_without_a_glyph_are_told() {
     // From right to left in the order of the text.
     let arabic = Text::new("漢😀").direction("rtl");
     assert_eq!(arabic.missing(&font).expect("shaped"), ['漢', '😀']);
-    assert!(Text::new("a").script("x").missing(&font).is_err());
+    assert!(Text::new("a").direction("up").missing(&font).is_err());
 }
 
 #[test]

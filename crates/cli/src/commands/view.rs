@@ -99,7 +99,7 @@ impl Source for FileSource {
         let contents = self.input.contents(self.unit);
         match contents.map_err(|failure| Problem::new(failure.reason()))? {
             Contents::Mesh(file) => Ok(Loaded {
-                subject: Subject::Mesh(file.mesh),
+                subject: Subject::Mesh(file.or_in(self.unit.length_unit()).mesh),
                 warnings: Vec::new(),
             }),
             Contents::Repaired(solid, _, repairs) => {

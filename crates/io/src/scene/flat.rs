@@ -463,8 +463,12 @@ impl Builder<'_> {
             });
         let slack = 1e-12 * most.max(-least);
         if least < -slack && most > slack {
+            // (Chords of arcs tell four digits of their extent.)
+            let decimals = 2.0 - (most - least).log10().floor();
+            let decimals = decimals.clamp(0.0, 15.0) as usize;
             let problem = format!(
-                "all points must be on the same side of the axis, but x goes from {least} to {most}"
+                "all points must be on the same side of the axis, but x goes from \
+                 {least:.decimals$} to {most:.decimals$}"
             );
             return Ok(self.nothing(node, &problem));
         }
