@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use csg::{LengthUnit, Mesh, MeshFaults, Repairs, Solid};
+use csg::{LengthUnit, Mesh, MeshFaults, Repairs, Solid, elementary};
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -234,7 +234,7 @@ fn windings(mesh: &Mesh, triangles: &Range<usize>, point: DVec3) -> f64 {
             + a.dot(b) * lengths[2]
             + b.dot(c) * lengths[0]
             + c.dot(a) * lengths[1];
-        a.dot(b.cross(c)).atan2(over)
+        elementary::atan2(a.dot(b.cross(c)), over)
     });
     angles.sum::<f64>() / TAU
 }

@@ -464,7 +464,7 @@ impl Builder<'_> {
         let slack = 1e-12 * most.max(-least);
         if least < -slack && most > slack {
             // (Chords of arcs tell four digits of their extent.)
-            let decimals = 2.0 - (most - least).log10().floor();
+            let decimals = 2.0 - elementary::log10(most - least).floor();
             let decimals = decimals.clamp(0.0, 15.0) as usize;
             let problem = format!(
                 "all points must be on the same side of the axis, but x goes from \
