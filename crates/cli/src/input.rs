@@ -3,9 +3,9 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use csg::{Mesh, Repairs, Solid};
-use io::MeshFormat;
+use csg::{Repairs, Solid};
 use io::scene::{self, ReadOptions, Scene, SceneError};
+use io::{MeshFile, MeshFormat};
 
 use crate::failure::{Failure, exit_codes};
 use crate::mesher::Unit;
@@ -52,46 +52,49 @@ pub(crate) type Reader<'a> = Box<dyn FnOnce() -> Result<Subject, Failure> + 'a>;
 
 /// What a command works on.
 pub(crate) enum Subject {
-    /// A solid, still to be meshed.
-    Solid(Solid),
+    /// A solid, still to be meshed, and the unit of its lengths, if it has one of its own.
+    Solid(Solid, Option<Unit>),
     /// A mesh, as it was read.
-    Mesh(Mesh),
+    Mesh(MeshFile),
 }
 
 impl Subject {
-    /// The unit of its lengths, if those of a solid are so.
-    pub(crate) fn unit(&self, of_solid: Unit) -> Unit {
+    /// The unit of its lengths: its own, or else the one that is given.
+    pub(crate) fn unit(&self, given: Unit) -> Unit {
         match self {
-            Self::Solid(_) => of_solid,
-            Self::Mesh(mesh) => Unit::of(mesh.unit),
+            Self::Solid(_, own) => own.unwrap_or(given),
+            Self::Mesh(file) if file.has_unit => Unit::of(file.mesh.unit),
+            Self::Mesh(_) => given,
         }
     }
 
-    /// The solid, or that which the mesh bounds.
-    pub(crate) fn solid(&self) -> Result<Solid, Failure> {
-        match self {
-            Self::Solid(solid) => Ok(solid.clone()),
-            Self::Mesh(mesh) => solid_of(mesh),
-        }
-    }
-}
-
-/// The solid that a mesh bounds. One that is inside out is turned, with a warning, as scenes do
-/// with what they import.
-pub(crate) fn solid_of(mesh: &Mesh) -> Result<Solid, Failure> {
-    let solid = match Solid::from_mesh(mesh) {
-        Err(faults) if faults.inside_out => {
-            say!("warning: the faces of the mesh are inside out: they are turned");
-            let mut turned = mesh.clone();
-            for triangle in &mut turned.triangles {
-                triangle.reverse();
+    /// The solid, or that which the mesh bounds, with its lengths in a unit: converted from its
+    /// own, if it has one. A mesh that is inside out is turned, with a warning, as scenes do with
+    /// what they import.
+    pub(crate) fn solid(&self, unit: Unit) -> Result<Solid, Failure> {
+        let file = match self {
+            Self::Solid(solid, own) => {
+                let own = own.filter(|own| *own != unit);
+                return Ok(own.map_or_else(
+                    || solid.clone(),
+                    |own| solid.scale(io::unit_ratio(own.length_unit(), unit.length_unit())),
+                ));
             }
-            Solid::from_mesh(&turned)
-        }
-        other => other,
-    };
-    solid.map_err(|faults| no_solid(faults).hint("--repair mends what it can"))
+            Self::Mesh(file) => file.clone().in_unit(unit.length_unit()),
+        };
+        let solid = match file.solid() {
+            Err(faults) if faults.inside_out => {
+                say!("warning: the faces of the mesh are inside out: they are turned");
+                file.turned().solid()
+            }
+            other => other,
+        };
+        solid.map_err(|faults| no_solid(faults).hint(REPAIR))
+    }
 }
+
+/// How meshes that bound no solid are mended.
+const REPAIR: &str = "--repair mends what it can";
 
 fn no_solid(faults: Box<csg::MeshFaults>) -> Failure {
     Failure::new(exit_codes::MODEL, "the mesh is no solid", faults)
@@ -108,21 +111,22 @@ impl Input {
     }
 
     /// Reads the file: see [`Reading::read`].
-    pub(crate) fn read(&self, faces_only: bool) -> Result<Subject, Failure> {
-        self.reading.read(&self.path, &[], faces_only)
+    pub(crate) fn read(&self, faces_only: bool, unit: Unit) -> Result<Subject, Failure> {
+        self.reading.read(&self.path, &[], faces_only, unit)
     }
 
     /// The same, with what is wrong in a scene's text as the reader says it.
     #[cfg(feature = "view")]
-    pub(crate) fn contents(&self) -> Result<Contents, Failure> {
-        self.reading.contents(&self.path, &[], false)
+    pub(crate) fn contents(&self, unit: Unit) -> Result<Contents, Failure> {
+        self.reading.contents(&self.path, &[], false, unit)
     }
 }
 
 /// What a file holds.
 pub(crate) enum Contents {
-    Mesh(Mesh),
-    Repaired(Solid, Repairs),
+    Mesh(MeshFile),
+    /// With the unit of its lengths, if the file has one.
+    Repaired(Solid, Option<Unit>, Repairs),
     Scene(Result<Scene, SceneError>),
 }
 
@@ -134,27 +138,29 @@ pub(crate) fn repaired(path: &Path, repairs: &Repairs) -> Option<String> {
 impl Reading {
     /// Reads a file by its extension, some more variables of an OpenSCAD model set as in
     /// `name=value`; warnings go to standard error. With `faces_only`, a mesh need not be
-    /// connected ([`io::ReadOptions::to_draw`]).
+    /// connected ([`io::ReadOptions::to_draw`]). Scenes, which have no unit of their own, are in
+    /// the given one.
     pub(crate) fn read(
         &self,
         path: &Path,
         define: &[String],
         faces_only: bool,
+        unit: Unit,
     ) -> Result<Subject, Failure> {
-        match self.contents(path, define, faces_only)? {
-            Contents::Mesh(mesh) => Ok(Subject::Mesh(mesh)),
-            Contents::Repaired(solid, repairs) => {
+        match self.contents(path, define, faces_only, unit)? {
+            Contents::Mesh(file) => Ok(Subject::Mesh(file)),
+            Contents::Repaired(solid, own, repairs) => {
                 if let Some(warning) = repaired(path, &repairs) {
                     say!("warning: {warning}");
                 }
-                Ok(Subject::Solid(solid))
+                Ok(Subject::Solid(solid, own))
             }
             Contents::Scene(scene) => {
                 let scene = scene.map_err(|error| scene_failure(&name_of(path), error))?;
                 for warning in &scene.warnings {
                     say!("warning: {warning}");
                 }
-                Ok(Subject::Solid(scene.solid))
+                Ok(Subject::Solid(scene.solid, None))
             }
         }
     }
@@ -164,6 +170,7 @@ impl Reading {
         path: &Path,
         define: &[String],
         faces_only: bool,
+        unit: Unit,
     ) -> Result<Contents, Failure> {
         let define = [&self.define, define].concat();
         let name = path.display().to_string();
@@ -179,7 +186,8 @@ impl Reading {
         let options = ReadOptions::default()
             .faceted(self.faceted)
             .any_folder(self.any_folder)
-            .repair(self.repair);
+            .repair(self.repair)
+            .unit(unit.length_unit());
         let options = self.font.iter().fold(options, ReadOptions::font);
         if is_stream(path) {
             let mut bytes = Vec::new();
@@ -192,16 +200,17 @@ impl Reading {
             let options = io::ReadOptions::default()
                 .any_folder(self.any_folder)
                 .to_draw(faces_only);
-            let (mesh, warnings) = io::read_mesh_and_warnings(path, &options)
-                .map_err(|error| mesh_failure(&name, error))?;
-            for warning in warnings {
+            let file =
+                io::read_mesh_file(path, &options).map_err(|error| mesh_failure(&name, error))?;
+            for warning in &file.warnings {
                 say!("warning: {name}: {warning} (--any-folder)");
             }
             if self.repair {
-                let (solid, repairs) = Solid::repaired(&mesh).map_err(no_solid)?;
-                return Ok(Contents::Repaired(solid, repairs));
+                let (solid, repairs) = file.repaired().map_err(no_solid)?;
+                let own = file.has_unit.then(|| Unit::of(file.mesh.unit));
+                return Ok(Contents::Repaired(solid, own, repairs));
             }
-            return Ok(Contents::Mesh(mesh));
+            return Ok(Contents::Mesh(file));
         }
         if is_openscad(path) {
             let text = openscad::evaluated(path, &define)?;
@@ -268,6 +277,7 @@ fn scene_failure(name: &str, error: SceneError) -> Failure {
             Some("rewrite that part with the supported nodes, or leave it out with `%`")
         }
         SceneError::OtherFolder { .. } => Some(ANY_FOLDER),
+        SceneError::NotASolid { .. } => Some(REPAIR),
         SceneError::Syntax { .. } => Some(
             "scenes are OpenSCAD's evaluated trees, as `openscad -o part.csg part.scad` writes them",
         ),

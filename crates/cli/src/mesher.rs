@@ -52,7 +52,8 @@ pub(crate) struct MesherOptions {
     pub(crate) draft: bool,
     #[command(flatten)]
     pub(crate) limits: LimitOptions,
-    /// The unit of the model's lengths; meshes have their own
+    /// The unit of the model's lengths, into which scenes convert what they import from .3mf, .glb
+    /// and .gltf files; these have their own
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     pub(crate) unit: Unit,
 }
@@ -287,7 +288,8 @@ pub(crate) fn produce(
     let subject = subject()?;
     let mut seconds = vec![("read", start.elapsed().as_secs_f64())];
     match subject {
-        Subject::Solid(solid) => {
+        Subject::Solid(solid, own) => {
+            let unit = own.unwrap_or(options.unit);
             let start = Instant::now();
             let program = Program::lower(&solid)?;
             seconds.push(("lower", start.elapsed().as_secs_f64()));
@@ -296,7 +298,7 @@ pub(crate) fn produce(
                 .normals()
                 // To a tolerance, a mesh that fails its check is made anew.
                 .check(check || options.is_to_tolerance())
-                .unit(options.unit.length_unit())
+                .unit(unit.length_unit())
                 .limits(options.limits.limits())
                 .progress(progress.callback());
             let mut tolerance = None;
@@ -335,13 +337,24 @@ pub(crate) fn produce(
                 seconds,
             })
         }
-        Subject::Mesh(mesh) => Ok(Product {
-            mesh,
-            report: None,
-            program: None,
-            tolerance: None,
-            seconds,
-        }),
+        Subject::Mesh(file) => {
+            if check && let Some([one, other]) = file.meeting_objects() {
+                say!(
+                    "warning: objects {} and {} of {} touch, overlap or lie in each other: volume and \
+                     area count twice what both have; --repair makes one solid of them",
+                    one + 1,
+                    other + 1,
+                    file.objects.len()
+                );
+            }
+            Ok(Product {
+                mesh: file.or_in(options.unit.length_unit()).mesh,
+                report: None,
+                program: None,
+                tolerance: None,
+                seconds,
+            })
+        }
     }
 }
 

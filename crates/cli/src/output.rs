@@ -52,12 +52,19 @@ pub(crate) fn is_stream(path: &Path) -> bool {
 /// any work is done for them.
 pub(crate) fn check(meshes: &[PathBuf], json: Option<&Path>) -> Result<(), Failure> {
     check_streams(meshes, json)?;
-    let is_mesh = |path: &&PathBuf| !is_stream(path) && !io::step::is_step(path);
-    for path in meshes.iter().filter(is_mesh) {
-        MeshFormat::from_path(path)
-            .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))?;
+    meshes.iter().try_for_each(|path| check_format(path))?;
+    check_folders(meshes.iter().map(PathBuf::as_path).chain(json))
+}
+
+/// Refuses an output that is neither a mesh nor STEP.
+pub(crate) fn check_format(path: &Path) -> Result<(), Failure> {
+    if is_stream(path) || io::step::is_step(path) {
+        return Ok(());
     }
-    Ok(())
+    let format = MeshFormat::from_path(path);
+    format
+        .map_err(|error| Failure::new(exit_codes::USAGE, "no such mesh format", error))
+        .map(|_| ())
 }
 
 /// Refuses outputs that would come out mixed.
@@ -72,14 +79,31 @@ pub(crate) fn check_streams(outputs: &[PathBuf], json: Option<&Path>) -> Result<
     Ok(())
 }
 
-/// Refuses an output in a folder that is not there, before any work is done for it.
-pub(crate) fn check_folder(path: &Path) -> Result<(), Failure> {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => std::fs::metadata(folder)
-            .map_err(|error| Failure::output(&path.display().to_string(), error))
-            .map(|_| ()),
-        _ => Ok(()),
+/// Refuses outputs in folders that are not there, before any work is done, and any file written.
+pub(crate) fn check_folders<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), Failure> {
+    const HINT: &str = "nothing was written: make the folder, or name a file in another one";
+    for path in outputs.into_iter().filter(|path| !is_stream(path)) {
+        let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) else {
+            continue;
+        };
+        let name = path.display().to_string();
+        let about = std::fs::metadata(folder);
+        let about = about.map_err(|error| Failure::output(&name, error).hint(HINT))?;
+        if !about.is_dir() {
+            let cause = format!("{} is a file, not a folder", folder.display());
+            return Err(Failure::output(&name, cause).hint(HINT));
+        }
     }
+    Ok(())
+}
+
+/// Whether a file that is to be written is one that is there: by the same name, or another one
+/// that leads to it.
+pub(crate) fn is_same_file(output: &Path, input: &Path) -> bool {
+    let found = [output, input].map(|path| path.canonicalize().ok());
+    !is_stream(output) && found[0].is_some() && found[0] == found[1]
 }
 
 /// Writes the mesh to a file by its extension, or to standard output.

@@ -143,22 +143,26 @@ pub fn main() -> ExitCode {
     let progress = &Progress::new(quiet);
     let result = match command {
         FileCommand::Mesh { input, options } => {
-            mesh::run(Box::new(|| input.read(false)), &options, progress)
+            let unit = options.mesher.unit;
+            mesh::run(Box::new(|| input.read(false, unit)), &options, progress)
         }
         FileCommand::Merge(options) => merge::run(&options, progress),
         FileCommand::Render { input, options } => render::run(
-            Box::new(|| input.read(options.faces_only())),
+            Box::new(|| input.read(options.faces_only(), options.mesher.unit)),
             &options,
             progress,
         ),
         FileCommand::Measure { input, options } => {
-            measure::run(Box::new(|| input.read(false)), &options, progress)
+            let unit = options.mesher.unit;
+            measure::run(Box::new(|| input.read(false, unit)), &options, progress)
         }
         FileCommand::Section { input, options } => {
-            section::run(Box::new(|| input.read(false)), &options, progress)
+            let unit = options.sheet.tell.unit;
+            section::run(Box::new(|| input.read(false, unit)), &options, progress)
         }
         FileCommand::Drawing { input, options } => {
-            drawing::run(Box::new(|| input.read(false)), &options, progress)
+            let unit = options.sheet.tell.unit;
+            drawing::run(Box::new(|| input.read(false, unit)), &options, progress)
         }
         FileCommand::Convert(options) => convert::run(&options, progress),
         FileCommand::Info(options) => info::run(&options),
@@ -208,7 +212,7 @@ fn file_variant(
         .iter()
         .filter(|(name, value)| has_variables && name != MODEL && !value.is_empty());
     let define: Vec<String> = define.map(openscad_variable).collect();
-    reading.read(&path, &define, false)
+    reading.read(&path, &define, false, options.unit)
 }
 
 /// A variable as OpenSCAD's `-D` has it: text in quotes, unless it has them.
@@ -264,7 +268,7 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         Err(code) => return code,
     };
     let progress = &Progress::new(quiet);
-    let subject: Reader<'_> = Box::new(|| Ok(Subject::Solid(model(dimensions))));
+    let subject: Reader<'_> = Box::new(|| Ok(Subject::Solid(model(dimensions), None)));
     let result = match command {
         ModelCommand::Mesh(options) => mesh::run(subject, &options, progress),
         ModelCommand::Render(options) => render::run(subject, &options, progress),
@@ -272,7 +276,7 @@ pub fn run_with<A: Args>(model: impl Fn(A) -> Solid + Sync) -> ExitCode {
         ModelCommand::Section(options) => section::run(subject, &options, progress),
         ModelCommand::Drawing(options) => drawing::run(subject, &options, progress),
         ModelCommand::Sweep(options) => {
-            let variant = |row: &[Variable]| Ok(Subject::Solid(model(variant_of(row)?)));
+            let variant = |row: &[Variable]| Ok(Subject::Solid(model(variant_of(row)?), None));
             sweep::run(&variant, &options, progress)
         }
         #[cfg(feature = "view")]

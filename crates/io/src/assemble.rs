@@ -1,5 +1,6 @@
 //! What readers build a mesh with.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use csg::{Color, LengthUnit, Mesh, MeshSurface};
@@ -20,6 +21,23 @@ pub(crate) struct Assembler {
     runs: Vec<(u32, usize)>,
     /// Whether every triangle so far came with normals.
     has_normals: bool,
+    /// The first triangle of each object.
+    objects: Vec<usize>,
+}
+
+/// A mesh as a file has it.
+pub(crate) struct Assembled {
+    pub(crate) mesh: Mesh,
+    /// The first triangle of each object that has any, in ascending order; of formats without
+    /// objects none.
+    pub(crate) objects: Vec<usize>,
+}
+
+impl From<Mesh> for Assembled {
+    fn from(mesh: Mesh) -> Self {
+        let objects = Vec::new();
+        Self { mesh, objects }
+    }
 }
 
 impl Assembler {
@@ -32,7 +50,18 @@ impl Assembler {
             parts: FxHashMap::default(),
             runs: Vec::new(),
             has_normals: true,
+            objects: Vec::new(),
         }
+    }
+
+    /// The triangles that follow are those of another object.
+    pub(crate) fn begin_object(&mut self) {
+        self.objects.push(self.mesh.triangles.len());
+    }
+
+    /// The same for all objects, by their first triangles in ascending order.
+    pub(crate) fn begin_objects(&mut self, firsts: Vec<usize>) {
+        self.objects = firsts;
     }
 
     /// Adds finite vertices, not too many.
@@ -146,7 +175,7 @@ impl Assembler {
 
     /// The mesh: with normals if all triangles have them, with surfaces if
     /// any of them has a name or a colour.
-    pub(crate) fn finish(self) -> Mesh {
+    pub(crate) fn finish(self) -> Assembled {
         let mut mesh = self.mesh;
         if !self.has_normals {
             mesh.corner_normals.clear();
@@ -161,8 +190,9 @@ impl Assembler {
         } else {
             mesh.surfaces.clear();
         }
+        let objects = remaining(&mesh, self.objects);
         drop_vanished(&mut mesh);
-        mesh
+        Assembled { mesh, objects }
     }
 }
 
@@ -171,9 +201,14 @@ impl Assembler {
 ///
 /// # Errors
 /// No triangle with three corners.
-pub(crate) fn with_triangles(mesh: Mesh, format: MeshFormat, data: &[u8]) -> Result<Mesh, Error> {
-    if !mesh.triangles.is_empty() {
-        return Ok(mesh);
+pub(crate) fn with_triangles(
+    read: impl Into<Assembled>,
+    format: MeshFormat,
+    data: &[u8],
+) -> Result<Assembled, Error> {
+    let read = read.into();
+    if !read.mesh.triangles.is_empty() {
+        return Ok(read);
     }
     let (place, problem) = if data.is_empty() {
         ("byte 0".to_owned(), "it is empty".to_owned())
@@ -191,9 +226,37 @@ pub(crate) fn with_triangles(mesh: Mesh, format: MeshFormat, data: &[u8]) -> Res
     })
 }
 
+/// Whether two vertices of a triangle are one.
+fn vanished(&[a, b, c]: &[u32; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+/// The first triangle of each object, in ascending order, once those that vanish are left out,
+/// and objects with them that have no others.
+fn remaining(mesh: &Mesh, firsts: Vec<usize>) -> Vec<usize> {
+    let mut kept = 0;
+    let mut at = 0;
+    let mut remaining = Vec::new();
+    let ends = firsts.iter().skip(1).copied();
+    let ends: Vec<usize> = ends.chain([mesh.triangles.len()]).collect();
+    for (first, end) in firsts.into_iter().zip(ends) {
+        let count = |range: Range<usize>| {
+            let triangles = mesh.triangles[range].par_iter();
+            triangles.filter(|triangle| !vanished(triangle)).count()
+        };
+        kept += count(at..first);
+        let own = count(first..end);
+        if own > 0 {
+            remaining.push(kept);
+        }
+        kept += own;
+        at = end;
+    }
+    remaining
+}
+
 /// Leaves out the triangles two of whose vertices are one.
 pub(crate) fn drop_vanished(mesh: &mut Mesh) {
-    let vanished = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
     if !mesh.triangles.par_iter().any(vanished) {
         return;
     }

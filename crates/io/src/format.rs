@@ -7,8 +7,10 @@ use std::path::Path;
 
 use csg::{Mesh, MeshSurface};
 
+use crate::assemble::Assembled;
 use crate::atomic::AtomicFile;
 use crate::contents::Contents;
+use crate::mesh_file::MeshFile;
 use crate::{Error, gltf, obj, off, ply, step, stl, threemf};
 
 /// The mesh formats.
@@ -56,6 +58,13 @@ impl MeshFormat {
             Self::Off => "off",
             Self::ThreeMf => "3mf",
         }
+    }
+
+    /// Whether files of it say in which unit their lengths are: 3MF, and glTF, which is in metres
+    /// (with a note of the unit that was written).
+    #[must_use]
+    pub const fn has_unit(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf | Self::ThreeMf)
     }
 
     /// The format of a file extension (without the dot, in any case).
@@ -234,36 +243,34 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, Error> {
 /// # Errors
 /// As [`read_mesh`].
 pub fn read_mesh_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Mesh, Error> {
-    read_mesh_and_warnings(path, options).map(|(mesh, _)| mesh)
+    read_mesh_file(path, options).map(|file| file.mesh)
 }
 
-/// [`read_mesh_with`], and what was left out that somebody might miss: materials of an OBJ file in
-/// another folder.
+/// [`read_mesh_with`], and what else the file says: its objects, whether it has a unit, and what
+/// was left out.
 ///
 /// # Errors
 /// As [`read_mesh`].
-pub fn read_mesh_and_warnings(
-    path: impl AsRef<Path>,
-    options: &ReadOptions,
-) -> Result<(Mesh, Vec<String>), Error> {
+pub fn read_mesh_file(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, Error> {
     let path = path.as_ref();
     let mut warnings = Vec::new();
-    let mesh = read_by_format(path, options, &mut warnings).map_err(|error| error.in_file(path))?;
-    Ok((mesh, warnings))
+    let read = read_by_format(path, options, &mut warnings).map_err(|error| error.in_file(path))?;
+    let has_unit = MeshFormat::from_path(path)?.has_unit();
+    Ok(MeshFile::new(read, has_unit, warnings))
 }
 
 fn read_by_format(
     path: &Path,
     options: &ReadOptions,
     warnings: &mut Vec<String>,
-) -> Result<Mesh, Error> {
+) -> Result<Assembled, Error> {
     let format = MeshFormat::from_path(path)?;
     let data = Contents::of(path).map_err(Error::file("read", path))?;
     let named = |name: &str| Contents::named_by(path, name, options.any_folder);
     match format {
         MeshFormat::Glb => gltf::read_glb_with(&data, options.to_draw),
         MeshFormat::Gltf => gltf::read_gltf_with(&data, options.to_draw, named),
-        MeshFormat::Obj => obj::read_obj(&data, |name| match named(name) {
+        MeshFormat::Obj => obj::read_obj_objects(&data, |name| match named(name) {
             Ok(data) => Some(data.to_vec()),
             Err(error @ Error::OtherFolder { .. }) => {
                 warnings.push(format!("its materials are left out: {error}"));
@@ -271,10 +278,10 @@ fn read_by_format(
             }
             Err(_) => None,
         }),
-        MeshFormat::Stl => stl::read_stl(&data),
-        MeshFormat::Ply => ply::read_ply(&data),
-        MeshFormat::Off => off::read_off(&data),
-        MeshFormat::ThreeMf => threemf::read_3mf(&data),
+        MeshFormat::Stl => stl::read_stl(&data).map(Assembled::from),
+        MeshFormat::Ply => ply::read_ply(&data).map(Assembled::from),
+        MeshFormat::Off => off::read_off(&data).map(Assembled::from),
+        MeshFormat::ThreeMf => threemf::read_3mf_objects(&data),
     }
 }
 

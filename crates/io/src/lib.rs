@@ -10,6 +10,7 @@ pub mod drawing;
 mod error;
 mod format;
 pub mod gltf;
+mod mesh_file;
 pub mod obj;
 pub mod off;
 mod parts;
@@ -32,9 +33,10 @@ mod weld;
 pub use atomic::{AtomicFile, bytes_written};
 pub use error::Error;
 pub use format::{
-    MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_and_warnings, read_mesh_with,
-    write_mesh,
+    MeshFormat, ReadOptions, WriteOptions, read_mesh, read_mesh_file, read_mesh_with, write_mesh,
 };
+pub use mesh_file::MeshFile;
 pub use profile::{ProfileOptions, ReadProfile, read_profile, read_profile_with};
 pub use shared::share_triangles;
-pub use solid::{read_repaired_solid, read_solid};
+pub use solid::{SolidOptions, read_repaired_solid, read_solid, read_solid_with};
+pub use units::unit_ratio;

@@ -106,7 +106,7 @@ pub fn read_off(data: &[u8]) -> Result<Mesh, Error> {
     let mesh = Mesh::from_polygons(positions, polygons);
     let mut mesh = mesh.ok_or_else(|| malformed("the faces", "a vertex does not exist"))?;
     drop_vanished(&mut mesh);
-    with_triangles(mesh, MeshFormat::Off, data)
+    with_triangles(mesh, MeshFormat::Off, data).map(|read| read.mesh)
 }
 
 fn at(line: usize, problem: impl Into<String>) -> Error {

@@ -293,7 +293,7 @@ pub fn read_ply(data: &[u8]) -> Result<Mesh, Error> {
             mesh.triangle([corners[0], pair[0], pair[1]].map(vertex), None);
         }
     }
-    with_triangles(mesh.finish(), MeshFormat::Ply, data)
+    with_triangles(mesh.finish(), MeshFormat::Ply, data).map(|read| read.mesh)
 }
 
 /// How many vertices are no copies.

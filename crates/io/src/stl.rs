@@ -147,7 +147,7 @@ pub fn write_stl_text(mesh: &Mesh, out: &mut impl Write) -> Result<(), Error> {
 /// A file that is neither, or is cut off, has a coordinate that is not finite, or
 /// no triangles.
 pub fn read_stl(data: &[u8]) -> Result<Mesh, Error> {
-    with_triangles(read_either(data)?, MeshFormat::Stl, data)
+    with_triangles(read_either(data)?, MeshFormat::Stl, data).map(|read| read.mesh)
 }
 
 fn read_either(data: &[u8]) -> Result<Mesh, Error> {

@@ -12,6 +12,7 @@ mod gltf;
 mod gltf_validator;
 mod instances;
 mod obj;
+mod objects;
 mod other_formats;
 mod parts;
 #[path = "../../../tests/manifold3d/python.rs"]

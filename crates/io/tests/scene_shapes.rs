@@ -37,6 +37,84 @@ fn volume(text: &str, faceted: bool) -> f64 {
     meshed.mesh.volume()
 }
 
+/// Oblique prisms and cylinders stand where their axis does, twisted ones as well.
+#[test]
+fn extrusions_along_a_vector_lean() {
+    let bounds = |text: &str| {
+        let program = Program::lower(&scene(text, false).solid).expect("a program");
+        let brep = program
+            .boundary(&BoundaryOptions::new())
+            .expect("a boundary");
+        let bounds = brep.bounds().expect("bounds");
+        let volume = brep.measure().volume.value;
+        (
+            [bounds.min, bounds.max].map(|point| point.to_array()),
+            volume,
+        )
+    };
+    let near = |found: [[f64; 3]; 2], wanted: [[f64; 3]; 2], text: &str| {
+        let mut pairs = found.iter().flatten().zip(wanted.iter().flatten());
+        assert!(
+            pairs.all(|(a, b)| (a - b).abs() < 1e-9),
+            "{text}: {found:?}"
+        );
+    };
+    let square = "square(size = [1, 2], center = false);";
+    let text = format!("linear_extrude(height = 10, v = [3, 0, 4]) {{ {square} }}");
+    let (found, volume) = bounds(&text);
+    near(found, [[0.0; 3], [7.0, 2.0, 8.0]], &text);
+    assert!((volume - 16.0).abs() < 1e-9);
+    let text = format!("linear_extrude(v = [2, 3, 10], center = true) {{ {square} }}");
+    near(
+        bounds(&text).0,
+        [[-1.0, -1.5, -5.0], [2.0, 3.5, 5.0]],
+        &text,
+    );
+    let text = "linear_extrude(v = [1, 0, 2]) { circle(r = 3); }";
+    let (found, volume) = bounds(text);
+    near(found, [[-3.0, -3.0, 0.0], [4.0, 3.0, 2.0]], text);
+    assert!((volume - 18.0 * PI).abs() < 1e-9);
+    // Half way up a quarter turn is an eighth, and the axis half as far.
+    let text =
+        "linear_extrude(v = [8, 0, 2], twist = 90) { square(size = [4, 1], center = true); }";
+    let twisted = scene(text, false);
+    let program = Program::lower(&twisted.solid).expect("a program");
+    let [on, beside] = [1.0, -1.0].map(|sign| {
+        let along = 1.9 * std::f64::consts::FRAC_1_SQRT_2;
+        program.contains([4.0 + along, -sign * along, 1.0])
+    });
+    assert!(on && !beside);
+
+    for (v, problem) in [
+        ("[1, 2]", "`v` must be [x, y, z]"),
+        ("3", "`v` must be [x, y, z]"),
+    ] {
+        let text = format!("linear_extrude(height = 1, v = {v}) {{ {square} }}");
+        let error = read(&text, &ReadOptions::default()).expect_err("a mistake");
+        assert!(error.to_string().contains(problem), "{error}");
+    }
+    // Not upwards.
+    let down = scene(
+        &format!("linear_extrude(v = [1, 0, -1]) {{ {square} }}"),
+        false,
+    );
+    assert!(
+        down.warnings[0].to_string().contains("the height"),
+        "{:?}",
+        down.warnings
+    );
+    let error = read(
+        "resize([1, 2, 3], auto = \"x\") cube(1);",
+        &ReadOptions::default(),
+    );
+    assert!(
+        error
+            .expect_err("a mistake")
+            .to_string()
+            .contains("one flag")
+    );
+}
+
 fn assert_volume(text: &str, wanted: f64) {
     let found = volume(text, true);
     assert!(
@@ -83,6 +161,13 @@ fn polygons_are_the_same_in_both_readings() {
         ("minkowski() { cube(size = [1, 2, 3]); cube(size = [1, 1, 1], center = true); }".to_owned(), 24.0),
         ("minkowski() { difference() { cube(size = [4, 4, 4]); cube(size = [2, 2, 9]); } cube(size = [1, 1, 1]); }".to_owned(), 105.0),
         ("resize(newsize = [0, 0, 9], auto = [true, false, false]) { cube(size = [1, 2, 3]); }".to_owned(), 54.0),
+        ("resize(newsize = [20, 0, 0], auto = true) { cube(size = 3); }".to_owned(), 8000.0),
+        ("resize([6, 0, 0], auto = false) { cube(size = [1, 2, 3]); }".to_owned(), 36.0),
+        // Area times the height along z, wherever it leans to.
+        (format!("linear_extrude(height = 10, v = [3, 0, 4]) {{ {SQUARE} }}"), 16.0),
+        (format!("linear_extrude(v = [1, -2, 3], center = true) {{ {SQUARE} }}"), 6.0),
+        (format!("linear_extrude(height = 5, v = [0, 0, 0.1]) {{ {SQUARE} }}"), 10.0),
+        (format!("linear_extrude(v = [9, 0, 3], scale = 0.5) {{ {SQUARE} }}"), 3.5),
         ("polyhedron(points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], convexity = 1);".to_owned(), 1.0 / 6.0),
         // Listed the other way round.
         ("polyhedron(points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces = [[2, 1, 0], [1, 3, 0], [3, 2, 0], [2, 3, 1]], convexity = 1);".to_owned(), 1.0 / 6.0),
@@ -407,5 +492,17 @@ fn warnings_and_errors_say_where() {
             }
             other => panic!("{text}: {other:?}"),
         }
+    }
+}
+
+#[test]
+fn profiles_on_both_sides_of_the_axis_are_told_with_their_extent() {
+    for (flat, extent) in [
+        ("circle(r = 5);", "from -5.00 to 5.00"),
+        ("translate([1, 0]) circle(r = 1234);", "from -1233 to 1235"),
+    ] {
+        let text = format!("rotate_extrude(angle = 180) {{ {flat} }}");
+        let said = scene(&text, false).warnings[0].to_string();
+        assert!(said.contains(extent), "{said}");
     }
 }

@@ -44,6 +44,17 @@ fn what_is_not_as_asked_is_said() {
     };
     assert!(warning.to_string().contains("`No Such Font`"), "{warning}");
     assert!(volume(&other) > 60.0);
+    let lacking = scene("text = \"a漢b😀漢\"", &options);
+    let [warning] = &lacking.warnings[..] else {
+        panic!("{:?}", lacking.warnings)
+    };
+    let said = warning.to_string();
+    let named =
+        "the font Liberation Sans has no glyph for '漢' (U+6F22), '😀' (U+1F600), and boxes";
+    assert!(said.contains(named), "{said}");
+    let many: String = ('\u{4e00}'..'\u{4e0a}').collect();
+    let lacking = scene(&format!("text = \"{many}\""), &options);
+    assert!(lacking.warnings[0].to_string().contains(" and 2 more"));
     let aligned = scene("text = \"B\", halign = \"middle\"", &options);
     assert!(aligned.warnings[0].to_string().contains("\"middle\""));
     for nothing in ["text = \"\"", "text = \" \"", "text = \"B\", size = 0"] {

@@ -79,6 +79,9 @@ pub(crate) fn of_scene(error: io::scene::SceneError) -> PyErr {
     let message = error.to_string();
     match error {
         io::scene::SceneError::Io { source, .. } => of_system(&source, message),
+        io::scene::SceneError::NotASolid { .. } => {
+            FileError::new_err(format!("{message}; `repair=True` mends what it can"))
+        }
         _ => FileError::new_err(message),
     }
 }

@@ -8,7 +8,7 @@ use csg::{BoundaryOptions, Program, Repairs, Solid};
 use io::drawing::{DrawingOptions, write_profile};
 use io::scene::{ReadOptions, Scene};
 use io::step::StepOptions;
-use io::{MeshFormat, WriteOptions};
+use io::{MeshFormat, SolidOptions, WriteOptions};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -65,7 +65,7 @@ fn warned(py: Python<'_>, scene: Scene) -> PyResult<PySolid> {
     Ok(PySolid(scene.solid))
 }
 
-fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+pub(crate) fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
     let text = CString::new(text.replace('\0', " "))?;
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)
 }
@@ -82,25 +82,29 @@ pub(crate) fn repaired(py: Python<'_>, (solid, repairs): (Solid, Repairs)) -> Py
 /// .off, .glb, .gltf: see `read_solid`). With `faceted` circles of a tree are the polygons
 /// that OpenSCAD makes of them. A file may name others in its own folder or below only,
 /// unless `any_folder` is said. With `repair` meshes that bound no solid are mended, with a
-/// warning that says what was changed.
+/// warning that says what was changed. Lengths of .3mf, .glb and .gltf files, also of those that
+/// a tree imports, are converted to `unit` (um, mm, cm, m, in, ft); others have no unit and are
+/// taken as they are.
 ///
 /// >>> import stereotomy as st
 /// >>> st.load("nowhere.csg")
 /// Traceback (most recent call last):
 /// FileNotFoundError: [Errno 2] nowhere.csg: No such file or directory (os error 2)
 #[pyfunction]
-#[pyo3(signature = (path, *, faceted=false, any_folder=false, repair=false))]
+#[pyo3(signature = (path, *, faceted=false, any_folder=false, repair=false, unit="mm"))]
 fn load(
     py: Python<'_>,
     path: PathBuf,
     faceted: bool,
     any_folder: bool,
     repair: bool,
+    unit: &str,
 ) -> PyResult<PySolid> {
     if !is_scene(&path) {
-        return read_solid(py, path, repair);
+        return read_solid(py, path, repair, unit);
     }
     let options = ReadOptions::default()
+        .unit(unit::named(unit)?)
         .faceted(faceted)
         .any_folder(any_folder)
         .repair(repair);
@@ -111,15 +115,17 @@ fn load(
 /// The solid that a mesh file bounds, by its extension (.stl, .obj, .ply, .off, .glb or
 /// .gltf), to be combined with others. All that is wrong with the mesh is an error with
 /// places; with `repair` what can be is mended, with a warning that says what was changed.
+/// Objects that touch, overlap or lie in each other are united. Lengths of .3mf, .glb and .gltf
+/// files are converted to `unit` (um, mm, cm, m, in, ft); others have no unit and are taken as
+/// they are.
 #[pyfunction]
-#[pyo3(signature = (path, *, repair=false))]
-fn read_solid(py: Python<'_>, path: PathBuf, repair: bool) -> PyResult<PySolid> {
-    if repair {
-        let solid = wait_out(py, move || io::read_repaired_solid(path))?;
-        return repaired(py, solid.map_err(of_file)?);
-    }
-    let solid = wait_out(py, move || io::read_solid(path))?;
-    Ok(PySolid(solid.map_err(of_file)?))
+#[pyo3(signature = (path, *, repair=false, unit="mm"))]
+fn read_solid(py: Python<'_>, path: PathBuf, repair: bool, unit: &str) -> PyResult<PySolid> {
+    let options = SolidOptions::default()
+        .repair(repair)
+        .unit(unit::named(unit)?);
+    let solid = wait_out(py, move || io::read_solid_with(path, &options))?;
+    repaired(py, solid.map_err(of_file)?)
 }
 
 /// The mesh of a file, by its extension (.stl, .obj, .ply, .off, .glb or .gltf).

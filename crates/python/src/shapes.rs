@@ -7,6 +7,7 @@ use text::{Font, HorizontalAlign, Text, VerticalAlign};
 use crate::arguments::word;
 use crate::arrays;
 use crate::errors::{call, invalid};
+use crate::files::warn;
 use crate::profile::{PyProfile, checked_profile};
 use crate::waiting::wait_out;
 
@@ -196,7 +197,8 @@ fn knurled(radius: f64, notches: usize) -> PyResult<PyProfile> {
 /// an installed font ("Liberation Sans:style=Bold"), `font_file` a file of one.
 /// `horizontal` is "left", "center" or "right", `vertical` "baseline", "bottom", "center" or
 /// "top"; `direction` "ltr", "rtl", "ttb" or "btt"; `language` and `script` are tags such as
-/// "en" and "Latn". Curves become chords within a thousandth of the size.
+/// "en" and "Latn". Curves become chords within a thousandth of the size. A warning names
+/// characters that the font has no glyph for.
 ///
 /// >>> import stereotomy as st
 /// >>> sign = st.text("st", size=10, horizontal="center").extrude(2)
@@ -249,8 +251,15 @@ fn set_text(
             Some(file) => Font::from_file(file),
             None => Font::find(&name),
         };
-        line.profile(&font?)
+        let font = font?;
+        let missing = line.missing(&font)?;
+        let lacking = (!missing.is_empty()).then(|| font.lacking(&missing));
+        Ok((line.profile(&font)?, lacking))
     })?;
-    let profile = made.map_err(|error: text::TextError| invalid(format!("{}: {error}", call())))?;
+    let made = made.map_err(|error: text::TextError| invalid(format!("{}: {error}", call())))?;
+    let (profile, lacking) = made;
+    if let Some(lacking) = lacking {
+        warn(py, &lacking)?;
+    }
     checked_profile(profile, call)
 }

@@ -100,6 +100,40 @@ def test_broken_meshes_are_mended_if_asked(tmp_path: pathlib.Path) -> None:
             assert read(path, repair=True).mesh().volume == pytest.approx(8)
 
 
+def test_units_of_files_are_converted(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "inches.3mf"
+    st.cube(1).save(path, unit="in")
+    for read in (st.load, st.read_solid):
+        assert read(path).mesh().volume == pytest.approx(25.4**3)
+        assert read(path, unit="in").mesh().volume == pytest.approx(1)
+    scene = tmp_path / "scene.csg"
+    scene.write_text('import("inches.3mf");')
+    with pytest.warns(UserWarning, match="from in to mm: 25.4 times"):
+        assert st.load(scene).mesh().volume == pytest.approx(25.4**3)
+    assert st.load(scene, unit="in").mesh().volume == pytest.approx(1)
+
+
+def test_objects_of_a_file_are_united(tmp_path: pathlib.Path) -> None:
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    text = ""
+    for number, offset in enumerate((0.0, 0.5)):
+        text += f"o part{number}\n"
+        text += "".join(f"v {x + offset} {y + offset} {z + offset}\n" for x, y, z in corners)
+        for face in faces:
+            text += "f " + " ".join(str(8 * number + corner) for corner in face) + "\n"
+    path = tmp_path / "two.obj"
+    path.write_text(text)
+    assert st.load_mesh(path).volume == pytest.approx(2)
+    assert st.read_solid(path).mesh().volume == pytest.approx(1.875)
+    # The second one open.
+    path.write_text(text[: text.rindex("f ")])
+    scene = tmp_path / "scene.csg"
+    scene.write_text('import("two.obj");')
+    with pytest.raises(ValueError, match="repair=True"):
+        st.load(scene)
+
+
 def test_faceted_circles() -> None:
     text = "cylinder($fn = 64, $fa = 12, $fs = 2, h = 1, r1 = 1, r2 = 1, center = false);"
     assert st.from_csg(text).mesh().report.method == "boundary"  # type: ignore[union-attr]
@@ -109,6 +143,10 @@ def test_faceted_circles() -> None:
 def test_warnings_are_pythons() -> None:
     with pytest.warns(UserWarning, match="line 1, column 1: sphere"):
         st.from_csg("sphere($fn = 0, $fa = 12, $fs = 2, r = -1); cube(size = [1, 1, 1], center = true);")
+
+
+    with pytest.warns(UserWarning, match="has no glyph for '漢'"):
+        st.text("漢")
 
 
 def test_what_cannot_be_read_or_written(tmp_path: pathlib.Path) -> None:

@@ -79,6 +79,27 @@ impl Font {
         }
     }
 
+    /// What is to be said of characters that the font has no glyph for ([`Text::missing`]).
+    ///
+    /// [`Text::missing`]: crate::Text::missing
+    #[must_use]
+    pub fn lacking(&self, characters: &[char]) -> String {
+        /// More are counted.
+        const MOST_NAMED: usize = 8;
+        let named = characters.iter().take(MOST_NAMED);
+        let named = named.map(|&c| format!("{c:?} (U+{:04X})", u32::from(c)));
+        let named: Vec<String> = named.collect();
+        let more = match characters.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let (family, named) = (&self.family, named.join(", "));
+        format!(
+            "the font {family} has no glyph for {named}{more}, and boxes stand for them: name a \
+             font that has them"
+        )
+    }
+
     /// The family's name, or that of the file.
     #[must_use]
     pub fn family(&self) -> &str {

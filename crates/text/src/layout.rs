@@ -221,6 +221,28 @@ impl Text {
         Ok(Profile::polygons_of(contours, FillRule::NonZero))
     }
 
+    /// Characters that the font has no glyph for, each once, in the order of the text: boxes
+    /// stand for them in the profile, or whatever else the font has in their place.
+    ///
+    /// # Errors
+    /// [`TextError::Unknown`].
+    pub fn missing(&self, font: &Font) -> Result<Vec<char>, TextError> {
+        let buffer = self.shaped(font)?;
+        let mut starts: Vec<usize> = buffer
+            .glyph_infos()
+            .iter()
+            .filter(|info| info.glyph_id == 0)
+            .map(|info| info.cluster as usize)
+            .collect();
+        starts.sort_unstable();
+        let mut missing = Vec::new();
+        for start in starts {
+            let character = self.text.get(start..).and_then(|rest| rest.chars().next());
+            missing.extend(character.filter(|character| !missing.contains(character)));
+        }
+        Ok(missing)
+    }
+
     /// Outlines and where they go, at size 1.
     fn placed(&self, font: &Font) -> Result<Vec<(Outline, DVec2)>, TextError> {
         let buffer = self.shaped(font)?;

@@ -116,6 +116,20 @@ fn size_and_metrics_scale_what_they_say() {
 }
 
 #[test]
+fn characters_without_a_glyph_are_told() {
+    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
+    let missing = |written: &str| Text::new(written).missing(&font).expect("shaped");
+    assert_eq!(missing("Écart: ½ µm, Ω"), []);
+    assert_eq!(missing("a漢b😀漢"), ['漢', '😀']);
+    // Ligatures, marks, and what is not drawn.
+    assert_eq!(missing("fi e\u{301} a\u{ad}b\u{200b}"), []);
+    // From right to left in the order of the text.
+    let arabic = Text::new("漢😀").direction("rtl");
+    assert_eq!(arabic.missing(&font).expect("shaped"), ['漢', '😀']);
+    assert!(Text::new("a").direction("up").missing(&font).is_err());
+}
+
+#[test]
 fn mistakes_are_named() {
     let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
     let says = |text: Text| text.profile(&font).expect_err("a mistake").to_string();

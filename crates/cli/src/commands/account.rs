@@ -29,6 +29,7 @@ pub(crate) struct Account {
     non_manifold_edges: usize,
     non_manifold_vertices: usize,
     bounds: Option<Bounds>,
+    unit: &'static str,
     /// Per stage, and the total.
     seconds: BTreeMap<&'static str, f64>,
     report: Option<ReportAccount>,
@@ -182,6 +183,7 @@ impl Account {
             non_manifold_edges: check.non_manifold_edges,
             non_manifold_vertices: check.non_manifold_vertices,
             bounds: mesh.bounds().map(|(min, max)| Bounds::new(min, max)),
+            unit: mesh.unit.symbol(),
             seconds,
             report: product.report.as_ref().map(ReportAccount::of),
         }
@@ -259,15 +261,18 @@ impl ReportAccount {
 
 impl fmt::Display for Account {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let volume = short(self.volume.value(), 10);
+        let (volume, unit) = (short(self.volume.value(), 10), self.unit);
         match self.volume.error() {
             Some(error) => {
                 let error = at_most(error, 2);
-                writeln!(f, "volume      {volume} (the solid's within {error})")?;
+                writeln!(
+                    f,
+                    "volume      {volume} {unit}³ (the solid's within {error})"
+                )?;
             }
-            None => writeln!(f, "volume      {volume}")?,
+            None => writeln!(f, "volume      {volume} {unit}³")?,
         }
-        writeln!(f, "area        {}", short(self.area, 10))?;
+        writeln!(f, "area        {} {unit}²", short(self.area, 10))?;
         if let (Some(centroid), Some(bounds)) = (self.centroid, &self.bounds) {
             writeln!(f, "centroid    {}", bounds.told(centroid))?;
         }

@@ -1,7 +1,7 @@
 //! `compare`: how two solids differ, in volume and by distance.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use csg::brep::Bounded;
 use csg::glam::DVec3;
@@ -104,10 +104,10 @@ const OF_WITHIN: f64 = 0.05;
 /// Compares; whether they are equal.
 pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failure> {
     progress.stage("reading");
-    let read = |path| options.reading.read(path, &[], false);
-    let [one, other] = [read(&options.one)?, read(&options.other)?];
+    let [one, other] = [&options.one, &options.other].map(|path| Side::read(path, options));
+    let [one, other] = [one?, other?];
     progress.stage("volumes");
-    let solids = [one.solid()?, other.solid()?];
+    let solids = [one.solid.clone(), other.solid.clone()];
     let boundary = BoundaryOptions::new().limits(options.tell.limits.limits());
     let (volumes, witness) = match volumes(&solids, &boundary) {
         Ok((volumes, witness)) => (Some(volumes), witness),
@@ -191,6 +191,38 @@ fn finer(found: &Distance, options: &Options) -> Option<f64> {
     (options.tolerance.is_none() && is_open).then_some(SHARE * upper)
 }
 
+/// One of the two, in the unit that they are compared in.
+struct Side {
+    solid: Solid,
+    /// Its boundary as it was read, where that is a mesh.
+    mesh: Option<Mesh>,
+}
+
+impl Side {
+    fn read(path: &Path, options: &Options) -> Result<Self, Failure> {
+        let unit = options.tell.unit;
+        let subject = options.reading.read(path, &[], false, unit)?;
+        let own = subject.unit(unit);
+        if own != unit {
+            say!(
+                "note: the lengths of {} are converted from {} to {} (--unit)",
+                path.display(),
+                own.symbol(),
+                unit.symbol()
+            );
+        }
+        let solid = subject.solid(unit)?;
+        let mesh = match subject {
+            // (Parts of objects that meet are within the solid.)
+            Subject::Mesh(file) if file.meeting_objects().is_none() => {
+                Some(file.in_unit(unit.length_unit()).mesh)
+            }
+            _ => None,
+        };
+        Ok(Self { solid, mesh })
+    }
+}
+
 /// A mesh of a solid's boundary, and how far they are apart, if that is known.
 struct Boundary {
     mesh: Mesh,
@@ -198,19 +230,16 @@ struct Boundary {
 }
 
 impl Boundary {
-    fn of(subject: &Subject, tolerance: Option<f64>, options: &Options) -> Result<Self, Failure> {
+    fn of(side: &Side, tolerance: Option<f64>, options: &Options) -> Result<Self, Failure> {
         /// Of the longest side, where nothing else is asked for.
         const FINE: f64 = 1e-4;
-        let solid = match subject {
-            Subject::Mesh(mesh) => {
-                return Ok(Self {
-                    mesh: mesh.clone(),
-                    deviation: Some(0.0),
-                });
-            }
-            Subject::Solid(solid) => solid,
-        };
-        let program = Program::lower(solid)?;
+        if let Some(mesh) = &side.mesh {
+            return Ok(Self {
+                mesh: mesh.clone(),
+                deviation: Some(0.0),
+            });
+        }
+        let program = Program::lower(&side.solid)?;
         let mut mesher = Mesher::new().limits(options.tell.limits.limits());
         let side = program
             .bounds()?

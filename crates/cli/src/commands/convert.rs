@@ -35,14 +35,16 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
         .cloned()
         .collect();
     output::check(&meshes, None)?;
+    output::check_folders(options.outputs.iter().map(PathBuf::as_path))?;
     progress.stage("reading");
-    let subject = options.input.read(false)?;
+    let given = options.mesher.unit;
+    let subject = options.input.read(false, given)?;
     let is_exact = |path: &PathBuf| is_scene(path) || io::step::is_step(path);
     if options.outputs.iter().any(is_exact) {
-        let solid = &subject.solid()?;
         for path in options.outputs.iter().filter(|path| is_scene(path)) {
             progress.stage("writing");
-            let text = io::scene::write(solid)
+            // (Scenes have no unit: it is the one that they are read with.)
+            let text = io::scene::write(&subject.solid(given)?)
                 .map_err(|error| Failure::output(&path.display().to_string(), error))?;
             output::write_bytes(path, text.as_bytes())?;
         }
@@ -55,8 +57,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
             let boundary = BoundaryOptions::new()
                 .progress(progress.callback())
                 .cut_at_seams();
-            let brep = Program::lower(solid)?.boundary(&boundary)?;
-            let unit = subject.unit(options.mesher.unit);
+            let unit = subject.unit(given);
+            let brep = Program::lower(&subject.solid(unit)?)?.boundary(&boundary)?;
             progress.stage("writing");
             output::write_step(path, &brep, unit.length_unit(), options.step)?;
         }

@@ -30,7 +30,7 @@ pub(crate) struct Options {
     #[arg(long)]
     dimensions: bool,
     #[command(flatten)]
-    sheet: SheetOptions,
+    pub(crate) sheet: SheetOptions,
 }
 
 /// How it is looked at: as pictures are.
@@ -60,7 +60,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     options.sheet.check()?;
     progress.stage("reading");
-    let solid = subject()?.solid()?;
+    let solid = subject()?.solid(options.sheet.tell.unit)?;
     progress.stage("drawing");
     let boundary = options.sheet.boundary(progress);
     let mut view = View::of(&solid, &options.view, &boundary)?;

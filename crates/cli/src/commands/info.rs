@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use csg::{Mesh, Node, Primitive, Program, Solid, SurfaceShape};
+use csg::{Node, Primitive, Program, Solid, SurfaceShape};
+use io::MeshFile;
 use serde::Serialize;
 
 use super::account::Bounds;
 use crate::failure::Failure;
 use crate::input::{Input, Subject};
+use crate::mesher::Unit;
 use crate::output::{self, is_stream};
 
 /// Options of `info`.
@@ -48,6 +50,8 @@ pub(super) enum Info {
         bytes: Option<u64>,
         vertices: usize,
         triangles: usize,
+        /// Meshes in their places (3MF, glTF) or lines `o` (OBJ); one of other formats.
+        objects: usize,
         names: Vec<String>,
         /// Different colours.
         colors: usize,
@@ -59,9 +63,9 @@ pub(super) enum Info {
 
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let path = options.input.path();
-    let info = match options.input.read(false)? {
-        Subject::Solid(solid) => of_solid(path, &solid)?,
-        Subject::Mesh(mesh) => of_mesh(path, &mesh),
+    let info = match options.input.read(false, Unit::Mm)? {
+        Subject::Solid(solid, _) => of_solid(path, &solid)?,
+        Subject::Mesh(file) => of_mesh(path, &file),
     };
     if let Some(path) = &options.json {
         output::write_json(path, &info)?;
@@ -102,7 +106,8 @@ fn of_solid(path: &Path, solid: &Solid) -> Result<Info, Failure> {
     })
 }
 
-fn of_mesh(path: &Path, mesh: &Mesh) -> Info {
+fn of_mesh(path: &Path, file: &MeshFile) -> Info {
+    let mesh = &file.mesh;
     let colors = mesh.surfaces.iter().filter_map(|surface| surface.color);
     let mut colors: Vec<[u32; 4]> = colors
         .map(|color| {
@@ -116,6 +121,7 @@ fn of_mesh(path: &Path, mesh: &Mesh) -> Info {
         bytes: bytes(path),
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
+        objects: file.objects.len(),
         names: distinct(
             mesh.surfaces
                 .iter()
@@ -214,6 +220,7 @@ impl fmt::Display for Info {
                 bytes,
                 vertices,
                 triangles,
+                objects,
                 names,
                 colors,
                 normals,
@@ -226,6 +233,7 @@ impl fmt::Display for Info {
                 }
                 writeln!(f, "vertices    {vertices}")?;
                 writeln!(f, "triangles   {triangles}")?;
+                writeln!(f, "objects     {objects}")?;
                 writeln!(f, "names       {}", named(names))?;
                 writeln!(f, "colors      {colors}")?;
                 writeln!(f, "normals     {}", if *normals { "yes" } else { "no" })?;

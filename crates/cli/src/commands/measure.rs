@@ -19,7 +19,7 @@ use crate::progress::Progress;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     #[command(flatten)]
-    mesher: MesherOptions,
+    pub(crate) mesher: MesherOptions,
     /// Write the measures as JSON; `-` writes to standard output, in place of
     /// the text
     #[arg(long, value_name = "FILE")]
@@ -54,13 +54,13 @@ pub(crate) fn run(
     progress.stage("reading");
     let subject = subject()?;
     let program = match &subject {
-        Subject::Solid(solid) if !mesher.is_of_mesh() => Some((solid, Program::lower(solid)?)),
+        Subject::Solid(solid, _) if !mesher.is_of_mesh() => Some((solid, Program::lower(solid)?)),
         _ => None,
     };
     if let Some((solid, program)) = program.filter(|(_, program)| !is_large_polyhedron(program)) {
         progress.stage("boundary");
         let boundary = mesher.boundary(progress);
-        match ExactAccount::of(&program, &boundary, mesher.unit) {
+        match ExactAccount::of(&program, &boundary, subject.unit(mesher.unit)) {
             Ok((account, _)) => {
                 progress.end();
                 if account.is_empty() {

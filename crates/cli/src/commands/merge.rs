@@ -56,6 +56,8 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
         }
         io::MeshFormat::from_path(path).map_err(|error| usage(error.to_string()))?;
     }
+    let json = options.json.as_deref();
+    output::check_folders(options.outputs.iter().map(PathBuf::as_path).chain(json))?;
     progress.stage("reading");
     let reading = Reading::new().cancel_token(interrupt::token());
     let unreadable = |error| Failure::new(exit_codes::INPUT, "the shards are no mesh", error);

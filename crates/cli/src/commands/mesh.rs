@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::account::Account;
 use super::exact::ExactAccount;
 use crate::failure::{Failure, exit_codes};
-use crate::input::{Reader, Subject, solid_of};
+use crate::input::{Reader, Subject};
 use crate::mesher::{MesherOptions, Product, Unit, no_needs, produce};
 use crate::nothing::Nothing;
 use crate::output::{self, StepArguments, StreamFormat, is_stream};
@@ -45,7 +45,7 @@ pub(crate) struct Options {
     #[command(flatten)]
     step: StepArguments,
     #[command(flatten)]
-    mesher: MesherOptions,
+    pub(crate) mesher: MesherOptions,
     /// Make only the i-th of n slabs of a mesh by cells, as 1/4, and write it as a .shard: made
     /// anywhere, each by itself, `merge` puts them together to the same mesh, to the byte, for
     /// any n
@@ -84,8 +84,13 @@ pub(crate) fn run(
     let is_exact = options.outputs.iter().all(io::step::is_step);
     if is_exact && (matches!(subject, Subject::Mesh(_)) || !options.mesher.is_of_mesh()) {
         let unit = subject.unit(options.mesher.unit);
-        return write_exact(&subject.solid()?, unit, options, progress);
+        return write_exact(&subject.solid(unit)?, unit, options, progress);
     }
+    // What a mesh bounds, for STEP files beside other ones.
+    let is_bounded =
+        matches!(subject, Subject::Mesh(_)) && options.outputs.iter().any(io::step::is_step);
+    let bounded = is_bounded.then(|| subject.solid(subject.unit(options.mesher.unit)));
+    let bounded = bounded.transpose()?;
     let mut product = produce(
         Box::new(|| Ok(subject)),
         &options.mesher,
@@ -105,9 +110,10 @@ pub(crate) fn run(
             if io::step::is_step(path) {
                 progress.stage("boundary");
                 let boundary = options.mesher.boundary(progress).cut_at_seams();
-                let brep = match &product.program {
-                    Some(program) => program.boundary(&boundary)?,
-                    None => Program::lower(&solid_of(&product.mesh)?)?.boundary(&boundary)?,
+                let brep = match (&product.program, &bounded) {
+                    (Some(program), _) => program.boundary(&boundary)?,
+                    (None, Some(solid)) => Program::lower(solid)?.boundary(&boundary)?,
+                    (None, None) => return Ok(()),
                 };
                 progress.stage("writing");
                 return output::write_step(path, &brep, product.mesh.unit, options.step);
@@ -225,8 +231,9 @@ fn write_shard(
                      for all shards";
         return Err(usage("a shard without cells", cause.to_owned()));
     }
+    output::check_folders(options.outputs.iter().map(PathBuf::as_path))?;
     progress.stage("reading");
-    let Subject::Solid(solid) = subject()? else {
+    let Subject::Solid(solid, own) = subject()? else {
         let cause = "the input is a mesh, of which no other one is made".to_owned();
         return Err(usage("a shard of a mesh", cause));
     };
@@ -235,7 +242,7 @@ fn write_shard(
     let mesher = options
         .mesher
         .mesher()
-        .unit(options.mesher.unit.length_unit())
+        .unit(own.unwrap_or(options.mesher.unit).length_unit())
         .limits(options.mesher.limits.limits())
         .progress(progress.callback());
     let slab = mesher.slab(&program, part, of)?;

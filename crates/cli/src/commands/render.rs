@@ -42,7 +42,7 @@ pub(crate) struct Options {
     #[command(flatten)]
     annotations: Annotations,
     #[command(flatten)]
-    mesher: MesherOptions,
+    pub(crate) mesher: MesherOptions,
 }
 
 impl Options {
@@ -71,6 +71,7 @@ pub(crate) fn run(
             cause,
         ));
     }
+    output::check_folders([options.output.as_path()])?;
     let mut product = {
         let (looks, annotations) = (&options.looks, &options.annotations);
         let needs = |points: &[DVec3]| options.viewing.quarter_pixel(points, looks, annotations);

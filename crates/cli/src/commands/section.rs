@@ -23,7 +23,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "PLANE", allow_hyphen_values = true, value_parser = plane)]
     plane: WrittenPlane,
     #[command(flatten)]
-    sheet: SheetOptions,
+    pub(crate) sheet: SheetOptions,
 }
 
 impl Options {
@@ -51,7 +51,7 @@ pub(crate) fn run(
         Failure::new(exit_codes::USAGE, "no such plane", cause)
     })?;
     progress.stage("reading");
-    let solid = subject()?.solid()?;
+    let solid = subject()?.solid(options.sheet.tell.unit)?;
     progress.stage("section");
     let boundary = options.sheet.boundary(progress);
     let section = Section::of(&solid, &frame, &boundary)?;

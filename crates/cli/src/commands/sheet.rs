@@ -14,7 +14,7 @@ use crate::progress::Progress;
 
 /// What all of them take.
 #[derive(Debug, clap::Args)]
-pub(super) struct TellOptions {
+pub(crate) struct TellOptions {
     /// The unit of lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
     pub unit: Unit,
@@ -27,7 +27,7 @@ pub(super) struct TellOptions {
 
 /// Where to draw, and how.
 #[derive(Debug, clap::Args)]
-pub(super) struct SheetOptions {
+pub(crate) struct SheetOptions {
     /// Where to write the drawing (.svg .dxf .pdf), or `-` for SVG on standard output; may
     /// be given more than once
     #[arg(short, long = "output", value_name = "OUT", required = true)]
@@ -48,7 +48,8 @@ impl SheetOptions {
             DrawingFormat::from_path(path)
                 .map_err(|error| Failure::new(exit_codes::USAGE, "no such format", error))?;
         }
-        Ok(())
+        let json = self.tell.json.as_deref();
+        output::check_folders(self.outputs.iter().map(PathBuf::as_path).chain(json))
     }
 
     pub fn boundary(&self, progress: &Progress) -> BoundaryOptions {

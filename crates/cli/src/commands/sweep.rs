@@ -1,6 +1,6 @@
 //! `sweep`: a table of variants, one row a model, to one table of measures, and files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,8 +24,9 @@ use crate::shard::Shard;
 #[derive(Debug, clap::Args)]
 #[command(after_help = columns_help())]
 pub(crate) struct Options {
-    /// The table of variants as comma-separated values: its first row has the names of
-    /// variables, and each other row their values for one model
+    /// The table of variants as comma-separated values (or with semicolons or tabulators, if the
+    /// first row has no comma): its first row has the names of variables, and each other row
+    /// their values for one model
     #[arg(value_name = "TABLE")]
     table: PathBuf,
     /// Where to write the table of measures, as comma-separated values (.csv) or Parquet
@@ -53,7 +54,7 @@ pub(crate) struct Options {
     step: StepArguments,
     /// The unit of the models' lengths
     #[arg(long, value_enum, default_value_t = Unit::Mm)]
-    unit: Unit,
+    pub(crate) unit: Unit,
     #[command(flatten)]
     limits: LimitOptions,
 }
@@ -178,7 +179,21 @@ pub(crate) fn run(
         check_name(name, &names)?;
     }
     table.check_files(&options.write)?;
-    output::check_folder(&options.output)?;
+    output::check_folders([options.output.as_path()])?;
+    if output::is_same_file(&options.output, &options.table) {
+        let context = format!(
+            "the output {} is the table of variants",
+            options.output.display()
+        );
+        let cause = "it would be replaced: give the table of measures another name";
+        return Err(Failure::new(exit_codes::USAGE, context, cause));
+    }
+    if table.rows.is_empty() {
+        say!(
+            "warning: {} has no rows below its names: there is nothing to measure",
+            options.table.display()
+        );
+    }
     let rows = options.shard.rows(table.rows.len());
     progress.stage("sweeping");
     let (done, count) = (AtomicUsize::new(0), rows.len().max(1));
@@ -243,17 +258,22 @@ impl Table {
             ),
             _ => Failure::input(&name, error),
         };
+        let text = std::fs::read(path).map_err(|error| Failure::input(&name, error))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_path(path)
-            .map_err(failure)?;
+            .comment(Some(COMMENT))
+            .delimiter(delimiter(&text))
+            .from_reader(text.as_slice());
         let names: Vec<String> = reader
             .headers()
             .map_err(failure)?
             .iter()
             .map(str::to_owned)
             .collect();
+        if names.iter().all(String::is_empty) {
+            let cause = "it is empty: its first row has the names of variables, or `model`";
+            return Err(Failure::input(&name, cause));
+        }
         let written = [ROW].into_iter().chain(MEASURES).chain(LAST);
         let mut taken = written.map(|Column(name, ..)| name);
         let taken = taken.find(|known| names.iter().any(|name| name == known));
@@ -296,13 +316,18 @@ impl Table {
         self.names.iter().cloned().zip(values).collect()
     }
 
-    /// Refuses names of files that are the same for two rows.
+    /// Refuses names of files that are the same for two rows, or in folders that are not there.
     fn check_files(&self, names: &[String]) -> Result<(), Failure> {
         let mut rows = HashMap::new();
+        let mut folders = HashSet::new();
         for index in 0..self.rows.len() {
             let variables = self.variables(index);
             for name in names {
                 let file = named(name, index + 1, &variables);
+                let path = Path::new(&file);
+                if folders.insert(path.parent().map(Path::to_owned)) {
+                    output::check_folders([path])?;
+                }
                 if let Some(other) = rows.insert(file.clone(), index + 1) {
                     let context = format!("rows {other} and {} would have one file", index + 1);
                     let cause = format!("{file}: put {{row}} into its name");
@@ -312,6 +337,21 @@ impl Table {
         }
         Ok(())
     }
+}
+
+/// What lines begin with that are passed over.
+const COMMENT: u8 = b'#';
+
+/// What stands between fields: commas, or else the semicolons or tabulators of the first row.
+fn delimiter(text: &[u8]) -> u8 {
+    let mut lines = text.split(|&byte| byte == b'\n');
+    let first = lines.find(|line| !(line.trim_ascii().is_empty() || line.starts_with(&[COMMENT])));
+    let first = first.unwrap_or_default();
+    let known = [b',', b';', b'\t'];
+    let found = known
+        .into_iter()
+        .find(|delimiter| first.contains(delimiter));
+    found.unwrap_or(b',')
 }
 
 /// Refuses what is no table by its name: a scene, a model, a mesh, or a table of another format.
@@ -359,7 +399,8 @@ fn check_name(name: &str, variables: &[&str]) -> Result<(), Failure> {
             "all variants would have one file: put {row} into it".into(),
         ));
     }
-    output::check(&[PathBuf::from(name)], None)
+    // (Folders are looked for once the names are filled in.)
+    output::check_format(Path::new(name))
 }
 
 /// A row of the table of measures.
@@ -406,7 +447,7 @@ fn measured(
     model: &Model<'_>,
     options: &Options,
 ) -> Result<Vec<Field>, Failure> {
-    let solid = model(variables)?.solid()?;
+    let solid = model(variables)?.solid(options.unit)?;
     let program = Program::lower(&solid)?;
     let limits = options.limits.limits();
     let files: Vec<PathBuf> = options

@@ -14,7 +14,7 @@ use view::{
 
 use crate::failure::{Failure, exit_codes};
 use crate::input::{Contents, Input, repaired};
-use crate::mesher::MesherOptions;
+use crate::mesher::{MesherOptions, Unit};
 use crate::output;
 
 /// Options of `view`.
@@ -60,11 +60,17 @@ impl Options {
 
 /// Shows a file.
 pub(crate) fn run_file(input: Input, options: &Options) -> Result<(), Failure> {
-    options.serve(&mut FileSource { input, read: None })
+    let unit = options.mesher.unit;
+    options.serve(&mut FileSource {
+        input,
+        unit,
+        read: None,
+    })
 }
 
 struct FileSource {
     input: Input,
+    unit: Unit,
     /// What standard input held: it cannot be read twice.
     read: Option<(Solid, Vec<String>)>,
 }
@@ -90,13 +96,13 @@ impl Source for FileSource {
         if let Some(read) = &self.read {
             return Ok(loaded(read.clone()));
         }
-        let contents = self.input.contents();
+        let contents = self.input.contents(self.unit);
         match contents.map_err(|failure| Problem::new(failure.reason()))? {
-            Contents::Mesh(mesh) => Ok(Loaded {
-                subject: Subject::Mesh(mesh),
+            Contents::Mesh(file) => Ok(Loaded {
+                subject: Subject::Mesh(file.or_in(self.unit.length_unit()).mesh),
                 warnings: Vec::new(),
             }),
-            Contents::Repaired(solid, repairs) => {
+            Contents::Repaired(solid, _, repairs) => {
                 let warnings = repaired(self.input.path(), &repairs);
                 Ok(loaded((solid, warnings.into_iter().collect())))
             }

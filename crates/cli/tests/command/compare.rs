@@ -183,3 +183,65 @@ fn info_tells_what_is_there() {
     let triangles = format!("triangles   {}", mesh["triangles"]);
     assert!(text.contains(&triangles), "{text}");
 }
+
+/// Both are brought to one unit, and objects that overlap are one solid.
+#[test]
+fn units_and_objects_are_compared_as_what_they_are() {
+    let folder = Folder::new();
+    for (name, text) in [
+        ("inch.csg", "cube(1);"),
+        ("mm.csg", "cube(25.4);"),
+        ("union.csg", "cube(1); translate([0.5, 0, 0]) cube(1);"),
+    ] {
+        fs::write(folder.file(name), text).expect("a file");
+    }
+    succeeded(&folder.run("mesh inch.csg --unit in -o inch.3mf -o inch.glb -o bare.stl -q"));
+    succeeded(&folder.run("mesh mm.csg -o mm.3mf -q"));
+    let same = compared(&folder, "inch.3mf mm.csg --within 1e-6", 0);
+    assert_eq!(same["unit"], "mm");
+    compared(&folder, "inch.3mf mm.3mf --within 1e-6", 0);
+    compared(&folder, "inch.glb mm.3mf --within 1e-6 --repair", 0);
+    let different = compared(&folder, "inch.csg inch.3mf", 1);
+    let volume = different["volumes"]["other"]["value"].as_f64();
+    assert!((volume.expect("a number") - 25.4_f64.powi(3)).abs() < 1e-6);
+    // Numbers without a unit, and of a scene, are of the unit that is asked for.
+    let same = compared(&folder, "inch.csg inch.3mf --unit in", 0);
+    assert_eq!(same["unit"], "in");
+    compared(&folder, "bare.stl inch.3mf --unit in", 0);
+    compared(&folder, "mm.3mf inch.3mf --unit in --within 1e-9", 0);
+    let output = folder.run("compare inch.3mf mm.csg");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("inch.3mf are converted from in to mm (--unit)"),
+        "{said}"
+    );
+
+    succeeded(&folder.run("mesh inch.csg -o bare.obj -q"));
+    let cube = fs::read_to_string(folder.file("bare.obj")).expect("a mesh");
+    let vertices = |line: &str| -> Option<[f64; 3]> {
+        let numbers = line.strip_prefix("v ")?.split(' ');
+        let numbers: Vec<f64> = numbers.map(|n| n.parse().expect("a number")).collect();
+        numbers.try_into().ok()
+    };
+    let mut two = format!("o One\n{cube}o Two\n");
+    for line in cube.lines() {
+        match vertices(line) {
+            Some([x, y, z]) => two += &format!("v {} {y} {z}\n", x + 0.5),
+            None if line.starts_with("f ") => {
+                let corners = line.split(' ').skip(1).map(|corner| {
+                    let number: usize =
+                        corner.split('/').next().unwrap_or("").parse().expect("one");
+                    (number + 8).to_string()
+                });
+                two += &format!("f {}\n", corners.collect::<Vec<_>>().join(" "));
+            }
+            None => {}
+        }
+    }
+    fs::write(folder.file("two.obj"), two).expect("written");
+    let same = compared(&folder, "two.obj union.csg", 0);
+    assert_eq!(same["equal"], true);
+    let other = compared(&folder, "two.obj inch.csg", 1);
+    let lower = other["distance"]["lower"].as_f64().expect("a number");
+    assert!((lower - 0.5).abs() < 0.01, "{other}");
+}

@@ -152,3 +152,110 @@ fn a_model_of_which_nothing_is_left_is_warned_about() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!said.contains("nothing is left"), "{said}");
 }
+
+/// Two cubes of side 1 as OBJ, an object each, the second one moved so.
+fn two_cubes(offset: [f64; 3]) -> String {
+    let mut text = String::new();
+    for (number, offset) in [[0.0; 3], offset].into_iter().enumerate() {
+        text += &format!("o Part{number}\n");
+        for k in 0..8_u32 {
+            let corner = [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| corner[axis] + offset[axis]);
+            text += &format!("v {x} {y} {z}\n");
+        }
+        for face in [
+            "1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6",
+        ] {
+            let corners = face.split(' ').map(|corner| {
+                let corner: usize = corner.parse().expect("a number");
+                (8 * number + corner).to_string()
+            });
+            text += &format!("f {}\n", corners.collect::<Vec<_>>().join(" "));
+        }
+    }
+    text
+}
+
+/// A file with a unit is measured in it, whatever is asked of scenes, and scenes convert what
+/// they import.
+#[test]
+fn files_are_measured_in_their_own_unit() {
+    let folder = Folder::new();
+    fs::write(folder.file("cube.csg"), "cube(1);").expect("a file");
+    fs::write(folder.file("import.csg"), "import(\"cube.3mf\");").expect("a file");
+    succeeded(&folder.run("mesh cube.csg --unit in -o cube.3mf -o cube.stl -q"));
+    let measured = |arguments: &str, volume: f64, unit: &str| {
+        let output = folder.run(&format!("measure {arguments} --json -"));
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        let found = json["volume"]["value"].as_f64().expect("a number");
+        assert!((found / volume - 1.0).abs() < 1e-12, "{arguments}: {json}");
+        assert_eq!(json["unit"], unit, "{arguments}");
+        let text = folder.run(&format!("measure {arguments}"));
+        let text = String::from_utf8_lossy(&succeeded(&text).stdout).into_owned();
+        assert!(text.contains(&format!("{unit}³")), "{text}");
+    };
+    measured("cube.3mf", 1.0, "in");
+    measured("cube.3mf --unit cm", 1.0, "in");
+    measured("cube.3mf --repair", 1.0, "in");
+    measured("cube.stl", 1.0, "mm");
+    measured("cube.stl --unit ft", 1.0, "ft");
+    measured("cube.stl --repair --unit ft", 1.0, "ft");
+    measured("import.csg", 25.4_f64.powi(3), "mm");
+    measured("import.csg --unit in", 1.0, "in");
+    let output = folder.run("measure import.csg");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        said.contains("converted from in to mm: 25.4 times"),
+        "{said}"
+    );
+    // Meshes of solids and of meshes say it, too; scenes have no unit.
+    succeeded(&folder.run("convert cube.3mf cube.glb scene.csg"));
+    measured("cube.glb", 1.0, "in");
+    measured("scene.csg", 25.4_f64.powi(3), "mm");
+    let section = folder.run("section --plane z=1 cube.3mf -o a.svg --unit cm --json -");
+    let json: Value = serde_json::from_slice(&succeeded(&section).stdout).expect("JSON");
+    let area = json["area"]["value"].as_f64().expect("a number");
+    assert!((area - 2.54 * 2.54).abs() < 1e-12, "{json}");
+}
+
+#[test]
+fn objects_that_meet_are_told_and_united_if_asked() {
+    let folder = Folder::new();
+    let import = "import(\"two.obj\");";
+    fs::write(folder.file("import.csg"), import).expect("a file");
+    for (offset, union) in [([1.0, 0.0, 0.0], 2.0), ([0.5; 3], 1.875)] {
+        fs::write(folder.file("two.obj"), two_cubes(offset)).expect("a file");
+        let volume = |arguments: &str| {
+            let output = folder.run(&format!("measure {arguments} --json -"));
+            let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            (json["volume"]["value"].as_f64().expect("a number"), said)
+        };
+        let (sum, said) = volume("two.obj");
+        assert!((sum - 2.0).abs() < 1e-12);
+        assert!(
+            said.contains("objects 1 and 2 of 2") && said.contains("--repair"),
+            "{said}"
+        );
+        for arguments in ["two.obj --repair", "import.csg"] {
+            let (found, said) = volume(arguments);
+            assert!((found - union).abs() < 1e-12, "{arguments}: {found}");
+            assert_eq!(said, "", "{arguments}");
+        }
+    }
+    // Apart.
+    fs::write(folder.file("two.obj"), two_cubes([3.0; 3])).expect("a file");
+    let output = folder.run("measure two.obj");
+    assert_eq!(String::from_utf8_lossy(&succeeded(&output).stderr), "");
+    // What bounds no solid says how it is mended, in a scene as by itself.
+    let text = two_cubes([0.5; 3]);
+    let open = text.rsplit_once("f ").expect("faces").0;
+    fs::write(folder.file("two.obj"), open).expect("a file");
+    let message = failed(&folder.run("measure import.csg"), 3);
+    assert!(message.contains("import.csg:1:1: import"), "{message}");
+    assert!(
+        message.contains("hint: --repair mends what it can"),
+        "{message}"
+    );
+    succeeded(&folder.run("measure import.csg --repair"));
+}

@@ -217,7 +217,7 @@ fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
     assert!(text.contains("deviation   at most 0.00"), "{text}");
     // The mesh's volume, and within how much of that the solid's is.
     let line = text.lines().find_map(|line| line.strip_prefix("volume"));
-    let told = line.and_then(|told| told.trim().split_once(" (the solid's within "));
+    let told = line.and_then(|told| told.trim().split_once(" mm³ (the solid's within "));
     let (volume, error) = told.expect("both");
     let [volume, error] = [volume, error.trim_end_matches(')')].map(str::parse::<f64>);
     let (volume, error) = (volume.expect("a number"), error.expect("a number"));
@@ -325,4 +325,32 @@ fn small_balls_far_apart_stay_round_without_an_option() {
     assert!((0.93..1.0).contains(&share("")), "{}", share(""));
     assert!(share("--tolerance 0.02") < 0.8);
     assert!(share("--angle 5") > 0.99);
+}
+
+/// Nothing is written, not even what could be, and it is said before the model is read.
+#[test]
+fn folders_that_are_not_there_are_told_first() {
+    let folder = Folder::new();
+    fs::write(folder.file("bad.csg"), "roof();").expect("a file");
+    fs::write(folder.file("taken"), "").expect("a file");
+    for (arguments, words) in [
+        ("mesh bad.csg -o y.stl -o nodir/z.stl", "nodir/z.stl"),
+        ("mesh bad.csg -o y.stl --json nodir/z.json", "nodir/z.json"),
+        (
+            "mesh bad.csg --cells 8 --shard 1/2 -o nodir/z.shard",
+            "nodir/z.shard",
+        ),
+        ("mesh bad.csg -o y.step -o taken/z.stl", "taken is a file"),
+        ("convert bad.csg y.stl nodir/z.csg", "nodir/z.csg"),
+        (
+            "section --plane z=0 bad.csg -o y.svg -o nodir/z.svg",
+            "nodir/z.svg",
+        ),
+        ("render bad.csg -o nodir/z.png", "nodir/z.png"),
+    ] {
+        let message = failed(&folder.run(arguments), 5);
+        assert!(message.contains(words), "{arguments}: {message}");
+        assert!(message.contains("nothing was written"), "{message}");
+        assert_eq!(folder.files(), ["bad.csg", "taken"], "{arguments}");
+    }
 }

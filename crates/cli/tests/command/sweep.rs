@@ -227,6 +227,64 @@ fn wrong_tables_and_names_are_told() {
     }
 }
 
+/// By its own name, by another path, and by a link that leads to it.
+#[test]
+fn the_table_of_variants_is_not_written_over() {
+    let folder = folder();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("table.csv", folder.file("link.csv")).expect("a link");
+    let elsewhere = folder.file("table.csv").display().to_string();
+    let mut outputs = vec!["table.csv", "./table.csv", &elsewhere];
+    if cfg!(unix) {
+        outputs.push("link.csv");
+    }
+    for output in outputs {
+        let message = failed(&folder.run(&format!("sweep table.csv -o {output}")), 2);
+        assert!(message.contains("is the table of variants"), "{message}");
+        let kept = fs::read_to_string(folder.file("table.csv")).expect("a table");
+        assert_eq!(kept, TABLE);
+    }
+}
+
+#[test]
+fn tables_without_rows_are_told_and_other_separators_read() {
+    let folder = folder();
+    for (name, text) in [
+        ("empty.csv", ""),
+        ("comments.csv", "# model\n\n"),
+        ("names.csv", "model,note\n"),
+        (
+            "semicolons.csv",
+            "# a, b\nmodel;note\nbox.csg;\"a; b, c\"\n",
+        ),
+        ("tabulators.csv", "model\tnote\nbox.csg\ta, b\n"),
+    ] {
+        fs::write(folder.file(name), text).expect("a file");
+    }
+    for name in ["empty.csv", "comments.csv"] {
+        let message = failed(&folder.run(&format!("sweep {name} -o out.csv")), 3);
+        assert!(message.contains("it is empty"), "{message}");
+        assert!(!folder.file("out.csv").exists());
+    }
+    let output = folder.run("sweep names.csv -o out.csv");
+    let said = String::from_utf8_lossy(&succeeded(&output).stderr).into_owned();
+    assert!(
+        said.contains("names.csv has no rows below its names"),
+        "{said}"
+    );
+    for (name, note) in [("semicolons", "\"a; b, c\""), ("tabulators", "\"a, b\"")] {
+        succeeded(&folder.run(&format!("sweep {name}.csv -o out.csv")));
+        let text = fs::read_to_string(folder.file("out.csv")).expect("a table");
+        let row = text.lines().nth(1).expect("a row");
+        assert!(row.starts_with(&format!("1,box.csg,{note},6")), "{row}");
+    }
+    let message = failed(
+        &folder.run("sweep table.csv -o out.csv --write no/{row}.stl"),
+        5,
+    );
+    assert!(message.contains("no/1.stl") && message.contains("nothing was written"));
+}
+
 #[test]
 fn completions_and_manual_pages_know_every_command() {
     let folder = Folder::new();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::Z_UP_TO_Y_UP;
 use super::accessors::{Indices, LIST, Loaded, Vectors, triangle_count};
 use super::document::{Document, Node, PlaceAttributes, Primitive};
-use crate::assemble::Assembler;
+use crate::assemble::{Assembled, Assembler};
 use crate::contents::Contents;
 use crate::weld::{self, split, weld};
 use crate::{Error, MeshFormat, units};
@@ -26,11 +26,12 @@ use crate::{Error, MeshFormat, units};
 /// A damaged file, one without triangles, data in other files, required extensions that change the
 /// geometry (compression), sparse accessors.
 pub fn read_glb(data: &[u8]) -> Result<Mesh, Error> {
-    read_glb_with(data, false)
+    read_glb_with(data, false).map(|read| read.mesh)
 }
 
-/// [`read_glb`]; with `apart`, vertices that have normals are not welded.
-pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Mesh, Error> {
+/// [`read_glb`]; with `apart`, vertices that have normals are not welded. Each mesh in each of its
+/// places is an object.
+pub(crate) fn read_glb_with(data: &[u8], apart: bool) -> Result<Assembled, Error> {
     let word = |at: usize| -> Result<usize, Error> {
         let bytes = data.get(at..at + 4).and_then(|b| b.try_into().ok());
         let bytes = bytes.ok_or_else(|| malformed(format!("byte {at}"), CUT_OFF))?;
@@ -91,7 +92,7 @@ pub fn read_gltf(
     json: &[u8],
     mut load: impl FnMut(&str) -> Result<Vec<u8>, Error>,
 ) -> Result<Mesh, Error> {
-    read_gltf_with(json, false, |name| load(name).map(Contents::Read))
+    read_gltf_with(json, false, |name| load(name).map(Contents::Read)).map(|read| read.mesh)
 }
 
 /// [`read_gltf`]; with `apart`, vertices that have normals are not welded.
@@ -99,7 +100,7 @@ pub(crate) fn read_gltf_with(
     json: &[u8],
     apart: bool,
     mut load: impl FnMut(&str) -> Result<Contents<'static>, Error>,
-) -> Result<Mesh, Error> {
+) -> Result<Assembled, Error> {
     read(json, apart, &mut |index, uri| {
         let uri = uri.ok_or_else(|| malformed(format!("buffer {index}"), "it has no URI"))?;
         match data_uri(uri, index)? {
@@ -122,7 +123,11 @@ pub(super) fn malformed(place: impl Into<String>, problem: impl Into<String>) ->
 /// Gives a buffer's bytes by its index and URI.
 type LoadBuffer<'a, 'data> = dyn FnMut(usize, Option<&str>) -> Result<Contents<'data>, Error> + 'a;
 
-fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Result<Mesh, Error> {
+fn read<'data>(
+    json: &[u8],
+    apart: bool,
+    load: &mut LoadBuffer<'_, 'data>,
+) -> Result<Assembled, Error> {
     #[cfg_attr(not(feature = "compress"), expect(unused_mut))]
     let mut document: Document = serde_json::from_slice(json)
         .map_err(|error| malformed("JSON", format!("it is not a glTF document: {error}")))?;
@@ -168,13 +173,13 @@ fn read<'data>(json: &[u8], apart: bool, load: &mut LoadBuffer<'_, 'data>) -> Re
         .as_str()
         .and_then(units::named)
         .unwrap_or_default();
-    let mesh = Loaded { document, buffers }.scene(unit, apart)?;
-    if mesh.triangles.is_empty() {
+    let read = Loaded { document, buffers }.scene(unit, apart)?;
+    if read.mesh.triangles.is_empty() {
         let problem =
             "there is no triangle with three corners in it; points and lines are passed over";
         return Err(malformed("scene", problem));
     }
-    Ok(mesh)
+    Ok(read)
 }
 
 /// A file may have many instances of many triangles in few bytes.
@@ -184,6 +189,8 @@ const MOST_TRIANGLES: usize = 1 << 28;
 struct Item<'a> {
     node: &'a Node,
     primitive: &'a Primitive,
+    /// Whether it is the first of the node's mesh in its place.
+    begins: bool,
     /// Where it stands in the file.
     place: String,
     transform: DMat4,
@@ -237,7 +244,7 @@ impl Item<'_> {
 }
 
 impl Loaded<'_> {
-    fn scene(&self, unit: LengthUnit, apart: bool) -> Result<Mesh, Error> {
+    fn scene(&self, unit: LengthUnit, apart: bool) -> Result<Assembled, Error> {
         let document = &self.document;
         let scene = document.scene.unwrap_or(0);
         let roots = match document.scenes.get(scene) {
@@ -284,6 +291,7 @@ impl Loaded<'_> {
                 };
                 for instance in instances {
                     let transform = transform * instance;
+                    let first = items.len();
                     if !transform.is_finite() {
                         return Err(malformed(place(), "an instance's transform is not finite"));
                     }
@@ -297,6 +305,9 @@ impl Loaded<'_> {
                             triangles = triangles.saturating_add(item.triangles());
                             items.push(item);
                         }
+                    }
+                    if let Some(item) = items.get_mut(first) {
+                        item.begins = true;
                     }
                     let is_repeated = node.extensions.instancing.is_some();
                     if is_repeated && items.len().max(triangles) > MOST_TRIANGLES {
@@ -374,6 +385,7 @@ impl Loaded<'_> {
         Ok(Item {
             node,
             primitive,
+            begins: false,
             place,
             transform,
             positions,
@@ -383,7 +395,7 @@ impl Loaded<'_> {
     }
 
     /// Finds the vertices of all items, then puts their triangles together.
-    fn assemble(&self, items: &[Item], unit: LengthUnit, apart: bool) -> Result<Mesh, Error> {
+    fn assemble(&self, items: &[Item], unit: LengthUnit, apart: bool) -> Result<Assembled, Error> {
         let blocks = blocks(items, |item| item.positions.count(), weld::BLOCK);
         let lengths: Vec<usize> = blocks.iter().map(|(_, range)| range.len()).collect();
         let count: usize = lengths.iter().sum();
@@ -429,6 +441,15 @@ impl Loaded<'_> {
         }
         let mut assembler = Assembler::new(unit);
         assembler.add_vertices(positions);
+        let mut objects = Vec::new();
+        let mut before = 0;
+        for item in items {
+            if item.begins {
+                objects.push(before);
+            }
+            before += item.triangles();
+        }
+        assembler.begin_objects(objects);
         self.triangles(items, with_normals, &numbers, &mut assembler)?;
         Ok(assembler.finish())
     }

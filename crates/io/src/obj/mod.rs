@@ -12,4 +12,5 @@ mod read;
 mod write;
 
 pub use read::read_obj;
+pub(crate) use read::read_obj_objects;
 pub use write::{write_mtl, write_obj};

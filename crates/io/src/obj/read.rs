@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use crate::assemble::{Assembler, with_triangles};
+use crate::assemble::{Assembled, Assembler, with_triangles};
 use crate::parts::{DEFAULT_COLOR, DEFAULT_MATERIAL};
 use crate::weld::split;
 use crate::{Error, MeshFormat};
@@ -30,6 +30,14 @@ use crate::{Error, MeshFormat};
 /// # Errors
 /// A face or number that is not valid, with its line; no faces at all.
 pub fn read_obj(data: &[u8], load: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Mesh, Error> {
+    read_obj_objects(data, load).map(|read| read.mesh)
+}
+
+/// [`read_obj`]; objects begin with lines `o`.
+pub(crate) fn read_obj_objects(
+    data: &[u8],
+    load: impl FnMut(&str) -> Option<Vec<u8>>,
+) -> Result<Assembled, Error> {
     let pieces = pieces(data);
     let parsed: Result<Vec<Piece>, Error> = pieces
         .into_par_iter()
@@ -380,7 +388,7 @@ fn index(number: i64, count: usize, alone: bool, needed: &mut usize) -> Option<u
 fn assemble(
     mut pieces: Vec<Piece>,
     mut load: impl FnMut(&str) -> Option<Vec<u8>>,
-) -> Result<Mesh, Error> {
+) -> Result<Assembled, Error> {
     let count: usize = pieces.iter().map(|piece| piece.places.len()).sum();
     if u32::try_from(count).is_err() {
         return Err(Error::Malformed {
@@ -400,6 +408,7 @@ fn assemble(
     let mut looks: Vec<Look> = Vec::new();
     let mut materials: FxHashMap<String, Option<Color>> = FxHashMap::default();
     let mut now = Look::default();
+    let (mut objects, mut before) = (vec![0], 0);
     for (number, piece) in pieces.iter_mut().enumerate() {
         let mut first = 0;
         let mut run = |end: usize, look: &Look| {
@@ -409,10 +418,13 @@ fn assemble(
                 first = end;
             }
         };
-        for (before, change) in piece.changes.drain(..) {
-            run(before, &now);
+        for (end, change) in piece.changes.drain(..) {
+            run(end, &now);
             match change {
-                Change::Object(name) => (now.object, now.group) = (name, None),
+                Change::Object(name) => {
+                    objects.push(before + end);
+                    (now.object, now.group) = (name, None);
+                }
                 Change::Group(name) => now.group = name,
                 Change::Material(name) => now.color = materials.get(&name).copied().flatten(),
                 Change::Libraries(names) => {
@@ -423,7 +435,9 @@ fn assemble(
             }
         }
         run(piece.triangles.len(), &now);
+        before += piece.triangles.len();
     }
+    mesh.begin_objects(objects);
     let all_normals = |piece: &Piece| piece.triangle_normals.len() == piece.triangles.len();
     let with_normals = pieces.iter().all(all_normals);
     let lengths: Vec<usize> = runs.iter().map(|(_, range)| range.len()).collect();

@@ -83,6 +83,19 @@ pub enum SceneError {
         /// The file as the node names it.
         file: String,
     },
+    /// An imported mesh bounds no solid: [`repair`](super::ReadOptions::repair) mends what can be
+    /// mended.
+    #[error("{place}: {node}: {}: {faults}", .file.display())]
+    NotASolid {
+        /// Where.
+        place: Place,
+        /// The node's name.
+        node: String,
+        /// The mesh's file.
+        file: PathBuf,
+        /// All that is wrong with it.
+        faults: Box<csg::MeshFaults>,
+    },
     /// The bytes are not text.
     #[error("{place}: the text is not UTF-8 from here on: save it as UTF-8")]
     NotUtf8 {
@@ -108,6 +121,7 @@ impl SceneError {
             | Self::Unsupported { place, .. }
             | Self::Argument { place, .. }
             | Self::OtherFolder { place, .. }
+            | Self::NotASolid { place, .. }
             | Self::NotUtf8 { place } => place.file = Some(path.as_ref().to_owned()),
             Self::Io { .. } => {}
         }
@@ -122,6 +136,7 @@ impl SceneError {
             | Self::Unsupported { place, .. }
             | Self::Argument { place, .. }
             | Self::OtherFolder { place, .. }
+            | Self::NotASolid { place, .. }
             | Self::NotUtf8 { place } => Some(place),
             Self::Io { .. } => None,
         }

@@ -20,6 +20,8 @@ pub(super) const CHORDS: &str = "its arcs are taken for chords within 1e-4 of it
 /// `linear_extrude`, but for what it extrudes.
 pub(super) struct Extrusion {
     height: f64,
+    /// How far it goes along x and y for each step along z.
+    lean: DVec2,
     center: bool,
     /// In degrees, clockwise.
     twist: f64,
@@ -198,6 +200,7 @@ impl Builder<'_> {
     pub(super) fn extrusion(&mut self, node: &NodeText<'_>) -> Result<Extrusion, SceneError> {
         let keys = [
             "height",
+            "v",
             "center",
             "convexity",
             "twist",
@@ -211,8 +214,19 @@ impl Builder<'_> {
             LEGACY[2],
             LEGACY[3],
         ];
-        let [height, center, _, twist, slices, scale, fn_, fa, fs, ..] =
-            self.arguments(node, &keys)?;
+        let [
+            height,
+            along,
+            center,
+            _,
+            twist,
+            slices,
+            scale,
+            fn_,
+            fa,
+            fs,
+            ..,
+        ] = self.arguments(node, &keys)?;
         let scale = match scale {
             None => DVec2::ONE,
             Some(&Value::Number(scale)) => DVec2::splat(scale),
@@ -229,8 +243,24 @@ impl Builder<'_> {
         if !(twist.is_finite() && scale.is_finite()) {
             return Err(self.fault(node, "`twist` and `scale` must be finite"));
         }
+        let (height, lean) = match along {
+            None | Some(Value::Undefined) => (self.number(node, "height", height)?, DVec2::ZERO),
+            Some(value) => {
+                let along = array(value, number).map(DVec3::from_array);
+                let along = along.filter(|along| along.is_finite());
+                let along =
+                    along.ok_or_else(|| self.fault(node, "`v` must be [x, y, z], all finite"))?;
+                // With a height it is a direction.
+                let along = match optional("height", height)? {
+                    Some(height) => height * along.normalize_or_zero(),
+                    None => along,
+                };
+                (along.z, along.truncate() / along.z)
+            }
+        };
         Ok(Extrusion {
-            height: self.number(node, "height", height)?,
+            height,
+            lean,
             center: self.flag(node, "center", center)?,
             twist,
             scale: scale.max(DVec2::ZERO),
@@ -249,6 +279,7 @@ impl Builder<'_> {
             height,
             scale,
             twist,
+            lean,
             ..
         } = extrusion;
         if !is_size(height) {
@@ -293,6 +324,12 @@ impl Builder<'_> {
                     steps,
                 },
             )
+        };
+        let solid = if lean == DVec2::ZERO {
+            solid
+        } else {
+            let shear = DMat3::from_cols(DVec3::X, DVec3::Y, lean.extend(1.0));
+            solid.affine(DAffine3::from_mat3(shear))
         };
         self.made(node, solid)
     }
@@ -426,8 +463,12 @@ impl Builder<'_> {
             });
         let slack = 1e-12 * most.max(-least);
         if least < -slack && most > slack {
+            // (Chords of arcs tell four digits of their extent.)
+            let decimals = 2.0 - elementary::log10(most - least).floor();
+            let decimals = decimals.clamp(0.0, 15.0) as usize;
             let problem = format!(
-                "all points must be on the same side of the axis, but x goes from {least} to {most}"
+                "all points must be on the same side of the axis, but x goes from \
+                 {least:.decimals$} to {most:.decimals$}"
             );
             return Ok(self.nothing(node, &problem));
         }

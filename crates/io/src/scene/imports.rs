@@ -13,7 +13,7 @@ use super::relief::{self, Heights, Picture};
 use super::values;
 use crate::contents::{Contents, is_outside};
 use crate::profile::{self, ProfileOptions};
-use crate::{Error, ReadOptions, read_mesh_with, read_profile_with};
+use crate::{ReadOptions, read_mesh_file, read_profile_with, unit_ratio};
 
 /// The most bytes of a height map: far more than a solid can be made of.
 const MOST_BYTES: u64 = 1 << 20;
@@ -42,31 +42,48 @@ impl Builder<'_> {
             return self.import_flat(node, &path);
         }
         let files = ReadOptions::default().any_folder(self.options.any_folder);
-        let mut mesh =
-            read_mesh_with(&path, &files).map_err(|e| self.fault(node, &e.to_string()))?;
-        let (count, name) = (mesh.triangles.len() as f64, path.display());
+        let read = read_mesh_file(&path, &files).map_err(|e| self.fault(node, &e.to_string()))?;
+        let name = path.display();
+        for warning in &read.warnings {
+            self.warn(node, format!("{name}: {warning}"));
+        }
+        let (own, unit) = (read.mesh.unit, self.options.unit);
+        if read.has_unit && own != unit {
+            let times = unit_ratio(own, unit);
+            self.warn(
+                node,
+                format!(
+                    "the lengths of {name} are converted from {} to {}: {times} times as many",
+                    own.symbol(),
+                    unit.symbol()
+                ),
+            );
+        }
+        let read = read.in_unit(unit);
+        let count = read.mesh.triangles.len() as f64;
         self.facets(node, count, count)?;
-        let fault = |faults| format!("{name}: {}", Error::NotASolid(faults));
+        let fault = |builder: &Self, faults| SceneError::NotASolid {
+            place: Place::of(builder.tree.text, node.offset),
+            node: node.name.to_owned(),
+            file: path.clone(),
+            faults,
+        };
         if self.options.repair {
-            let (solid, repairs) =
-                Solid::repaired(&mesh).map_err(|faults| self.fault(node, &fault(faults)))?;
+            let (solid, repairs) = read.repaired().map_err(|faults| fault(self, faults))?;
             if !repairs.is_empty() {
                 self.warn(node, format!("{name} was repaired: {repairs}"));
             }
             return self.made(node, solid);
         }
-        let solid = match Solid::from_mesh(&mesh) {
+        let solid = match read.solid() {
             Err(faults) if faults.inside_out => {
                 let problem = format!("the faces of {name} are inside out: they are turned");
                 self.warn(node, problem);
-                for triangle in &mut mesh.triangles {
-                    triangle.reverse();
-                }
-                Solid::from_mesh(&mesh)
+                read.turned().solid()
             }
             other => other,
         };
-        let solid = solid.map_err(|faults| self.fault(node, &fault(faults)))?;
+        let solid = solid.map_err(|faults| fault(self, faults))?;
         self.made(node, solid)
     }
 

@@ -1,6 +1,6 @@
 //! `text`: OpenSCAD's rules for what it says, and the profile of it.
 
-use text::{Curves, Font, Fonts, HorizontalAlign, Text, VerticalAlign};
+use text::{Curves, Font, Fonts, HorizontalAlign, Text, TextError, VerticalAlign};
 
 use super::build::{Builder, is_size};
 use super::error::SceneError;
@@ -102,7 +102,7 @@ impl Builder<'_> {
             }
         };
         let font = self.font(node, &font)?;
-        let profile = Text::new(written)
+        let text = Text::new(written)
             .size(size)
             .spacing(spacing)
             .metrics(METRICS)
@@ -111,9 +111,12 @@ impl Builder<'_> {
             .direction(direction)
             .language(language)
             .script(script)
-            .curves(curves)
-            .profile(&font)
-            .map_err(|e| self.fault(node, &e.to_string()))?;
+            .curves(curves);
+        let set = || Ok::<_, TextError>((text.profile(&font)?, text.missing(&font)?));
+        let (profile, missing) = set().map_err(|e| self.fault(node, &e.to_string()))?;
+        if !missing.is_empty() {
+            self.warn(node, font.lacking(&missing));
+        }
         self.flat(node, profile)
     }
 

@@ -39,7 +39,10 @@
 //!   open what meets, chords are moved, with a warning.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
-//!   of the size (faceted: as many as OpenSCAD takes).
+//!   of the size (faceted: as many as OpenSCAD takes). A warning names characters that the font
+//!   has no glyph for.
+//! - `linear_extrude` goes along `v`, as far as that is long, or `height`, as in newer versions of
+//!   OpenSCAD.
 //! - Sections are exact where they have lines, circles and whole ellipses.
 //! - Hulls, Minkowski sums, projections, other sections and `resize` need corners: what is in
 //!   them is meshed while reading, circles in hulls and sums as polygons of at least 30
@@ -56,7 +59,12 @@
 //!   2^-20, vertices move onto it.
 //! - Files that `import` and `surface` name lie beside the scene or below, unless
 //!   others are allowed. An imported mesh must bound a solid; if it is inside out it
-//!   is turned, with a warning.
+//!   is turned, with a warning. Objects of one file that touch, overlap or lie in each other are
+//!   united.
+//! - Lengths are in one unit, the millimetre where nothing else is said ([`ReadOptions::unit`]):
+//!   those of imported 3MF and glTF files, which have their own, are converted into it, with a
+//!   warning where that changes numbers. Other formats have no unit; their numbers are taken as
+//!   they are.
 //! - An imported drawing ([`crate::profile`] says what is read) keeps its lines, arcs and circles;
 //!   other curves become chords within 1e-4 of its size, with a warning. `layer`, `id`, `dpi`, `center`
 //!   mean what they do in OpenSCAD, and so do `origin` and `scale`, in DXF.
@@ -90,7 +98,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-use csg::Solid;
+use csg::{LengthUnit, Solid};
 
 use crate::contents::Contents;
 
@@ -118,6 +126,9 @@ pub struct ReadOptions {
     /// Whether imported meshes that bound no solid are mended, with a warning that says
     /// what was changed ([`Solid::repaired`]).
     pub repair: bool,
+    /// The unit of the scene's lengths, into which those of imported 3MF and glTF files are
+    /// converted; others have none and are taken as they are.
+    pub unit: LengthUnit,
 }
 
 impl ReadOptions {
@@ -153,6 +164,13 @@ impl ReadOptions {
     #[must_use]
     pub fn repair(mut self, repair: bool) -> Self {
         self.repair = repair;
+        self
+    }
+
+    /// The same options with another unit of the scene's lengths.
+    #[must_use]
+    pub fn unit(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
         self
     }
 }

@@ -261,18 +261,22 @@ impl Builder<'_> {
     fn resize(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
         let [size, auto, _] = self.arguments(node, &["newsize", "auto", "convexity"])?;
         let size = size.and_then(|value| array(value, number));
+        let flag = |item: &Value| match item {
+            Value::Bool(flag) => Some(*flag),
+            item => number(item).map(|number| number != 0.0),
+        };
         let auto = match auto {
-            None => Some([0.0; 3]),
-            Some(value) => array(value, |item| match item {
-                Value::Bool(flag) => Some(f64::from(u8::from(*flag))),
-                item => number(item),
-            }),
+            None | Some(Value::Undefined) => Some([false; 3]),
+            // One for all axes, or each its own.
+            Some(value) => flag(value)
+                .map(|flag| [flag; 3])
+                .or_else(|| array(value, flag)),
         };
         let (Some(size), Some(auto)) = (size, auto) else {
-            let problem = "it needs `newsize = [x, y, z]` and `auto = [x, y, z]`";
+            let problem = "it needs `newsize = [x, y, z]`, and `auto`, if it is given, as one flag \
+                           or [x, y, z]";
             return Err(self.fault(node, problem));
         };
-        let auto = auto.map(|flag| flag != 0.0);
         Ok(Operation::Resize(
             DVec3::from_array(size),
             BVec3::from_array(auto),

@@ -5,4 +5,5 @@ mod read;
 mod write;
 
 pub use self::read::read_3mf;
+pub(crate) use self::read::read_3mf_objects;
 pub use self::write::write_3mf;

@@ -9,7 +9,7 @@ use quick_xml::events::{BytesStart, Event};
 use rustc_hash::FxHashMap;
 use zip::ZipArchive;
 
-use crate::assemble::{Assembler, with_triangles};
+use crate::assemble::{Assembled, Assembler, with_triangles};
 use crate::{Error, MeshFormat};
 
 /// Where the model is, if nothing else is said.
@@ -29,6 +29,11 @@ const MOST_TRIANGLES: usize = 1 << 28;
 /// A damaged archive or model, with the place in it; what names objects or materials that are
 /// not there before it; no triangles.
 pub fn read_3mf(data: &[u8]) -> Result<Mesh, Error> {
+    read_3mf_objects(data).map(|read| read.mesh)
+}
+
+/// [`read_3mf`]; each mesh in each of its places is an object.
+pub(crate) fn read_3mf_objects(data: &[u8]) -> Result<Assembled, Error> {
     let archive = |error: zip::result::ZipError| malformed("the archive", error.to_string());
     let mut zip = ZipArchive::new(Cursor::new(data)).map_err(archive)?;
     let path = match zip.by_name("_rels/.rels") {
@@ -47,8 +52,8 @@ pub fn read_3mf(data: &[u8]) -> Result<Mesh, Error> {
         );
         return Err(malformed(path, problem));
     }
-    let mesh = Model::default().read(BufReader::new(file.take(most)), path)?;
-    with_triangles(mesh, MeshFormat::ThreeMf, data)
+    let read = Model::default().read(BufReader::new(file.take(most)), path)?;
+    with_triangles(read, MeshFormat::ThreeMf, data)
 }
 
 /// The model that the archive's relationships name.
@@ -172,7 +177,7 @@ struct Model {
 }
 
 impl Model {
-    fn read(mut self, file: impl BufRead, path: &str) -> Result<Mesh, Error> {
+    fn read(mut self, file: impl BufRead, path: &str) -> Result<Assembled, Error> {
         let mut xml = Reader::from_reader(file);
         let mut buffer = Vec::new();
         let (mut group, mut object, mut depth) = (0, None, 0_u32);
@@ -292,7 +297,7 @@ impl Model {
         self.colors.entry(group).or_default().push(color);
     }
 
-    fn build(self) -> Result<Mesh, Error> {
+    fn build(self) -> Result<Assembled, Error> {
         let mut assembler = Assembler::new(self.unit);
         let total = self.items.iter().map(|(id, _)| self.objects[id].count);
         if total.fold(0, usize::saturating_add) > MOST_TRIANGLES {
@@ -330,6 +335,7 @@ impl Model {
             first.get_or_insert(vertex);
         }
         let first = first.unwrap_or_default();
+        to.begin_object();
         // What is mirrored is turned over.
         let is_mirrored = place.matrix3.determinant() < 0.0;
         let mut before = None;
