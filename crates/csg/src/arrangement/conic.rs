@@ -17,7 +17,7 @@ pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> SmallVec<
 }
 
 /// What is farther from the origin than so many sizes of the scene is far away.
-const FAR: f64 = 100.0;
+pub(super) const FAR: f64 = 100.0;
 
 /// The conic in which a quadric is 0 that changes from `foot` by value d² + slope d
 /// along each of two axes, more along the first, by its vertex: if the centre is so

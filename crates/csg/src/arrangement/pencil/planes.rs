@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 
 use super::Pencil;
 use super::conics::conics;
+use crate::arrangement::conic::FAR;
 use crate::arrangement::curve::Branches;
 use crate::arrangement::intersection::{Unknown, line};
 use crate::numeric::jacobi;
@@ -101,7 +102,8 @@ impl Pencil<'_> {
             let touches = lowest.abs() <= self.nearness.touch * quadric.gradient(middle).length();
             let places: &[f64] = if touches { &[0.0] } else { &[half, -half] };
             let places = places.iter().map(|off| middle + off * direction);
-            nodes.extend(places.filter(|node| node.is_finite()));
+            let far = FAR * self.nearness.scene();
+            nodes.extend(places.filter(|node| node.length() <= far));
         }
         conics(&planes, &nodes, quadric, self.nearness)
     }
