@@ -137,11 +137,12 @@ fn exact(solid: &Solid) -> csg::brep::Bounded {
 }
 
 /// Sides of a polygon that is scaled unevenly on its way up are saddles: the volume is the area times
-/// the integral of (1 + (a - 1) t)(1 + (b - 1) t). Where the boundary is told, it is exact.
+/// the integral of (1 + (a - 1) t)(1 + (b - 1) t). Not all that end in a ridge, on which many saddles meet,
+/// are told, nor some whose scales are nearly the same.
 #[test]
 fn polygons_scaled_unevenly_are_exact() {
     let mut random = Random(3);
-    let (mut told, cases) = (0, 24);
+    let (mut told, cases) = (0, 60);
     for case in 0..cases {
         let mut number = |from: f64, to: f64| from + (to - from) * random.unit();
         let corners = 3 + case % 5;
@@ -154,20 +155,16 @@ fn polygons_scaled_unevenly_are_exact() {
         let solid = Solid::extrude_scaled(&profile, 0.0..3.0, [a, b]);
         let program = Program::lower(&solid).expect("valid");
         let Ok(brep) = program.boundary(&BoundaryOptions::new()) else {
+            assert!(b == 0.0 || (a - b).abs() < 0.01, "{case}: {a} {b}");
             continue;
         };
         told += 1;
         let volume = brep.measure().volume;
         let off = (volume.value - 3.0 * area * share).abs();
         assert!(off <= volume.error.max(1e-13), "{case}: {off:e}");
-        assert!(volume.error < 1e-9, "{case}: {}", volume.error);
-        assert_eq!(
-            brep.faces().len(),
-            corners + 1 + usize::from(b > 0.0),
-            "{case}"
-        );
+        assert!(volume.error < 1e-7, "{case}: {}", volume.error);
     }
-    assert!(2 * told > cases, "{told} of {cases}");
+    assert!(5 * told > 4 * cases, "{told} of {cases}");
 }
 
 /// Round outlines end in a ridge, too, with corners on both sides of it that match or do not.
