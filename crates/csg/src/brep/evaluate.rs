@@ -160,7 +160,7 @@ fn with_uncut(
     let task = Task::new(rest, bounds, 0.0, &control);
     let carriers = program.carriers().iter();
     let carriers = carriers.map(|surface| surface.relative_to(task.origin));
-    let surfaces: Vec<Surface> = carriers.chain(task.surfaces.iter().cloned()).collect();
+    let surfaces: Vec<Surface> = carriers.chain(task.surfaces.iter().copied()).collect();
     let origins = program.origins();
     let rest = if task.surfaces.is_empty() {
         Arrangement {

@@ -35,7 +35,7 @@ impl Joining<'_> {
             ..Joined::default()
         };
         let open = self.add_rest(&mut joined, rest);
-        self.add_uncut(&mut joined, open)?;
+        self.add_uncut(&mut joined, &open)?;
         let mut whole = joined.whole;
         slits::number_vertices(&mut whole);
         whole.fit_places();
@@ -118,7 +118,7 @@ impl Joining<'_> {
     }
 
     /// Adds the uncut faces, up to the open ends of the rest; none if these do not fit.
-    fn add_uncut(&self, to: &mut Joined, open: Vec<HalfEdgeId>) -> Option<()> {
+    fn add_uncut(&self, to: &mut Joined, open: &[HalfEdgeId]) -> Option<()> {
         let first = VertexId(to.whole.points.len() as u32);
         let number = |vertex: u32| VertexId(first.0 + vertex);
         let vertices = 0..self.uncut.vertices.len() as u32;
@@ -140,7 +140,7 @@ impl Joining<'_> {
             half_of[side] = HalfEdgeId((to.whole.half_edges.len() + edges.len()) as u32);
             edges.push(side);
         }
-        let mut rims = Rims::new(&to.whole, &open, &to.ends, self.uncut.margin)?;
+        let mut rims = Rims::new(&to.whole, open, &to.ends, self.uncut.margin)?;
         for &side in &edges {
             let half = half_of[side];
             let [from, until] = self.ends(side);
@@ -377,7 +377,7 @@ mod tests {
             let brep = program.boundary(&options).expect("a boundary");
             let expected = program.expanded().boundary(&options).expect("a boundary");
             assert_eq!(counts(&brep), counts(&expected), "{case}");
-            let [one, other] = [&brep, &expected].map(|brep| brep.measure());
+            let [one, other] = [&brep, &expected].map(crate::Brep::measure);
             let off = (one.volume.value - other.volume.value).abs();
             assert!(
                 off <= one.volume.error + other.volume.error,
