@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use csg::brep::{Edge, Face};
+use csg::brep::{CurveShape, Edge, Face};
 use csg::elementary;
 use csg::{Placement, SurfaceShape};
 use glam::{DVec2, DVec3, DVec4};
@@ -98,7 +98,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
         SurfaceShape::HyperbolicParaboloid {
             placement,
             bends: [a, b],
-        } => {
+        } if has_plain_edges(face) => {
             let scaled = Scaled {
                 placement,
                 scales: [1.0; 3],
@@ -268,6 +268,16 @@ fn hyperboloid_of_revolution(
     let branch = to.add(format_args!("HYPERBOLA('',{placement},{long},{across})"));
     let ends = [1.0, elementary::cosh(high)].map(|height| c * height);
     turned.half(to, &faces[0], branch, (a * elementary::sinh(high), ends))
+}
+
+/// Whether all edges of a saddle's face are lines, but for those at which it was cut: between others Open
+/// CASCADE 8.0 takes it for another one.
+fn has_plain_edges(face: &Face<'_>) -> bool {
+    let is_plain = |edge: Edge<'_>| {
+        let [one, other] = edge.faces().map(|face| face.surface_index());
+        one == other || matches!(edge.curve(), CurveShape::Line { .. })
+    };
+    face.edges().all(is_plain)
 }
 
 /// Whether both scales of a section across an axis are one, to rounding.
