@@ -4,6 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::random::Random;
+use crate::sweeps::one_in;
 use csg::glam::DVec2;
 use csg::{
     BoundaryOptions, Error, Join, Mesher, NodeFault, Path, Profile, ProfileFault, Program, Solid,
@@ -429,5 +430,74 @@ fn fine_polygons_are_prisms() {
             }
             assert_volume(&what, &Solid::extrude(profile, 1.0..3.0), 2.0 * area);
         }
+    }
+}
+
+/// Around what a closed line winds an odd number of times, by strips between the heights of its corners and
+/// crossings.
+fn area_by_strips(corners: &[DVec2]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let sides: Vec<[DVec2; 2]> = corners.iter().zip(next).map(|(&a, &b)| [a, b]).collect();
+    let mut heights: Vec<f64> = corners.iter().map(|corner| corner.y).collect();
+    for (k, [a, b]) in sides.iter().enumerate() {
+        for [c, d] in &sides[..k] {
+            let (u, v) = (b - a, d - c);
+            let across = u.perp_dot(v);
+            let [s, t] = [v, u].map(|way| (c - a).perp_dot(way) / across);
+            if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+                heights.push(a.y + s * u.y);
+            }
+        }
+    }
+    heights.sort_by(f64::total_cmp);
+    let strips = heights.windows(2).filter(|pair| pair[0] < pair[1]);
+    let area = |pair: &[f64]| {
+        let y = pair[0].midpoint(pair[1]);
+        let crosses = |[a, b]: &&[DVec2; 2]| (a.y > y) != (b.y > y);
+        let at = |[a, b]: &[DVec2; 2]| a.x + (y - a.y) * (b.x - a.x) / (b.y - a.y);
+        let mut places: Vec<f64> = sides.iter().filter(crosses).map(at).collect();
+        places.sort_by(f64::total_cmp);
+        let widths = places.chunks_exact(2).map(|pair| pair[1] - pair[0]);
+        (pair[1] - pair[0]) * widths.sum::<f64>()
+    };
+    strips.map(area).sum()
+}
+
+/// Polygons whose sides cross many times touch themselves in as many upright edges, with short pieces of
+/// sides between them.
+#[test]
+fn polygons_that_cross_themselves_are_exact() {
+    let mut random = Random(5);
+    for case in 0..60 / one_in(5) {
+        let count = [8, 20, 40, 80][case % 4];
+        let mut number = |from: f64, to: f64| from + (to - from) * random.unit();
+        let start = number(0.0, TAU);
+        let corners: Vec<DVec2> = (0..count)
+            .map(|k| match case / 4 % 3 {
+                0 => DVec2::new(number(-10.0, 10.0), number(-10.0, 10.0)),
+                1 => DVec2::new(number(-4.0, 4.0).round(), number(-4.0, 4.0).round()),
+                // Far round: many cross next to one place.
+                _ => {
+                    10.0 * DVec2::from_angle(
+                        start + TAU * (k * (count / 2 - 1)) as f64 / count as f64,
+                    )
+                }
+            })
+            .collect();
+        let profile = Profile::polygon(corners.iter().copied());
+        let area = area_by_strips(&corners);
+        let whole = Solid::extrude(&profile, 0.0..3.0);
+        let volume = exact(&whole);
+        let off = (volume.value - 3.0 * area).abs();
+        assert!(off <= volume.error + 1e-11 * area, "{case}: {off:e}");
+        assert!(volume.error <= 1e-8 * area, "{case}: {}", volume.error);
+        assert_volume(&format!("{case}"), &whole, 3.0 * area);
+        let narrow = exact(&Solid::extrude_scaled(&profile, 0.0..3.0, [0.5, 0.5]));
+        let off = (narrow.value - 1.75 * area).abs();
+        assert!(off <= narrow.error + 1e-11 * area, "{case}: {off:e}");
+        let block = Solid::cuboid([4.0, 5.0, 3.0]).translate([number(-3.0, 3.0).round(), 0.5, 2.0]);
+        let parts = [exact(&(&whole - &block)), exact(&(&whole & &block))];
+        let off = (parts[0].value + parts[1].value - volume.value).abs();
+        assert!(off <= 1e-8 * area, "{case}: {off:e}");
     }
 }

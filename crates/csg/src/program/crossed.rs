@@ -17,7 +17,7 @@ use crate::numeric::tolerance::{NEAR, SLANT, WELD};
 
 /// The triangles of all polyhedra, numbered through as in [`Shells`], and their vertices.
 pub(super) struct Soup<'a> {
-    regions: &'a [Region],
+    regions: &'a [&'a Region],
     shells: &'a Shells,
     /// Things nearer to each other touch, as far as any stage can tell.
     margin: f64,
@@ -28,7 +28,7 @@ pub(super) struct Soup<'a> {
 }
 
 impl<'a> Soup<'a> {
-    pub fn new(regions: &'a [Region], shells: &'a Shells, margin: f64) -> Self {
+    pub fn new(regions: &'a [&'a Region], shells: &'a Shells, margin: f64) -> Self {
         let mut points = Vec::with_capacity(regions.iter().map(|r| r.vertices.len()).sum());
         let mut first_of = Vec::with_capacity(regions.len());
         for region in regions {

@@ -13,6 +13,7 @@ mod lower;
 mod lowered;
 mod narrow;
 mod outline;
+mod parted;
 mod placed;
 mod reach;
 mod settle;

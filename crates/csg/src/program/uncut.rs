@@ -23,7 +23,6 @@ use super::lower::Finished;
 use super::lowered::Lowered;
 use super::outline::Outline;
 use super::placed::{Convex, IsNeeded, Region};
-use crate::mesh::Shells;
 use crate::mesh::box_tree::{self, BoxTree, Boxed, along_curve};
 use crate::numeric::Groups;
 use crate::solid::partition::Part;
@@ -56,8 +55,14 @@ impl Uncut {
         let margin = outline.margin();
         let shells = outline.shells();
         let others = Others::new(&outline.others, outline.carriers());
-        let faces: Vec<Adjacency> = outline.regions.par_iter().map(Adjacency::of).collect();
-        let mut soup = Soup::new(&outline.regions, shells, margin);
+        let given = outline.regions.par_iter();
+        let parted: Vec<(Option<Region>, Adjacency)> = given.map(Adjacency::parted).collect();
+        let (parted, faces): (Vec<_>, Vec<_>) = parted.into_iter().unzip();
+        let regions = outline.regions.iter().zip(&parted);
+        let regions: Vec<&Region> = regions
+            .map(|(r, parted)| parted.as_ref().unwrap_or(r))
+            .collect();
+        let mut soup = Soup::new(&regions, shells, margin);
         let crossed = Crossed::of(&mut soup);
         let count = outline.regions.iter().map(|r| r.triangles.len()).sum();
         let is_met = |triangle: usize| others.meet(shells.box_of(triangle, margin));
@@ -76,7 +81,7 @@ impl Uncut {
             is_cut[triangle as usize] = true;
         }
         let is_cut_on = loop {
-            let is_cut_on = cut_surfaces(outline, shells, &faces, &is_cut);
+            let is_cut_on = cut_surfaces(outline, &regions, &faces, &is_cut);
             for (is_cut, &(surface, _)) in is_cut.iter_mut().zip(all_surfaces()) {
                 *is_cut = is_cut_on[surface as usize];
             }
@@ -180,7 +185,7 @@ impl Uncut {
 /// face, and of both if edges of only two go on straight over a vertex, which is none then.
 fn cut_surfaces(
     outline: &Outline,
-    shells: &Shells,
+    regions: &[&Region],
     faces: &[Adjacency],
     is_cut: &[bool],
 ) -> Vec<bool> {
@@ -192,8 +197,8 @@ fn cut_surfaces(
             is_cut_on[surface as usize] = true;
         }
     }
-    for ((shell, region), faces) in outline.regions.iter().enumerate().zip(faces) {
-        let is_cut = &is_cut[shells.triangles_of(shell)];
+    for ((shell, region), faces) in regions.iter().enumerate().zip(faces) {
+        let is_cut = &is_cut[outline.shells().triangles_of(shell)];
         for (index, &(surface, _)) in region.surfaces.iter().enumerate() {
             is_cut_on[surface as usize] |= is_cut[index] || faces.is_odd[index];
         }
@@ -224,7 +229,7 @@ fn cut_surfaces(
 struct Adjacency {
     /// Of each triangle the others at its sides, from each corner to the next.
     twins: Vec<[u32; 3]>,
-    /// Whether a triangle is where the polyhedron touches itself.
+    /// Whether a triangle is where the polyhedron touches itself, or is not closed.
     is_odd: Vec<bool>,
     /// The triangles around each vertex, and where these begin.
     triangles_at: Vec<u32>,
@@ -232,6 +237,17 @@ struct Adjacency {
 }
 
 impl Adjacency {
+    /// Of a polyhedron that does not touch itself, or of one like it that does not.
+    fn parted(region: &Region) -> (Option<Region>, Self) {
+        let all = Self::of(region);
+        if !all.is_odd.contains(&true) {
+            return (None, all);
+        }
+        let parted = region.parted();
+        let all = Self::of(&parted);
+        (Some(parted), all)
+    }
+
     fn of(region: &Region) -> Self {
         let mut first_at = vec![0u32; region.vertices.len() + 2];
         for &vertex in region.triangles.iter().flatten() {

@@ -141,7 +141,7 @@ impl Column<'_> {
         let contours = profile.contours(self.tolerance)?;
         let is_fine = contours.iter().map(Vec::len).sum::<usize>() > FEW_FACES;
         Ok(is_fine
-            .then(|| prism(&contours, self.z, self.scale))
+            .then(|| prism(&contours, &profile.lines(&contours), self.z, self.scale))
             .flatten())
     }
 

@@ -62,10 +62,16 @@ impl Solid {
         Self::made_of_points("polyhedron", made.map_err(NodeFault::from))
     }
 
-    /// The same; none if the faces bound no solid.
-    pub(super) fn of_faces(vertices: Vec<DVec3>, faces: &[Vec<u32>]) -> Option<Self> {
-        let faces = Faces::new(vertices, faces).ok()?;
+    /// The same, the first faces on planes that are known better than by their corners; none if
+    /// the faces bound no solid.
+    pub(super) fn of_faces(
+        vertices: Vec<DVec3>,
+        faces: &[Vec<u32>],
+        planes: &[Option<Plane>],
+    ) -> Option<Self> {
+        let mut faces = Faces::new(vertices, faces).ok()?;
         faces.check().ok()?;
+        faces.planes = planes.to_vec();
         Some(faces.solid().0)
     }
 
@@ -110,6 +116,8 @@ struct Faces {
     vertices: Vec<DVec3>,
     /// Triangles or flat polygons, each with the number of the face given.
     faces: Vec<(Corners, u32)>,
+    /// Of the first faces given, as far as they are known better than by their corners.
+    planes: Vec<Option<Plane>>,
     size: f64,
 }
 
@@ -144,6 +152,7 @@ impl Faces {
         let mut result = Self {
             vertices,
             faces: Vec::with_capacity(faces.size_hint().0.min(MOST_FACES)),
+            planes: Vec::new(),
             size,
         };
         let mut given = 0;
@@ -274,9 +283,11 @@ impl Faces {
         let mut triangles = Vec::with_capacity(count);
         let mut faces = Vec::with_capacity(count);
         let mut planes = Vec::with_capacity(count);
-        for (corners, _) in &self.faces {
+        for (corners, given) in &self.faces {
             let points = self.points(corners);
+            let known = self.planes.get(*given as usize).copied().flatten();
             let face = plane_of(&points).map_or(NO_FACE, |plane| {
+                let plane = known.unwrap_or(plane);
                 planes.push(plane);
                 planes.len() as u32 - 1
             });

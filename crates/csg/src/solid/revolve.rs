@@ -289,7 +289,7 @@ fn polyhedron(contours: &[Vec<DVec2>], axis: Axis, radians: f64, steps: usize) -
             face.reverse();
         }
     }
-    Solid::of_faces(vertices.collect(), &faces)
+    Solid::of_faces(vertices.collect(), &faces, &[])
 }
 
 fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeFault> {

@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 
 use super::partition::{Facet, Tree};
 use super::polyhedron::plane_of;
-use super::profile::Profile;
+use super::primitive::Plane;
+use super::profile::{Lines, Profile};
 use super::tree::Solid;
 use crate::error::NodeFault;
 use crate::mesh::triangulate::{Named, Scratch, triangulate};
@@ -199,14 +200,19 @@ pub(super) fn uneven(
 
 /// What polygons enclose, moved along z and scaled evenly, as a polyhedron; none if they meet
 /// so that it is none.
-pub(super) fn prism(contours: &[Vec<DVec2>], z: &Range<f64>, scale: DVec2) -> Option<Solid> {
+pub(super) fn prism(
+    contours: &[Vec<DVec2>],
+    lines: &Lines,
+    z: &Range<f64>,
+    scale: DVec2,
+) -> Option<Solid> {
     let at = |(z, scale)| Level {
         turn: DVec2::X,
         scale,
         z,
     };
     let levels = [(z.start, DVec2::ONE), (z.end, scale)].map(at);
-    polyhedron(contours, &levels, true)
+    polyhedron(contours, Some(lines), &levels, true)
 }
 
 /// By how much a step turns at most, in radians: sides of steps that turn further would pass near
@@ -266,7 +272,7 @@ fn in_steps(
         Solid::empty()
     } else {
         let turns_back = radians >= 0.0;
-        polyhedron(contours, &levels, turns_back).unwrap_or_else(|| {
+        polyhedron(contours, None, &levels, turns_back).unwrap_or_else(|| {
             let pairs = levels.windows(2);
             Solid::union(pairs.map(|pair| layer(contours, [&pair[0], &pair[1]], turns_back)))
         })
@@ -396,9 +402,14 @@ impl Ridge {
     }
 }
 
-/// The polyhedron through all levels; none if its faces run through each other, or if it has
-/// none at its end.
-fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Option<Solid> {
+/// The polyhedron through all levels, its sides on the planes through `lines`, if these become
+/// planes; none if its faces run through each other, or if it has none at its end.
+fn polyhedron(
+    contours: &[Vec<DVec2>],
+    lines: Option<&Lines>,
+    levels: &[Level],
+    turns_back: bool,
+) -> Option<Solid> {
     let (last, below) = levels.split_last()?;
     let ridge = Ridge::of(contours, last);
     let contours = ridge.as_ref().map_or(contours, |ridge| &ridge.contours);
@@ -418,6 +429,7 @@ fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Op
         _ => corner,
     };
     let mut faces: Vec<Vec<u32>> = Vec::with_capacity(2 * count * levels.len());
+    let mut planes: Vec<Option<Plane>> = Vec::with_capacity(faces.capacity());
     for (step, pair) in levels.windows(2).enumerate() {
         let mut first = step * count;
         for contour in contours {
@@ -429,6 +441,12 @@ fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Op
                 let has_area = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
                 let triangles = triangles.into_iter().filter(has_area);
                 faces.extend(triangles.map(Vec::from));
+                let [low, high] = [&pair[0], &pair[1]];
+                let plane = lines.and_then(|lines| {
+                    let [from, to] = lines.of(contour[k], contour[next]);
+                    upright([from, to], [low, high])
+                });
+                planes.resize(faces.len(), plane);
             }
             first += contour.len();
         }
@@ -439,7 +457,20 @@ fn polyhedron(contours: &[Vec<DVec2>], levels: &[Level], turns_back: bool) -> Op
             faces.push(vec![a + top, b + top, c + top]);
         }
     }
-    Solid::of_faces(vertices, &faces)
+    Solid::of_faces(vertices, &faces, &planes)
+}
+
+/// The plane through a line at two levels, the same but for its sign both ways along the line.
+fn upright([from, to]: [DVec2; 2], [low, high]: [&Level; 2]) -> Option<Plane> {
+    if (from.x, from.y) > (to.x, to.y) {
+        let Plane { normal, offset } = upright([to, from], [low, high])?;
+        return Some(Plane {
+            normal: -normal,
+            offset: -offset,
+        });
+    }
+    let places = [(low, from), (low, to), (high, to), (high, from)];
+    plane_of(&places.map(|(level, corner)| level.place(corner)))
 }
 
 /// The triangles of what contours enclose, counter-clockwise, by the numbers of their corners.

@@ -13,6 +13,8 @@ use super::polygon::{Nesting, cleaned, crossing, doubled_area, points_of};
 use super::turn::turn;
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
+use crate::numeric::Welder;
+use crate::numeric::tolerance::IN_PROFILE;
 
 /// A polygon: its outer contour, counter-clockwise, then its holes, clockwise.
 pub(super) type Polygon = Vec<Vec<DVec2>>;
@@ -182,9 +184,44 @@ fn combined(combination: Combination, mut operands: Vec<Vec<Polygon>>) -> Vec<Po
     result
 }
 
+/// The outlines of what contours enclose, corners that are one but for rounding at one place.
+fn overlay(
+    subject: &[Vec<DVec2>],
+    clip: &[Vec<DVec2>],
+    rule: OverlayRule,
+    fill: OverlayFill,
+) -> Vec<Polygon> {
+    /// Corners that were moved may have made others, at most so often.
+    const ROUNDS: usize = 4;
+    let mut polygons = overlay_once(subject, clip, rule, fill);
+    for _ in 0..ROUNDS {
+        if !put_together(&mut polygons) {
+            break;
+        }
+        let fill = OverlayFill::Positive;
+        polygons = overlay_once(&polygons.concat(), &[], OverlayRule::Subject, fill);
+    }
+    polygons
+}
+
+/// Puts corners at one place that are no farther apart than rounding; whether there were such.
+fn put_together(polygons: &mut [Polygon]) -> bool {
+    let corners = || polygons.iter().flatten().flatten();
+    let reach = corners().fold(0.0_f64, |most, p| p.abs().max_element().max(most));
+    let mut welder = Welder::new(IN_PROFILE * reach);
+    let mut is_moved = false;
+    for corner in polygons.iter_mut().flatten().flatten() {
+        let number = welder.number(corner.extend(0.0));
+        let place = welder.points[number as usize].truncate();
+        is_moved |= place != *corner;
+        *corner = place;
+    }
+    is_moved
+}
+
 /// Whole numbers have 62 bits: a scale by a power of two that uses most of them
 /// keeps every corner within 2^-59 of the largest coordinate.
-fn overlay(
+fn overlay_once(
     subject: &[Vec<DVec2>],
     clip: &[Vec<DVec2>],
     rule: OverlayRule,

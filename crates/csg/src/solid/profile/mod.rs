@@ -12,6 +12,7 @@ mod contour;
 mod ears;
 mod flatten;
 mod hull;
+mod lines;
 mod monotone;
 mod offset;
 mod outline;
@@ -43,6 +44,7 @@ pub use self::turn::turn;
 
 pub(crate) use self::arcs::Sagitta;
 pub(crate) use self::contour::plane_set;
+pub(crate) use self::lines::Lines;
 pub(crate) use self::plane_set::{Leaf, PlaneSet};
 pub(crate) use self::polygon::doubled_area;
 use crate::numeric::tolerance::MAPPED;

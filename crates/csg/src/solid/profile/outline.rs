@@ -10,10 +10,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine2, DVec2};
-use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use super::arcs::doubled_area;
+use super::lines::Lines;
 use super::polygon::cleaned;
 use super::side::{Course, Side, find_pair, sides, slack};
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
@@ -47,24 +47,6 @@ pub(super) fn outline(
     let mut lines = Lines::default();
     let contours = pieces.joined(&kept, &mut lines)?;
     Some((contours, lines))
-}
-
-/// For straight sides of an outline that are pieces of longer ones: these. Where a piece is short its
-/// ends tell its direction badly.
-#[derive(Debug, Default)]
-pub(super) struct Lines(FxHashMap<[u64; 4], [DVec2; 2]>);
-
-impl Lines {
-    fn key(from: DVec2, to: DVec2) -> [u64; 4] {
-        [from.x, from.y, to.x, to.y].map(f64::to_bits)
-    }
-
-    /// Two points on the line from one corner to the next, which follow each other as these do.
-    pub fn of(&self, from: DVec2, to: DVec2) -> [DVec2; 2] {
-        let known = self.0.get(&Self::key(from, to)).copied();
-        let back = || self.0.get(&Self::key(to, from)).map(|&[a, b]| [b, a]);
-        known.or_else(back).unwrap_or([from, to])
-    }
 }
 
 impl Profile {
@@ -496,7 +478,7 @@ impl Pieces {
                     true => [side.from, side.to],
                     false => [side.to, side.from],
                 };
-                lines.0.insert(Lines::key(from, to), line);
+                lines.insert([from, to], line);
             }
         }
         let corner = |(point, sweep): (DVec2, f64)| Corner {
