@@ -38,5 +38,5 @@ pub use format::{
 pub use mesh_file::MeshFile;
 pub use profile::{ProfileOptions, ReadProfile, read_profile, read_profile_with};
 pub use shared::share_triangles;
-pub use solid::{SolidOptions, read_repaired_solid, read_solid, read_solid_with};
+pub use solid::{SolidOptions, read_solid, read_solid_with};
 pub use units::unit_ratio;

@@ -53,15 +53,6 @@ pub fn read_solid(path: impl AsRef<Path>) -> Result<Solid, Error> {
     read_solid_with(path, &SolidOptions::default()).map(|(solid, _)| solid)
 }
 
-/// The same of a mesh that may not quite bound a solid, and what was changed to make it
-/// bound one: see [`Solid::repaired`].
-///
-/// # Errors
-/// As [`read_solid`], for what cannot be mended.
-pub fn read_repaired_solid(path: impl AsRef<Path>) -> Result<(Solid, Repairs), Error> {
-    read_solid_with(path, &SolidOptions::default().repair(true))
-}
-
 /// [`read_solid`] with other options, and what was mended.
 ///
 /// # Errors

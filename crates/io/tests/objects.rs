@@ -8,8 +8,8 @@ use csg::glam::{DVec3, Vec3};
 use csg::{BoundaryOptions, LengthUnit, Program, Solid};
 use io::scene::{self, SceneError};
 use io::{
-    Error, MeshFile, SolidOptions, WriteOptions, read_mesh_file, read_mesh_with,
-    read_repaired_solid, read_solid, read_solid_with, unit_ratio, write_mesh,
+    Error, MeshFile, SolidOptions, WriteOptions, read_mesh_file, read_mesh_with, read_solid,
+    read_solid_with, unit_ratio, write_mesh,
 };
 
 const UNITS: [LengthUnit; 6] = [
@@ -283,7 +283,8 @@ fn solids_of_objects_are_their_union() {
                 (found / wanted - 1.0).abs() < 1e-6,
                 "{name}: {found} {wanted}"
             );
-            let (solid, repairs) = read_repaired_solid(&path).expect("a solid");
+            let (solid, repairs) =
+                read_solid_with(&path, &SolidOptions::default().repair(true)).expect("a solid");
             assert!(repairs.is_empty(), "{name}: {repairs}");
             assert!((volume(&solid) / wanted - 1.0).abs() < 1e-6, "{name}");
             // The mesh stays what it was.

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::common;
 use csg::{Mesh, Mesher, Program, Solid};
 use io::scene::{ReadOptions, read, read_file};
-use io::{Error, MeshFormat, WriteOptions, read_repaired_solid, read_solid, write_mesh};
+use io::{Error, MeshFormat, SolidOptions, WriteOptions, read_solid, read_solid_with, write_mesh};
 
 fn mesh(solid: &Solid) -> Mesh {
     let program = Program::lower(solid).expect("a program");
@@ -105,7 +105,8 @@ fn broken_meshes_are_mended_if_asked_and_it_is_said() {
     let mut open = bare();
     open.triangles.pop();
     write_mesh(&path, &open, &WriteOptions::default()).expect("written");
-    let (solid, repairs) = read_repaired_solid(&path).expect("a solid");
+    let (solid, repairs) =
+        read_solid_with(&path, &SolidOptions::default().repair(true)).expect("a solid");
     assert!((volume(&solid) - 6.0).abs() < 1e-6);
     assert_eq!(repairs.holes, 1, "{repairs}");
     let text = "import(file = \"open.stl\");";
