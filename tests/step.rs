@@ -37,14 +37,12 @@ const NOT_VALID: [(&str, &str); 2] = [
     ),
 ];
 
-/// Those whose volumes are off by more, of it. The hull of points of six digits has faces of more
-/// than three corners, which are off their planes by these digits. Two frusta meet in a curve that
+/// Those whose volumes are off by more, of it. Two frusta meet in a curve that
 /// bends by a radius of a thousandth: what is read back has 9e-6 less volume with images through ten
 /// times as many points (by a quadrature of its own the solid has 0.0726931382). Of bellows a hundred
 /// times as large all digits are read back.
-const NOT_SO_EXACT: [(&str, f64); 3] = [
+const NOT_SO_EXACT: [(&str, f64); 2] = [
     ("bellows-a-hair-off", 1e-9),
-    ("tests__data__scad__3D__issues__issue1089b", 1.1e-8),
     ("shaft-beside-a-collar", 2e-7),
 ];
 
@@ -254,8 +252,8 @@ fn corpus_is_read_back_of(kind: &str, faceted: bool) {
             continue;
         };
         let program = Program::lower(&scene.solid).expect("a valid solid");
-        // (Tori out of tori, as cones, take a minute.)
-        let longest = Duration::from_secs(if is_whole(kind) { 600 } else { 4 });
+        // (The slowest that ends takes some seconds.)
+        let longest = Duration::from_secs(if is_whole(kind) { 60 } else { 4 });
         let options = BoundaryOptions::new()
             .limits(Limits::new().time(longest))
             .cut_at_seams();
@@ -270,7 +268,7 @@ fn corpus_is_read_back_of(kind: &str, faceted: bool) {
     println!("no boundary: {refused:?}");
     let read = tally.finish();
     println!("{read} read back");
-    assert!(read >= if is_whole(kind) { 90 } else { 40 }, "{read}");
+    assert!(read >= if is_whole(kind) { 109 } else { 40 }, "{read}");
 }
 
 /// Flat ellipsoids of up to 1 : 10,000: along their rims charts are so steep that the volume of what
@@ -472,4 +470,20 @@ fn units_are_read_back() {
             found.volume
         );
     }
+}
+
+/// Saddles in conics are not written: Open CASCADE reads them with other volumes.
+#[test]
+fn saddles_between_conics_are_refused() {
+    let square = Profile::regular_polygon(4, 1.0).rotate(0.3);
+    let saddles = Solid::extrude_scaled(&square, 0.0..3.0, [1.5, 0.6]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.step");
+    write_step_file(&path, &boundary(&saddles), &StepOptions::default()).expect("written");
+    std::fs::remove_file(&path).expect("there");
+    let cut = saddles & Solid::half_space([0.3, 0.2, 1.0], 1.0);
+    let error = write_step_file(&path, &boundary(&cut), &StepOptions::default());
+    let error = error.expect_err("conics on saddles").to_string();
+    assert!(error.contains("no way to write the surface"), "{error}");
+    assert!(!path.exists());
 }

@@ -303,7 +303,9 @@ pub(crate) fn produce(
                 .progress(progress.callback());
             let mut tolerance = None;
             if options.tolerance.is_none() && options.is_to_tolerance() {
+                let start = Instant::now();
                 tolerance = within(&program).and_then(|corners| needs(&corners));
+                seconds.push(("bounds", start.elapsed().as_secs_f64()));
                 if tolerance.is_none() && options.angle.is_none() {
                     mesher = mesher.angle(ANGLE.to_radians());
                 }

@@ -1,6 +1,7 @@
 //! `measure`: volume, area and centroid of a solid from its exact boundary, or of a mesh.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use csg::{Error, Program};
 use serde::Serialize;
@@ -52,7 +53,9 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let mesher = &options.mesher;
     progress.stage("reading");
+    let start = Instant::now();
     let subject = subject()?;
+    let read = start.elapsed();
     let program = match &subject {
         Subject::Solid(solid, _) if !mesher.is_of_mesh() => Some((solid, Program::lower(solid)?)),
         _ => None,
@@ -74,6 +77,7 @@ pub(crate) fn run(
         }
     }
     let mut product = produce(Box::new(|| Ok(subject)), mesher, true, &no_needs, progress)?;
+    product.seconds.push(("read", read.as_secs_f64()));
     let account = Account::of(&mut product);
     progress.end();
     options.tell(&account)

@@ -1,6 +1,7 @@
 //! `mesh`: write mesh files, and STEP.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use csg::{Program, Solid};
 use glam::DVec3;
@@ -80,7 +81,9 @@ pub(crate) fn run(
     }
     output::check(&options.outputs, options.json.as_deref())?;
     progress.stage("reading");
+    let start = Instant::now();
     let subject = subject()?;
+    let read = start.elapsed();
     let is_exact = options.outputs.iter().all(io::step::is_step);
     if is_exact && (matches!(subject, Subject::Mesh(_)) || !options.mesher.is_of_mesh()) {
         let unit = subject.unit(options.mesher.unit);
@@ -98,6 +101,7 @@ pub(crate) fn run(
         &no_needs,
         progress,
     )?;
+    product.seconds.push(("read", read.as_secs_f64()));
     if options.instances {
         progress.stage("bodies");
         product.stage("bodies", |product| {
