@@ -146,6 +146,18 @@ impl BoxTree {
         Self { nodes, entries }
     }
 
+    /// Of boxes in any order, by their numbers: of one sheet, and standing on nothing.
+    pub(crate) fn numbered(boxes: &[Bounds]) -> Self {
+        let order = along_curve(boxes.iter().copied()).into_iter();
+        let entries = order.map(|index| Boxed {
+            bounds: boxes[index as usize],
+            index,
+            sheet: 0,
+            stands: 0,
+        });
+        Self::new(entries.collect())
+    }
+
     /// All pairs of overlapping boxes of different sheets that pass the test, as their indices,
     /// the lower first; in ascending order; but for those of which one stands on a plane
     /// that the other one is in.

@@ -23,7 +23,7 @@ use super::lower::Finished;
 use super::lowered::Lowered;
 use super::outline::Outline;
 use super::placed::{Convex, IsNeeded, Region};
-use crate::mesh::box_tree::{self, BoxTree, Boxed, along_curve};
+use crate::mesh::box_tree::{self, BoxTree};
 use crate::numeric::Groups;
 use crate::solid::partition::Part;
 use crate::surface::{Bounds, Side, Surface};
@@ -347,17 +347,10 @@ impl<'a> Others<'a> {
             high: convex.bounds.max,
         });
         let boxes: Vec<box_tree::Bounds> = boxes.collect();
-        let order = along_curve(boxes.iter().copied()).into_iter();
-        let entries = order.map(|index| Boxed {
-            bounds: boxes[index as usize],
-            index,
-            sheet: 0,
-            stands: 0,
-        });
         Self {
             convex,
             surfaces,
-            tree: BoxTree::new(entries.collect()),
+            tree: BoxTree::numbered(&boxes),
         }
     }
 

@@ -4,7 +4,7 @@ use glam::DVec2;
 use rustc_hash::FxHashMap;
 
 use super::{Profile, Shape, Step};
-use crate::mesh::box_tree::{Bounds, BoxTree, Boxed, along_curve};
+use crate::mesh::box_tree::{Bounds, BoxTree};
 use crate::numeric::tolerance::IN_PROFILE;
 
 /// For straight sides of an outline that are pieces of longer ones: these. Where a piece is short its
@@ -41,14 +41,7 @@ impl Profile {
             high: (a.max(b) + slack).extend(0.0),
         });
         let boxes: Vec<Bounds> = boxes.collect();
-        let entries = along_curve(boxes.iter().copied()).into_iter();
-        let entries = entries.map(|index| Boxed {
-            bounds: boxes[index as usize],
-            index,
-            sheet: 0,
-            stands: 0,
-        });
-        let tree = BoxTree::new(entries.collect());
+        let tree = BoxTree::numbered(&boxes);
         let mut lines = Lines::default();
         for contour in contours {
             for (&from, &to) in contour.iter().zip(contour.iter().cycle().skip(1)) {
