@@ -64,13 +64,6 @@ fn what_is_wrong_is_refused_by_path() {
         (Solid::sphere(f64::NAN), "positive"),
         (Solid::frustum(1.0, -1.0, 0.0..1.0), "negative"),
         (Solid::prism([[0.0, 0.0], [1.0, 0.0]], 0.0..1.0), "convex"),
-        (
-            Solid::convex_polyhedron([DVec3::X, DVec3::Y].map(|normal| Plane {
-                normal,
-                offset: 1.0,
-            })),
-            "unbounded",
-        ),
         (Solid::union([]), "of nothing"),
         (Solid::cube(1.0).rotate_about_axis([0.0; 3], 1.0), "axis"),
         (
@@ -88,9 +81,16 @@ fn what_is_wrong_is_refused_by_path() {
             other => panic!("{says}: {other:?}"),
         }
     }
-    let endless = write(&(Solid::cube(1.0) | Solid::infinite_cylinder(0.1)));
-    let message = endless.expect_err("it has no end").to_string();
-    assert!(message.contains("unbounded"), "{message}");
+    for endless in [Solid::infinite_cylinder(0.1), corner_of_space()] {
+        let written = write(&(Solid::cube(1.0) | endless));
+        let message = written.expect_err("it has no end").to_string();
+        assert!(message.contains("unbounded"), "{message}");
+    }
+}
+
+fn corner_of_space() -> Solid {
+    let offset = 0.3;
+    Solid::convex_polyhedron([DVec3::X, DVec3::Y].map(|normal| Plane { normal, offset }))
 }
 
 /// Solids with primitives that have no node of their own.
@@ -113,6 +113,7 @@ fn without_nodes() -> Vec<(&'static str, Solid)> {
             (Solid::cube(1.0) - Solid::half_space([1.0, 2.0, 3.0], 0.1)).rotate_y(0.7),
         ),
         ("complement", Solid::cube(2.0) & !Solid::cube(1.0)),
+        ("corner of space", Solid::cube(1.0) - corner_of_space()),
         ("cone", Solid::cube(2.0) & Solid::infinite_cone(0.5)),
         ("uneven prism", Solid::prism(uneven, 1.0..2.0)),
         ("many corners", Solid::prism(around(40), -1.0..1.0)),
@@ -136,6 +137,63 @@ fn without_nodes() -> Vec<(&'static str, Solid)> {
             ),
         ),
     ]
+}
+
+/// What profiles and hulls are made of: half-spaces, cones with both halves, cylinders without end.
+fn made() -> Vec<(&'static str, Solid)> {
+    let turn = std::f64::consts::TAU;
+    let rectangle = csg::Profile::rectangle([1.0, 2.0]).translate([2.5, 0.0]);
+    let rounded = csg::Profile::rectangle([4.0, 4.0]).offset(2.0, csg::Join::Round);
+    let ring = csg::Profile::circle(3.0) - csg::Profile::circle(2.0);
+    let discs = |discs: &[([f64; 3], f64)]| {
+        let discs: Vec<_> = discs.iter().map(|&(c, r)| (c.into(), r)).collect();
+        Solid::hull_of_discs(&discs, DVec3::Z).expect("a hull")
+    };
+    let one = discs(&[([0.0; 3], 3.0), ([0.0, 0.0, 6.0], 2.0)]);
+    let three = discs(&[
+        ([0.0; 3], 3.0),
+        ([9.0, 0.0, 6.0], 2.0),
+        ([3.0, 8.0, 6.0], 1.0),
+    ]);
+    let cone = [1.0, 4.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    vec![
+        ("three quarters", Solid::revolve_by(&rectangle, 0.75 * turn)),
+        (
+            "tapered",
+            Solid::extrude_scaled(&rounded, 0.0..10.0, [0.5, 0.5]),
+        ),
+        (
+            "elbow",
+            Solid::revolve_by(&ring.translate([10.0, 0.0]), 0.25 * turn),
+        ),
+        ("frustum of a hull", one),
+        ("hull of three discs", three),
+        (
+            "outside a cone",
+            Solid::cube(2.0) - Solid::quadric(cone).rotate_x(0.4),
+        ),
+        (
+            "inside a cone",
+            Solid::cube(2.0) & Solid::quadric(cone).rotate_x(0.4),
+        ),
+    ]
+}
+
+#[test]
+fn what_is_made_of_infinite_parts_is_written_exactly() {
+    for (what, solid) in made() {
+        assert_eq!(write(&solid), write(&solid), "{what}");
+        let measured = [&solid, &reread(&solid)].map(|solid| {
+            let program = Program::lower(solid).expect(what);
+            let boundary = program.boundary(&csg::BoundaryOptions::default());
+            boundary.expect(what).measure().volume
+        });
+        let [one, other] = measured.map(|volume| volume.value);
+        assert!(
+            (one / other - 1.0).abs() < 1e-12,
+            "{what}: {one}, read back {other}"
+        );
+    }
 }
 
 /// Points that are well spread.

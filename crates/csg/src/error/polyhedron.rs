@@ -38,6 +38,18 @@ pub enum PolyhedronFault {
         "the faces are inside out: list the corners of every face counter-clockwise seen from outside"
     )]
     InsideOut,
+    /// A shell of faces that looks the same way as the one that it lies in, or inwards beside
+    /// others.
+    #[error(
+        "the shell of face {face} at about ({:.6}, {:.6}, {:.6}) looks the same way as the one that it lies in, or inwards beside others: turn its faces round if it is a hollow, leave it out if not",
+        .place.x, .place.y, .place.z
+    )]
+    Misplaced {
+        /// Index of a face of it.
+        face: usize,
+        /// A corner of the face.
+        place: DVec3,
+    },
     /// No volume.
     #[error("the faces enclose nothing")]
     Degenerate,

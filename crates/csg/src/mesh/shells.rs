@@ -155,16 +155,21 @@ impl Shells {
     /// How often a shell is left, less how often it is entered, on the way from a point along
     /// an axis; none where that leads through an edge.
     fn count_above(&self, shell: u32, axis: usize, point: DVec3) -> Option<i32> {
+        let own = self.triangles_of(shell as usize);
+        self.count_of(|index| own.contains(&(index as usize)), axis, point)
+    }
+
+    /// The same of those triangles that pass a test.
+    fn count_of(&self, test: impl Fn(u32) -> bool, axis: usize, point: DVec3) -> Option<i32> {
         let mut beyond = point;
         beyond[axis] = f64::INFINITY;
         let way = Bounds {
             low: point,
             high: beyond,
         };
-        let own = self.triangles_of(shell as usize);
         let mut count = Some(0);
         self.tree.overlapping(&way, &mut |index| {
-            if !own.contains(&(index as usize)) {
+            if !test(index) {
                 return;
             }
             match cross(&self.corners[index as usize], axis, point) {
@@ -178,17 +183,33 @@ impl Shells {
         count
     }
 
-    /// How often a shell winds around a point: its solid angle (A. Van Oosterom,
-    /// J. Strackee, "The Solid Angle of a Plane Triangle", 1983).
+    /// How often a shell winds around a point.
     fn winding(&self, shell: u32, point: DVec3) -> f64 {
-        let angle = |corners: &[DVec3; 3]| {
-            let [a, b, c] = corners.map(|corner| corner - point);
-            let [x, y, z] = [a, b, c].map(DVec3::length);
-            let across = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
-            elementary::atan2(a.dot(b.cross(c)), across)
-        };
-        let own = &self.corners[self.triangles_of(shell as usize)];
-        own.iter().map(angle).sum::<f64>() / TAU
+        let own = self.corners[self.triangles_of(shell as usize)].iter();
+        own.map(|corners| turns(corners, point)).sum()
+    }
+
+    /// Whether all triangles wind not once around what is right before one of them, and once
+    /// around what is right behind it.
+    pub fn has_outside_before(&self, triangle: u32) -> bool {
+        let own = &self.corners[triangle as usize];
+        let middle = own.iter().sum::<DVec3>() / 3.0;
+        let normal = (own[1] - own[0]).cross(own[2] - own[0]);
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| normal[b].abs().total_cmp(&normal[a].abs()));
+        let others = |index: u32| index != triangle;
+        let told = axes.into_iter().filter(|&axis| normal[axis] != 0.0);
+        let told = told.into_iter().find_map(|axis| {
+            let count = self.count_of(others, axis, middle)?;
+            Some(count == i32::from(normal[axis] < 0.0))
+        });
+        told.unwrap_or_else(|| {
+            let all = (0..).zip(&self.corners);
+            let others = all.filter(|&(index, _)| others(index));
+            let turns: f64 = others.map(|(_, corners)| turns(corners, middle)).sum();
+            // Midway between both sides.
+            (turns - 0.5).abs() < 0.25
+        })
     }
 
     /// Where the line through a point along an axis crosses all shells, shell by shell; what it
@@ -209,6 +230,15 @@ impl Shells {
         found.sort_unstable_by_key(|crossing| crossing.shell);
         found
     }
+}
+
+/// The solid angle under which a triangle is seen, of the whole around (A. Van Oosterom,
+/// J. Strackee, "The Solid Angle of a Plane Triangle", 1983).
+pub(crate) fn turns(corners: &[DVec3; 3], point: DVec3) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner - point);
+    let [x, y, z] = [a, b, c].map(DVec3::length);
+    let across = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+    elementary::atan2(a.dot(b.cross(c)), across) / TAU
 }
 
 fn grown(corners: &[DVec3; 3], by: f64) -> Bounds {

@@ -105,7 +105,7 @@ fn extruded(
         return uneven(profile, z, scale);
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let Some((min, max)) = profile.bounds(tolerance)? else {
+    let Some((min, max)) = profile.reach()? else {
         return Ok((Solid::empty(), [DVec3::ZERO; 2]));
     };
     let within = [

@@ -27,6 +27,9 @@ pub struct MeshFaults {
     pub empty_places: Vec<(u32, DVec3)>,
     /// All is closed, but looks inwards.
     pub inside_out: bool,
+    /// Of a shell that looks the same way as the one that it lies in, or inwards beside
+    /// others, a triangle and a corner. (Looked for where there is nothing else.)
+    pub misplaced: Option<(u32, DVec3)>,
     /// Fewer than four triangles.
     pub too_few: bool,
 }
@@ -41,6 +44,7 @@ impl MeshFaults {
             empty_faces: 0,
             empty_places: Vec::new(),
             inside_out: false,
+            misplaced: None,
             too_few: mesh.triangles.len() < 4,
             check,
         };
@@ -70,6 +74,11 @@ impl MeshFaults {
         let volume = mesh.volume();
         let closed = faults.check.is_closed() && faults.check.is_oriented();
         faults.inside_out = closed && volume < 0.0;
+        let is_one = faults.check.is_manifold() && mesh.components().count < 2;
+        if !is_one && faults.bounds_a_solid() {
+            let corner = |face: u32| (face, mesh.corners(face as usize)[0]);
+            faults.misplaced = mesh.misplaced().map(corner);
+        }
         (faults, volume)
     }
 
@@ -85,6 +94,7 @@ impl MeshFaults {
             && check.duplicate_triangles == 0
             && self.crossings == 0
             && !self.inside_out
+            && self.misplaced.is_none()
             && !self.too_few
     }
 }
@@ -128,6 +138,13 @@ impl fmt::Display for MeshFaults {
         }
         if self.inside_out {
             said.push("all triangles face inwards: turn them round".to_owned());
+        }
+        if let Some((face, place)) = self.misplaced {
+            said.push(format!(
+                "the shell of triangle {face} at {} looks the same way as the one that it lies in, \
+                 or inwards beside others: turn it round if it is a hollow, leave it out if not",
+                at(place)
+            ));
         }
         if let Some(&(face, place)) = self.empty_places.first() {
             said.push(format!(

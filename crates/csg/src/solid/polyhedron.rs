@@ -233,6 +233,12 @@ impl Faces {
                 place: mesh.corners(pair[0] as usize)[0],
             });
         }
+        if let Some(triangle) = mesh.misplaced() {
+            return Err(PolyhedronFault::Misplaced {
+                face: owners[triangle as usize] as usize,
+                place: mesh.corners(triangle as usize)[0],
+            });
+        }
         Ok(())
     }
 

@@ -8,7 +8,6 @@
 //! them, exactly.
 
 use std::collections::VecDeque;
-use std::f64::consts::TAU;
 use std::fmt;
 
 use glam::DVec3;
@@ -18,8 +17,8 @@ use smallvec::SmallVec;
 use super::from_mesh::MeshFaults;
 use super::polyhedron::triangles_of;
 use super::tree::Solid;
-use crate::elementary;
 use crate::mesh::Mesh;
+use crate::mesh::shells::turns;
 use crate::numeric::Welder;
 use crate::numeric::tolerance::{NO_VOLUME, SEWN};
 
@@ -47,7 +46,8 @@ pub struct Repairs {
     pub flat_shells: usize,
     /// Shells turned whose triangles all looked inwards, though they are in no other.
     pub turned_shells: usize,
-    /// All shells, if some of them ran through others: they were united.
+    /// All shells, if some of them ran through others, or lay in others that look the same way:
+    /// they were united.
     pub united_shells: usize,
 }
 
@@ -82,7 +82,7 @@ impl fmt::Display for Repairs {
             (self.turned_shells, "shells that looked inwards turned"),
             (
                 self.united_shells,
-                "shells united, as some ran through others",
+                "shells united, as some ran through others or lay in them",
             ),
         ];
         let said: Vec<String> = counts
@@ -416,19 +416,14 @@ impl Shell {
         self.volume = -self.volume;
     }
 
-    /// How often it winds around a point: the solid angles of its triangles (A. van
-    /// Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", 1983).
+    /// How often it winds around a point.
     fn winding(&self, positions: &[DVec3], point: DVec3) -> f64 {
         if point.cmplt(self.low).any() || point.cmpgt(self.high).any() {
             return 0.0;
         }
-        let half_angle = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|v| positions[v as usize] - point);
-            let [x, y, z] = [a.length(), b.length(), c.length()];
-            let across = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
-            elementary::atan2(a.dot(b.cross(c)), across)
-        };
-        self.triangles.iter().map(half_angle).sum::<f64>() / TAU
+        let corners = self.triangles.iter();
+        let corners = corners.map(|named| named.map(|v| positions[v as usize]));
+        corners.map(|corners| turns(&corners, point)).sum()
     }
 
     /// Some points of it.

@@ -149,6 +149,7 @@ fn half_plane_set(
     };
     let set = plane_set(profile, sagitta, keeps)?;
     let corner = |radius: f64, height: f64| DVec3::new(radius, radius, height);
+    let (min, max) = profile.reach()?.unwrap_or((min, max));
     let (radius, below, above) = (max.x + tolerance, min.y - tolerance, max.y + tolerance);
     Ok(Turned {
         set,

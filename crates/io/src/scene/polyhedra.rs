@@ -1,8 +1,8 @@
 //! What OpenSCAD has no node for: infinite primitives cut off by a box, and
 //! whatever else bounds a solid, as polyhedra.
 
-use csg::{Made, Mesh, Mesher, Node, Primitive, Program, Solid};
-use glam::{DAffine3, DVec3};
+use csg::{Made, Mesh, Mesher, Node, Placement, Primitive, Program, Solid, SurfaceShape};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::write::{list, number};
 
@@ -58,9 +58,13 @@ impl Within {
     }
 }
 
-/// Whether OpenSCAD has a node for a primitive of this kind, or a finite one of the
-/// same kind would do.
+/// Whether a primitive has to be cut off: OpenSCAD has a node for finite ones alone.
 pub(super) fn is_infinite(primitive: &Primitive) -> bool {
+    if let Primitive::ConvexPolyhedron(planes) = primitive {
+        let solid = Solid::convex_polyhedron(planes.iter().copied());
+        let bounds = Program::lower(&solid).and_then(|program| program.bounds());
+        return matches!(bounds, Err(csg::Error::Unbounded { .. }));
+    }
     matches!(
         primitive,
         Primitive::Space
@@ -91,6 +95,11 @@ pub(super) fn cut_off(
             Solid::frustum(0.0, slope * local.max.z, 0.0..local.max.z)
         }
         other => {
+            if let Primitive::Quadric(_) = other
+                && let Some(solid) = quadric(other, local)?
+            {
+                return Ok(solid);
+            }
             let solid = Solid::primitive(other.clone()) & local.solid();
             polyhedron(&solid)?.map_or_else(Solid::empty, |mesh| {
                 let positions = mesh.positions.iter().copied();
@@ -98,6 +107,75 @@ pub(super) fn cut_off(
             })
         }
     })
+}
+
+/// A quadric of a kind that OpenSCAD has, as far as a box: an ellipsoid, a cylinder or a
+/// cone, or what is outside of it.
+fn quadric(primitive: &Primitive, within: Within) -> Result<Option<Solid>, String> {
+    enum Kind {
+        Ball,
+        Cylinder,
+        Cone,
+    }
+    let program =
+        Program::lower(&Solid::primitive(primitive.clone())).map_err(|e| e.to_string())?;
+    let [surface] = program.surfaces() else {
+        return Ok(None);
+    };
+    let along = |origin: DVec3, axis: DVec3| {
+        let (x, y) = axis.any_orthonormal_pair();
+        let axes = [x, y, axis];
+        Placement { origin, axes }
+    };
+    let flat = |[a, b]: [f64; 2]| [a, b, 1.0];
+    let (kind, placement, radii) = match surface.shape() {
+        SurfaceShape::Sphere { center, radius } => {
+            (Kind::Ball, along(center, DVec3::Z), [radius; 3])
+        }
+        SurfaceShape::Ellipsoid { placement, radii } => (Kind::Ball, placement, radii),
+        SurfaceShape::Cylinder {
+            point,
+            axis,
+            radius,
+        } => (Kind::Cylinder, along(point, axis), flat([radius; 2])),
+        SurfaceShape::EllipticCylinder { placement, radii } => {
+            (Kind::Cylinder, placement, flat(radii))
+        }
+        SurfaceShape::Cone {
+            point,
+            axis,
+            radius: 0.0,
+            slope,
+        } => (Kind::Cone, along(point, axis), flat([slope; 2])),
+        SurfaceShape::EllipticCone { placement, slopes } => (Kind::Cone, placement, flat(slopes)),
+        _ => return Ok(None),
+    };
+    let frame = DAffine3 {
+        matrix3: DMat3::from_cols_array_2d(&placement.axes.map(DVec3::into)),
+        translation: placement.origin,
+    };
+    let Within { min, max } = within.seen_through(frame);
+    let solid = match kind {
+        Kind::Ball => Solid::ellipsoid(radii),
+        Kind::Cylinder => Solid::elliptic_cylinder([radii[0], radii[1]], min.z..max.z),
+        Kind::Cone => {
+            let up = (max.z > 0.0).then(|| Solid::frustum(0.0, max.z, 0.0..max.z));
+            let down = (min.z < 0.0).then(|| Solid::frustum(-min.z, 0.0, min.z..0.0));
+            Solid::union(up.into_iter().chain(down)).scale_xyz(radii)
+        }
+    };
+    let solid = solid.affine(frame);
+    // On the axis, and no apex.
+    let inside = placement.origin + placement.axes[2] * min.z.abs().max(max.z.abs());
+    let inside = match kind {
+        Kind::Ball => placement.origin,
+        Kind::Cylinder | Kind::Cone => inside,
+    };
+    Ok(Some(if program.contains(inside) {
+        solid
+    } else {
+        within.solid() - solid
+    }))
 }
 
 /// The mesh that a bounded solid is written as; none if it has no points.

@@ -65,38 +65,11 @@ pub fn write(solid: &Solid) -> Result<String, WriteError> {
         with_color: with_color(solid),
         within: None,
         root: solid,
-        cut: HashMap::new(),
+        nodes: 0,
+        polyhedra: HashMap::new(),
+        cut: Vec::new(),
     };
-    let mut steps = vec![Step::Enter {
-        solid,
-        color: None,
-        operand: 0,
-        map: DAffine3::IDENTITY,
-    }];
-    let mut nodes = 0;
-    while let Some(step) = steps.pop() {
-        match step {
-            Step::Close => {
-                writer.depth -= 1;
-                writer.line("}");
-            }
-            Step::Leave => {
-                writer.path.steps.pop();
-            }
-            Step::Enter {
-                solid,
-                color,
-                operand,
-                map,
-            } => {
-                nodes += 1;
-                if nodes > MOST_NODES {
-                    return Err(WriteError::TooLarge { limit: MOST_NODES });
-                }
-                writer.enter(solid, color, (operand, map), &mut steps)?;
-            }
-        }
-    }
+    writer.walk(solid)?;
     Ok(match writer.within {
         None => writer.text,
         Some(within) => within_box(&writer.text, within),
@@ -143,14 +116,51 @@ struct Writer<'a> {
     /// Identities of the nodes with a colour in their subtree.
     with_color: HashSet<usize>,
     root: &'a Solid,
+    nodes: usize,
     /// The box around all, once something infinite has been cut off.
     within: Option<Within>,
-    /// What was written for solids that were made into one polyhedron.
-    cut: HashMap<usize, Option<String>>,
+    /// What was written for subtrees that were made into one polyhedron, by identity.
+    polyhedra: HashMap<usize, Option<String>>,
+    /// What was written in place of infinite primitives, kept: the identity of what is gone
+    /// may be given to another solid.
+    cut: Vec<Solid>,
 }
 
-impl<'a> Writer<'a> {
-    fn enter(
+impl Writer<'_> {
+    fn walk(&mut self, solid: &Solid) -> Result<(), WriteError> {
+        let mut steps = vec![Step::Enter {
+            solid,
+            color: None,
+            operand: 0,
+            map: DAffine3::IDENTITY,
+        }];
+        while let Some(step) = steps.pop() {
+            match step {
+                Step::Close => {
+                    self.depth -= 1;
+                    self.line("}");
+                }
+                Step::Leave => {
+                    self.path.steps.pop();
+                }
+                Step::Enter {
+                    solid,
+                    color,
+                    operand,
+                    map,
+                } => {
+                    self.nodes += 1;
+                    if self.nodes > MOST_NODES {
+                        return Err(WriteError::TooLarge { limit: MOST_NODES });
+                    }
+                    self.enter(solid, color, (operand, map), &mut steps)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn enter<'a>(
         &mut self,
         solid: &'a Solid,
         color: Option<Color>,
@@ -261,23 +271,13 @@ impl<'a> Writer<'a> {
         self.within = Some(within);
         let cut =
             cut_off(primitive, within.padded(), map).map_err(|problem| self.fault(problem))?;
-        match cut.node() {
-            Node::Primitive(primitive) => {
-                let shape = shape(primitive).map_err(|problem| self.fault(problem))?;
-                self.shape(&shape);
-            }
-            _ => {
-                let node = self.one_polyhedron(&cut);
-                let node = node.ok_or_else(|| self.fault("it cannot be meshed".to_owned()))?;
-                self.line(&node);
-            }
-        }
-        Ok(())
+        self.cut.push(cut.clone());
+        self.walk(&cut)
     }
 
-    /// The node of a bounded solid as one polyhedron, if it can be meshed.
+    /// The node of a subtree as one polyhedron, if it can be meshed.
     fn one_polyhedron(&mut self, solid: &Solid) -> Option<String> {
-        let written = self.cut.entry(solid.id()).or_insert_with(|| {
+        let written = self.polyhedra.entry(solid.id()).or_insert_with(|| {
             let mesh = polyhedron(solid).ok()?;
             Some(mesh.map_or_else(|| "group();".to_owned(), |mesh| polyhedra::node(&mesh)))
         });

@@ -10,6 +10,7 @@ use i_overlay::i_float::int::point::IntPoint;
 
 use super::arcs::{Sagitta, chords, cut, stretch};
 use super::polygon::{Nesting, cleaned, crossing, doubled_area, points_of};
+use super::side::sides;
 use super::turn::turn;
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
@@ -37,10 +38,51 @@ impl Profile {
     /// As [`Profile::contours`].
     pub fn bounds(&self, tolerance: f64) -> Result<Option<(DVec2, DVec2)>, ProfileFault> {
         let contours = self.contours(tolerance)?;
-        Ok(contours.into_iter().flatten().fold(None, |bounds, point| {
+        let bounds = contours.into_iter().flatten().fold(None, |bounds, point| {
             let (min, max) = bounds.unwrap_or((point, point));
             Some((min.min(point), max.max(point)))
-        }))
+        });
+        // Between chords there may be nothing where there is something between arcs.
+        Ok(bounds.or_else(|| self.exact_bounds().flatten()))
+    }
+
+    /// A box around the profile, however much too large; `None` if there is none.
+    pub(crate) fn reach(&self) -> Result<Option<(DVec2, DVec2)>, ProfileFault> {
+        type Reach = (DVec2, DVec2);
+        let around = |one: Reach, other: Reach| (one.0.min(other.0), one.1.max(other.1));
+        let common = |one: Option<Reach>, other: Option<Reach>| {
+            let ((a, b), (c, d)) = (one?, other?);
+            let (min, max) = (a.max(c), b.min(d));
+            min.cmple(max).all().then_some((min, max))
+        };
+        let of_shape = |shape: &Shape, map: &DAffine2| {
+            let disc = |map: &DAffine2| {
+                let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
+                let half = DVec2::new(x.x.hypot(y.x), x.y.hypot(y.y));
+                (map.translation - half, map.translation + half)
+            };
+            Ok(match shape {
+                Shape::Disc => Some(disc(map)),
+                Shape::Contours(contours, _) => {
+                    let sides = contours.iter().flat_map(|contour| sides(contour));
+                    let reaches = sides.map(|side| {
+                        let circle = side.arc.map(|arc| disc(&(*map * arc.disc())));
+                        let ends = [side.from, side.to].map(|end| map.transform_point2(end));
+                        let line = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+                        circle.map_or(line, |circle| around(circle, line))
+                    });
+                    reaches.reduce(around)
+                }
+            })
+        };
+        let combined = |combination, operands: Vec<Option<Reach>>| {
+            Ok(match combination {
+                Combination::Union => operands.into_iter().flatten().reduce(around),
+                Combination::Intersection => operands.into_iter().reduce(common).flatten(),
+                Combination::Difference => operands.into_iter().next().flatten(),
+            })
+        };
+        Ok(self.fold(of_shape, combined)?.flatten())
     }
 
     /// The area, arcs within `tolerance`.

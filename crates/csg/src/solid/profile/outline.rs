@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::{DAffine2, DVec2};
+use glam::{DAffine2, DVec2, DVec3};
 use smallvec::SmallVec;
 
 use super::arcs::doubled_area;
@@ -18,12 +18,12 @@ use super::polygon::cleaned;
 use super::side::{Course, Side, find_pair, sides, slack};
 use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
 use crate::elementary;
+use crate::mesh::box_tree::{Bounds, BoxTree};
 use crate::numeric::Welder;
 use crate::numeric::tolerance::IN_PROFILE;
 
-/// The most pieces of sides, and places where these meet: all pieces are held against those
-/// above them.
-const MOST_PIECES: usize = 20_000;
+/// The most pieces of sides, and places where these meet: a few seconds' work.
+const MOST_PIECES: usize = 200_000;
 
 /// Of the slack within which sides meet, how far apart points are that are one: of a place
 /// where several meet each pair tells a point twice the slack from it at most.
@@ -36,7 +36,7 @@ const ONE_MIDDLE: f64 = 4.0 * ONE_POINT;
 /// The contours around the points of a set, which lies on their left; contours may touch.
 /// The set is of those points of which `is_in` says so of how often each of `groups` groups
 /// of contours winds around them. `None` if rounding leaves open what meets, or of more than
-/// 20,000 pieces.
+/// 200,000 pieces.
 pub(super) fn outline(
     contours: &[(usize, Contour)],
     groups: usize,
@@ -62,6 +62,18 @@ impl Profile {
             }
         }
         outline(&contours, groups, |windings| self.is_around(windings)).map(|(outline, _)| outline)
+    }
+
+    /// The least and the greatest coordinates, to rounding; none of a profile without points.
+    /// `None` if [`Self::outline`] is.
+    pub(super) fn exact_bounds(&self) -> Option<Option<(DVec2, DVec2)>> {
+        let contours = self.outline()?;
+        let sides = contours.iter().flat_map(|contour| sides(contour));
+        Some(
+            sides
+                .map(|side| (side.min, side.max))
+                .reduce(|(min, max), (low, high)| (min.min(low), max.max(high))),
+        )
     }
 
     /// The area, to rounding. `None` if it has ellipses or is faulty, or if rounding leaves open
@@ -318,12 +330,25 @@ impl Pieces {
         y.clamp(low, high)
     }
 
+    /// A box around a piece.
+    fn around(&self, piece: usize) -> Bounds {
+        let [a, b] = self.ends(piece);
+        let side = &self.sides[self.pieces[piece].side];
+        let (low, high) = if side.arc.is_some() {
+            (side.min.y, side.max.y)
+        } else {
+            (a.y, a.y)
+        };
+        Bounds {
+            low: DVec3::new(a.x, low.min(a.y).min(b.y) - self.slack, 0.0),
+            high: DVec3::new(b.x, high.max(a.y).max(b.y) + self.slack, 0.0),
+        }
+    }
+
     /// The pieces with the set on one side alone.
     fn bounding(&self, groups: usize, is_in: impl Fn(&[i64]) -> bool) -> Vec<Stride> {
-        // By the left ends, so that what begins beyond is not looked at.
-        let mut order: Vec<usize> = (0..self.stacks.len()).collect();
-        let left = |k: usize| self.ends(self.stacks[k].piece)[0].x;
-        order.sort_by(|&a, &b| left(a).total_cmp(&left(b)));
+        let boxes: Vec<Bounds> = self.stacks.iter().map(|s| self.around(s.piece)).collect();
+        let tree = BoxTree::numbered(&boxes);
         let mut kept = Vec::new();
         let mut windings = vec![0; groups];
         for (k, stack) in self.stacks.iter().enumerate() {
@@ -331,19 +356,20 @@ impl Pieces {
             let is_upright = a.x == b.x;
             // Above it; or, if it is upright, on its left.
             windings.fill(0);
-            for &other in &order {
-                let above = &self.stacks[other];
+            let above = Bounds {
+                low: stack.middle.extend(0.0),
+                high: DVec3::new(stack.middle.x, f64::INFINITY, 0.0),
+            };
+            tree.overlapping(&above, &mut |other| {
+                let above = &self.stacks[other as usize];
                 let [from, to] = self.ends(above.piece);
-                if from.x > stack.middle.x {
-                    break;
-                }
                 let is_over = if is_upright {
                     from.x < stack.middle.x && stack.middle.x <= to.x
                 } else {
                     from.x <= stack.middle.x && stack.middle.x < to.x
                 };
                 if is_over
-                    && other != k
+                    && other as usize != k
                     && self.height(above.piece, stack.middle.x) > stack.middle.y
                 {
                     // Below a piece that runs to the right is its right.
@@ -351,7 +377,7 @@ impl Pieces {
                         windings[group] -= winding;
                     }
                 }
-            }
+            });
             let left = is_in(&windings);
             for &(group, winding) in &stack.windings {
                 windings[group] -= winding;

@@ -8,6 +8,7 @@ use super::polygon::encloses;
 use super::*;
 use crate::random::Random;
 use crate::sweeps::one_in;
+use crate::{BoundaryOptions, Program};
 
 fn set_of(profile: &Profile) -> PlaneSet {
     plane_set(profile, Sagitta::of_length(1e-6), &|_| true).expect("a formula")
@@ -498,5 +499,50 @@ fn hulls_of_discs_have_arcs() {
         });
         let hull = Profile::union(circles).hull();
         assert!((hull.area(1e-9).expect("valid") - area).abs() < 1e-7);
+    }
+}
+
+/// Two arcs, or an arc and its chord: between coarse chords there is nothing.
+#[test]
+fn what_two_sides_enclose_is_not_lost() {
+    let disc = Profile::circle(5.0);
+    let lens = |apart: f64, radius: f64| {
+        let half = 0.5 * apart;
+        2.0 * radius * radius * (half / radius).acos()
+            - apart * (radius * radius - half * half).sqrt()
+    };
+    let segment = |height: f64, radius: f64| 0.5 * lens(2.0 * height, radius);
+    let cap = &disc - Profile::rectangle_between([-6.0, -6.0], [3.0, 6.0]);
+    let drawn_in = |profile: &Profile, by: f64| profile.offset(-by, Join::Round);
+    for (what, profile, area) in [
+        (
+            "thin",
+            &disc & disc.translate([9.99, 0.0]),
+            lens(9.99, 5.0),
+        ),
+        (
+            "lens",
+            drawn_in(&(&disc & disc.translate([6.0, 0.0])), 1.0),
+            lens(6.0, 4.0),
+        ),
+        ("cap", drawn_in(&cap, 0.5), segment(3.5, 4.5)),
+    ] {
+        let bounds = profile.bounds(10.0).expect(what);
+        let (min, max) = bounds.unwrap_or_else(|| panic!("{what} is lost"));
+        let exact = profile.exact_area().expect(what);
+        assert!(
+            (exact / area - 1.0).abs() < 1e-10,
+            "{what}: {exact}, not {area}"
+        );
+        assert!((max - min).min_element() > 0.0, "{what}");
+        let solid = Solid::extrude(&profile, 0.0..1.0);
+        let brep = Program::lower(&solid)
+            .expect(what)
+            .boundary(&BoundaryOptions::default());
+        let volume = brep.expect(what).measure().volume;
+        assert!(
+            (volume.value / area - 1.0).abs() < 1e-10,
+            "{what}: {volume:?}, not {area}"
+        );
     }
 }
