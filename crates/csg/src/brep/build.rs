@@ -47,8 +47,7 @@ pub(super) fn build(
         let is_edge = |half: HalfEdgeId| is_edge[half.index()];
         let face_of = faces_of(&all, &regions, is_edge);
         let face_of = |half: HalfEdgeId| is_edge(half).then(|| face_of[half.index()]);
-        let region_of = regions_of(&all, &regions);
-        slits::close(&mut all, &curves, brep.size, &region_of, face_of);
+        slits::close(&mut all, &curves, brep.size, face_of);
     }
     let is_edge = |half| is_edge(&all, half, seams.as_ref());
     let faces = Faces::new(&all, regions, is_edge)?;

@@ -67,8 +67,7 @@ impl BoundaryOptions {
     /// sphere that others cut.
     ///
     /// Faces that others touch from within along a curve are not slit there but go on, and the others
-    /// meet in an edge: a void that touches its body in curves alone is a shell of its own, unless all
-    /// of its vertices are on the body. Where a loop leads through one point more than once, as parts
+    /// meet in an edge: a void that touches its body in curves alone is a shell of its own. Where a loop leads through one point more than once, as parts
     /// that touch there are in it, it has vertices.
     pub fn cut_at_seams(mut self) -> Self {
         self.cut_at_seams = true;

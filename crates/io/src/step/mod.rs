@@ -21,6 +21,7 @@ mod curves;
 mod product;
 mod spheroid;
 mod surfaces;
+mod telling;
 mod text;
 mod topology;
 mod zone;

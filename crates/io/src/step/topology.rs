@@ -1,10 +1,12 @@
 //! Shells, faces, loops, edges and vertices.
 
 use csg::LengthUnit;
-use csg::brep::{Coedge, Edge, Face, Shell, Vertex};
+use csg::brep::{Coedge, Face, Shell};
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::surfaces::Written;
+use super::telling::{self, Telling};
 use super::text::{Entities, Flag, Id, List, Quoted};
 use super::{cap, curves, spheroid, surfaces, zone};
 use crate::Error;
@@ -12,12 +14,16 @@ use crate::Error;
 /// What was written of a boundary so far.
 #[derive(Debug, Default)]
 pub(super) struct Topology {
-    /// By the number of the edge or face.
-    edges: FxHashMap<usize, Id>,
+    /// By the number of the edge or face; the parts of an edge in its order.
+    edges: FxHashMap<usize, Vec<Id>>,
     pub faces: FxHashMap<usize, Id>,
     /// Of the shell that is being written those at each place: where it touches itself there are
     /// several in one.
     vertices: FxHashMap<[u64; 3], Id>,
+    /// Of that shell the edge that is written first, if another program is to find a point of it.
+    telling: Option<Telling>,
+    /// The face that it is written first of.
+    first_face: Option<Id>,
     /// A millimetre in the model's unit.
     millimetre: f64,
 }
@@ -38,7 +44,7 @@ impl Topology {
         tolerance: f64,
     ) -> Result<Id, Error> {
         let mut written = Vec::new();
-        for shell in shells {
+        for (index, shell) in shells.iter().enumerate() {
             let mut faces = Vec::new();
             if let Some(id) = spheroid::write(to, shell) {
                 let all = shell.faces().map(|face| (face.id().index(), id));
@@ -48,6 +54,9 @@ impl Topology {
                 continue;
             }
             self.vertices.clear();
+            let is_void = index > 0;
+            self.telling = is_void.then(|| telling::edge(shell, &shells[0])).flatten();
+            self.first_face = None;
             for cap in cap::caps(shell, self.millimetre) {
                 let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
                 let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
@@ -72,6 +81,10 @@ impl Topology {
                 let id = self.face(to, &face, surface, &loops, tolerance)?;
                 self.faces.insert(face.id().index(), id);
                 faces.push(id);
+            }
+            if let Some(first) = self.first_face {
+                // (Stable: the others stay in their order.)
+                faces.sort_by_key(|&face| face != first);
             }
             written.push(to.add(format_args!("CLOSED_SHELL('',{})", List(&faces))));
         }
@@ -103,13 +116,25 @@ impl Topology {
                 face.origin().kind
             ),
         })?;
+        let tells = |side: &Coedge<'_>| {
+            let edge = side.edge().id().index();
+            self.telling.is_some_and(|telling| telling.edge == edge)
+        };
+        let start = loops.first().and_then(|outer| outer.iter().position(tells));
+        let is_first = start.is_some() && self.first_face.is_none();
+        let start = start.filter(|_| is_first).unwrap_or(0);
         let mut bounds = Vec::new();
         for (index, around) in loops.iter().enumerate() {
             let mut sides = Vec::new();
-            for coedge in around {
-                let edge = self.edge(to, coedge, tolerance)?;
+            let (after, before) = around.split_at(if index == 0 { start } else { 0 });
+            for coedge in before.iter().chain(after) {
+                let mut parts = self.edge(to, coedge, tolerance)?;
+                if !coedge.is_forward() {
+                    parts.reverse();
+                }
                 let along = Flag(coedge.is_forward());
-                sides.push(to.add(format_args!("ORIENTED_EDGE('',*,*,{edge},{along})")));
+                let oriented = |part| to.add(format_args!("ORIENTED_EDGE('',*,*,{part},{along})"));
+                sides.extend(parts.into_iter().map(oriented));
             }
             let around = to.add(format_args!("EDGE_LOOP('',{})", List(&sides)));
             let kind = if index == 0 {
@@ -121,40 +146,55 @@ impl Topology {
         }
         let name = Quoted(face.origin().name.as_deref().unwrap_or_default()).to_string();
         let (bounds, surface, same) = (List(&bounds), surface.surface, Flag(surface.is_outward));
-        Ok(to.add(format_args!(
+        let id = to.add(format_args!(
             "ADVANCED_FACE({name},{bounds},{surface},{same})"
-        )))
-    }
-
-    fn edge(&mut self, to: &mut Entities, side: &Coedge<'_>, tolerance: f64) -> Result<Id, Error> {
-        let edge = side.edge();
-        if let Some(&id) = self.edges.get(&edge.id().index()) {
-            return Ok(id);
+        ));
+        if is_first {
+            self.first_face = Some(id);
         }
-        let curve = curves::write(to, &edge, tolerance).ok_or_else(|| {
-            let [from, until] = edge.range();
-            let at = edge.at(0.5 * (from + until));
-            Error::NotInStep {
-                problem: format!(
-                    "no B-spline within {tolerance} of the edge around {at} was found: \
-                     allow a larger tolerance"
-                ),
-            }
-        })?;
-        let [from, until] = match edge.vertices() {
-            Some(ends) => ends.map(|end| self.vertex(to, &end)),
-            None => {
-                let point = to.point(start(&edge));
-                [to.add(format_args!("VERTEX_POINT('',{point})")); 2]
-            }
-        };
-        let id = to.add(format_args!("EDGE_CURVE('',{from},{until},{curve},.T.)"));
-        self.edges.insert(edge.id().index(), id);
         Ok(id)
     }
 
-    fn vertex(&mut self, to: &mut Entities, vertex: &Vertex<'_>) -> Id {
-        let at = vertex.point();
+    fn edge(
+        &mut self,
+        to: &mut Entities,
+        side: &Coedge<'_>,
+        tolerance: f64,
+    ) -> Result<Vec<Id>, Error> {
+        let edge = side.edge();
+        if let Some(parts) = self.edges.get(&edge.id().index()) {
+            return Ok(parts.clone());
+        }
+        let [from, until] = edge.range();
+        let middle = edge.at(0.5 * (from + until));
+        let curve = curves::write(to, &edge, tolerance).ok_or_else(|| Error::NotInStep {
+            problem: format!(
+                "no B-spline within {tolerance} of the edge around {middle} was found: \
+                 allow a larger tolerance"
+            ),
+        })?;
+        let [from, until] = match edge.vertices() {
+            Some(ends) => ends.map(|end| self.vertex(to, end.point())),
+            None => {
+                let point = to.point(edge.at(from));
+                [to.add(format_args!("VERTEX_POINT('',{point})")); 2]
+            }
+        };
+        let mut ends: Vec<Id> = vec![from, until];
+        let index = edge.id().index();
+        if self.telling.is_some_and(|t| t.edge == index && t.is_parted) {
+            ends.insert(1, self.vertex(to, middle));
+        }
+        let part = |ends: &[Id]| {
+            let [from, until] = [ends[0], ends[1]];
+            to.add(format_args!("EDGE_CURVE('',{from},{until},{curve},.T.)"))
+        };
+        let parts: Vec<Id> = ends.windows(2).map(part).collect();
+        self.edges.insert(edge.id().index(), parts.clone());
+        Ok(parts)
+    }
+
+    fn vertex(&mut self, to: &mut Entities, at: DVec3) -> Id {
         // (Zeros differ in their signs.)
         let place = at.to_array().map(|x| (x + 0.0).to_bits());
         *self.vertices.entry(place).or_insert_with(|| {
@@ -162,8 +202,4 @@ impl Topology {
             to.add(format_args!("VERTEX_POINT('',{point})"))
         })
     }
-}
-
-fn start(edge: &Edge<'_>) -> glam::DVec3 {
-    edge.at(edge.range()[0])
 }

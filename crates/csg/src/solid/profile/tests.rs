@@ -515,11 +515,7 @@ fn what_two_sides_enclose_is_not_lost() {
     let cap = &disc - Profile::rectangle_between([-6.0, -6.0], [3.0, 6.0]);
     let drawn_in = |profile: &Profile, by: f64| profile.offset(-by, Join::Round);
     for (what, profile, area) in [
-        (
-            "thin",
-            &disc & disc.translate([9.99, 0.0]),
-            lens(9.99, 5.0),
-        ),
+        ("thin", &disc & disc.translate([9.99, 0.0]), lens(9.99, 5.0)),
         (
             "lens",
             drawn_in(&(&disc & disc.translate([6.0, 0.0])), 1.0),
