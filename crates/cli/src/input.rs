@@ -46,6 +46,28 @@ pub(crate) struct Reading {
     define: Vec<String>,
 }
 
+/// What an input is read for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// Whether a mesh need not be connected ([`io::ReadOptions::to_draw`]).
+    pub(crate) faces_only: bool,
+    /// The unit of scenes, which have none of their own.
+    pub(crate) unit: Unit,
+    /// How near chords and flat faces are to be to what they stand for in scenes, if that is asked.
+    pub(crate) within: Option<f64>,
+}
+
+impl Wanted {
+    /// A solid as it is.
+    pub(crate) fn solid(unit: Unit) -> Self {
+        Self {
+            faces_only: false,
+            unit,
+            within: None,
+        }
+    }
+}
+
 /// Reads what a command works on. (Not generic: every model of its own would compile the commands
 /// anew.)
 pub(crate) type Reader<'a> = Box<dyn FnOnce() -> Result<Subject, Failure> + 'a>;
@@ -111,14 +133,14 @@ impl Input {
     }
 
     /// Reads the file: see [`Reading::read`].
-    pub(crate) fn read(&self, faces_only: bool, unit: Unit) -> Result<Subject, Failure> {
-        self.reading.read(&self.path, &[], faces_only, unit)
+    pub(crate) fn read(&self, wanted: Wanted) -> Result<Subject, Failure> {
+        self.reading.read(&self.path, &[], wanted)
     }
 
     /// The same, with what is wrong in a scene's text as the reader says it.
     #[cfg(feature = "view")]
     pub(crate) fn contents(&self, unit: Unit) -> Result<Contents, Failure> {
-        self.reading.contents(&self.path, &[], false, unit)
+        self.reading.contents(&self.path, &[], Wanted::solid(unit))
     }
 }
 
@@ -137,17 +159,14 @@ pub(crate) fn repaired(path: &Path, repairs: &Repairs) -> Option<String> {
 
 impl Reading {
     /// Reads a file by its extension, some more variables of an OpenSCAD model set as in
-    /// `name=value`; warnings go to standard error. With `faces_only`, a mesh need not be
-    /// connected ([`io::ReadOptions::to_draw`]). Scenes, which have no unit of their own, are in
-    /// the given one.
+    /// `name=value`; warnings go to standard error.
     pub(crate) fn read(
         &self,
         path: &Path,
         define: &[String],
-        faces_only: bool,
-        unit: Unit,
+        wanted: Wanted,
     ) -> Result<Subject, Failure> {
-        match self.contents(path, define, faces_only, unit)? {
+        match self.contents(path, define, wanted)? {
             Contents::Mesh(file) => Ok(Subject::Mesh(file)),
             Contents::Repaired(solid, own, repairs) => {
                 if let Some(warning) = repaired(path, &repairs) {
@@ -169,9 +188,13 @@ impl Reading {
         &self,
         path: &Path,
         define: &[String],
-        faces_only: bool,
-        unit: Unit,
+        wanted: Wanted,
     ) -> Result<Contents, Failure> {
+        let Wanted {
+            faces_only,
+            unit,
+            within,
+        } = wanted;
         let define = [&self.define, define].concat();
         let name = path.display().to_string();
         if !define.is_empty() && !is_openscad(path) {
@@ -188,6 +211,10 @@ impl Reading {
             .any_folder(self.any_folder)
             .repair(self.repair)
             .unit(unit.length_unit());
+        let options = match within.filter(|within| *within > 0.0) {
+            Some(within) => options.within(within),
+            None => options,
+        };
         let options = self.font.iter().fold(options, ReadOptions::font);
         if is_stream(path) {
             let mut bytes = Vec::new();

@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 use csg::{BoundaryOptions, LengthUnit, Limits, Mesh, Mesher, Program, Report};
 use glam::DVec3;
 
+use crate::commands::figure::at_most;
 use crate::commands::parse::{angle, length, whole};
 use crate::failure::{Failure, exit_codes};
-use crate::input::{Reader, Subject};
+use crate::input::{Reader, Subject, Wanted};
 use crate::nothing::Nothing;
 use crate::progress::Progress;
 
@@ -72,6 +73,14 @@ impl MesherOptions {
         BoundaryOptions::new()
             .limits(self.limits.limits())
             .progress(progress.callback())
+    }
+
+    /// What an input is read for.
+    pub(crate) fn wanted(&self) -> Wanted {
+        Wanted {
+            within: self.tolerance.map(chords),
+            ..Wanted::solid(self.unit)
+        }
     }
 
     /// A mesher as fine as the options say.
@@ -237,6 +246,29 @@ impl Unit {
     }
 }
 
+/// Of a tolerance that is asked for, how much chords and flat faces may take that stand for what there
+/// are no surfaces for: the mesh has the rest. Tunes the number of both.
+pub(crate) fn chords(tolerance: f64) -> f64 {
+    0.5 * tolerance
+}
+
+/// What the tolerance of a mesh leaves of one that is asked for, if the solid strays from what it
+/// stands for; all of it, with a warning, if it strays by more.
+pub(crate) fn tolerance_beside(strays: Option<f64>, tolerance: f64) -> f64 {
+    match strays {
+        Some(strays) if strays < tolerance => tolerance - strays,
+        Some(strays) => {
+            let strays = at_most(strays, 3);
+            say!(
+                "warning: parts of the solid stray by up to {strays} from what they stand for, \
+                  more than the tolerance"
+            );
+            tolerance
+        }
+        None => tolerance,
+    }
+}
+
 /// A mesh and how it came about.
 pub(crate) struct Product {
     pub(crate) mesh: Mesh,
@@ -246,6 +278,8 @@ pub(crate) struct Product {
     pub(crate) program: Option<Program>,
     /// The tolerance that the mesh keeps, where that was chosen for it.
     pub(crate) tolerance: Option<f64>,
+    /// How far the solid strays from what it stands for, if it does.
+    pub(crate) strays: Option<f64>,
     /// Seconds of each stage so far.
     pub(crate) seconds: Vec<(&'static str, f64)>,
 }
@@ -301,6 +335,10 @@ pub(crate) fn produce(
                 .unit(unit.length_unit())
                 .limits(options.limits.limits())
                 .progress(progress.callback());
+            let strays = solid.strays();
+            if let Some(tolerance) = options.tolerance {
+                mesher = mesher.tolerance(tolerance_beside(strays, tolerance));
+            }
             let mut tolerance = None;
             if options.tolerance.is_none() && options.is_to_tolerance() {
                 let start = Instant::now();
@@ -336,6 +374,7 @@ pub(crate) fn produce(
                 report: Some(meshed.report),
                 program: Some(program),
                 tolerance,
+                strays,
                 seconds,
             })
         }
@@ -354,6 +393,7 @@ pub(crate) fn produce(
                 report: None,
                 program: None,
                 tolerance: None,
+                strays: None,
                 seconds,
             })
         }

@@ -14,7 +14,7 @@ use crate::commands::{
     compare, convert, drawing, info, manual, measure, merge, mesh, render, section, sweep,
 };
 use crate::failure::{EXIT_CODES_HELP, Failure, exit_codes};
-use crate::input::{Input, Reader, Reading, Subject, is_openscad};
+use crate::input::{Input, Reader, Reading, Subject, Wanted, is_openscad};
 use crate::progress::Progress;
 
 /// Meshes, pictures and measures of solids made of half-spaces
@@ -143,26 +143,31 @@ pub fn main() -> ExitCode {
     let progress = &Progress::new(quiet);
     let result = match command {
         FileCommand::Mesh { input, options } => {
-            let unit = options.mesher.unit;
-            mesh::run(Box::new(|| input.read(false, unit)), &options, progress)
+            let wanted = options.mesher.wanted();
+            mesh::run(Box::new(|| input.read(wanted)), &options, progress)
         }
         FileCommand::Merge(options) => merge::run(&options, progress),
         FileCommand::Render { input, options } => render::run(
-            Box::new(|| input.read(options.faces_only(), options.mesher.unit)),
+            Box::new(|| {
+                input.read(Wanted {
+                    faces_only: options.faces_only(),
+                    ..options.mesher.wanted()
+                })
+            }),
             &options,
             progress,
         ),
         FileCommand::Measure { input, options } => {
-            let unit = options.mesher.unit;
-            measure::run(Box::new(|| input.read(false, unit)), &options, progress)
+            let wanted = options.mesher.wanted();
+            measure::run(Box::new(|| input.read(wanted)), &options, progress)
         }
         FileCommand::Section { input, options } => {
-            let unit = options.sheet.tell.unit;
-            section::run(Box::new(|| input.read(false, unit)), &options, progress)
+            let wanted = Wanted::solid(options.sheet.tell.unit);
+            section::run(Box::new(|| input.read(wanted)), &options, progress)
         }
         FileCommand::Drawing { input, options } => {
-            let unit = options.sheet.tell.unit;
-            drawing::run(Box::new(|| input.read(false, unit)), &options, progress)
+            let wanted = Wanted::solid(options.sheet.tell.unit);
+            drawing::run(Box::new(|| input.read(wanted)), &options, progress)
         }
         FileCommand::Convert(options) => convert::run(&options, progress),
         FileCommand::Info(options) => info::run(&options),
@@ -212,7 +217,7 @@ fn file_variant(
         .iter()
         .filter(|(name, value)| has_variables && name != MODEL && !value.is_empty());
     let define: Vec<String> = define.map(openscad_variable).collect();
-    reading.read(&path, &define, false, options.unit)
+    reading.read(&path, &define, options.wanted())
 }
 
 /// A variable as OpenSCAD's `-D` has it: text in quotes, unless it has them.

@@ -98,7 +98,7 @@ pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};
 pub use solid::{
     Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Repairs, Solid, Twist,
-    TwistAccuracy, shear_matrix,
+    TwistAccuracy, shear_matrix, stretch,
 };
 pub use surface_nets::slab::{Slab, SlabBody, SlabHead, SlabSource};
 pub use undecided::{Undecided, Why};

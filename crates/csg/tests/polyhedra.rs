@@ -297,7 +297,7 @@ fn even_twists_are_as_near_as_they_say() {
         (&pipe, 0.0, [0.5, 1.0]),
     ] {
         let what = format!("{radians} {scale:?}");
-        let near = Solid::twist_accuracy(profile, radians, scale).expect("valid");
+        let near = Solid::twist_accuracy(profile, radians, scale, None).expect("valid");
         assert!(near.faces <= 50_000 && near.deviation <= 1e-3, "{near:?}");
         let solid = Solid::extrude_twisted(profile, 0.0..4.0, radians, scale);
         let program = Program::lower(&solid).expect("valid");
@@ -347,11 +347,11 @@ fn even_twists_are_as_near_as_they_say() {
             assert!(off <= 0.5 * near.deviation * mesh.area(), "{what}: {off}");
         }
     }
-    let many = Solid::twist_accuracy(&bar, 100.0, [1.0, 1.0]).expect("valid");
+    let many = Solid::twist_accuracy(&bar, 100.0, [1.0, 1.0], None).expect("valid");
     assert!(many.faces <= 200_000 && many.deviation > 1e-3, "{many:?}");
     for (radians, what) in [(1e300, "too few"), (f64::NAN, "not finite")] {
         assert!(
-            Solid::twist_accuracy(&bar, radians, [1.0, 1.0]).is_err(),
+            Solid::twist_accuracy(&bar, radians, [1.0, 1.0], None).is_err(),
             "{what}"
         );
     }

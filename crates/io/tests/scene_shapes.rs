@@ -285,7 +285,7 @@ fn minkowski_sums_with_balls_are_round() {
         assert_exact(&text, wanted);
     }
     for text in [
-        "minkowski() { cube(size = [1, 1, 1]); cylinder(r1 = 2, r2 = 2, h = 1); }",
+        "minkowski() { sphere(r = 1); cylinder(r1 = 2, r2 = 2, h = 1); }",
         "hull() { cube(size = [9, 9, 1]); sphere(r = 5); }",
         "linear_extrude(height = 1) { minkowski() { square(size = [9, 9]); polygon(points = [[0, 0], [1, 0], [0, 1]]); circle(r = 5); } }",
     ] {
@@ -504,5 +504,114 @@ fn profiles_on_both_sides_of_the_axis_are_told_with_their_extent() {
         let text = format!("rotate_extrude(angle = 180) {{ {flat} }}");
         let said = scene(&text, false).warnings[0].to_string();
         assert!(said.contains(extent), "{said}");
+    }
+}
+
+/// What stands for curved surfaces that there are none for is as near as asked, also under maps, and
+/// the solid knows how near.
+#[test]
+fn what_stands_for_others_is_as_near_as_asked() {
+    let off = "multmatrix([[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])";
+    let thrice = "multmatrix([[0, -3, 0, 5], [3, 0, 0, 0], [0, 0, 3, 0], [0, 0, 0, 1]])";
+    let ring = format!("rotate_extrude(angle = 360) {{ {off} {{ circle(r = 1); }} }}");
+    let twist = "linear_extrude(height = 4, twist = 90) { square(size = [2, 1]); }";
+    let ball = "linear_extrude(height = 4) { projection() { multmatrix([[1, 0, 0, 5], [0, 1, 0.3, 0], [0, 0.2, 1, 0], [0, 0, 0, 1]]) { sphere(r = 1); } } }";
+    let hull = "hull() { sphere(r = 1); multmatrix([[2, 0, 0, 3], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) { sphere(r = 1); } }";
+    for text in [&ring, twist, ball, hull] {
+        let larger = format!("{thrice} {{ {text} }}");
+        for (text, times) in [(text, 1.0), (&larger, 3.0)] {
+            let strays = |within: Option<f64>| {
+                let options = ReadOptions::default();
+                let options = match within {
+                    Some(within) => options.within(within),
+                    None => options,
+                };
+                let read = read(text, &options).unwrap_or_else(|e| panic!("{e}: {text}"));
+                assert!(read.warnings.len() == 1, "{:?}: {text}", read.warnings);
+                read.solid.strays().unwrap_or_else(|| panic!("{text}"))
+            };
+            let default = strays(None);
+            assert!(
+                (1e-4..3e-3).contains(&(default / times)),
+                "{default}: {text}"
+            );
+            // (Circles in hulls are polygons of 360 corners at most.)
+            for within in [0.02, 0.002] {
+                let found = strays(Some(within));
+                assert!(
+                    found <= within * 1.000_001 && found > 0.1 * within,
+                    "{found}, not {within}: {text}"
+                );
+            }
+        }
+    }
+    let exact = "minkowski() { cube(size = [1, 2, 3]); sphere(r = 1); }";
+    assert_eq!(scene(exact, false).solid.strays(), None);
+}
+
+/// Sums of boxes and cylinders along one axis, and solids of a new size, are exact.
+#[test]
+fn sums_along_an_axis_and_new_sizes_are_exact() {
+    let turned = "multmatrix([[1, 0, 0, 3], [0, 0, -1, 1], [0, 1, 0, 2], [0, 0, 0, 1]])";
+    let box_and_rod = |turn: &str| {
+        format!("minkowski() {{ cube(size = [10, 10, 8]); {turn} {{ cylinder(r = 1, h = 2); }} }}")
+    };
+    let squashed = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.5, 0], [0, 0, 0, 1]])";
+    let two = "minkowski() { group() { cube(size = [4, 4, 1]); cube(size = [1, 8, 1]); } cylinder(r = 0.5, h = 1); }";
+    for (text, volume) in [
+        (box_and_rod("group()"), (140.0 + PI) * 10.0),
+        (box_and_rod(turned), (80.0 + 36.0 + PI) * 12.0),
+        // An L of two boxes, rounded but for its inner corner.
+        (
+            two.to_owned(),
+            2.0 * (20.0 + 0.5 * 24.0 - 0.25 + 5.0 * PI / 16.0),
+        ),
+        (
+            "resize(newsize = [10, 20, 30]) { sphere(r = 1); }".to_owned(),
+            1000.0 * PI,
+        ),
+        (
+            format!("resize(newsize = [0, 0, 3]) {{ {squashed} {{ cylinder(r = 2, h = 5); }} }}"),
+            12.0 * PI,
+        ),
+    ] {
+        let read = scene(&text, false);
+        assert!(read.warnings.is_empty(), "{:?}: {text}", read.warnings);
+        let program = Program::lower(&read.solid).expect("a program");
+        let brep = program
+            .boundary(&BoundaryOptions::default())
+            .expect("a boundary");
+        let found = brep.measure().volume.value;
+        assert!(
+            (found / volume - 1.0).abs() < 1e-9,
+            "{text}: {found}, not {volume}"
+        );
+    }
+}
+
+/// Where a solid of revolution begins, as newer versions of OpenSCAD write it.
+#[test]
+fn revolutions_begin_where_they_say() {
+    let from = |start: &str, side: f64| {
+        format!(
+            "rotate_extrude(angle = 90, {start}$fn = 0) {{ multmatrix([[1, 0, 0, {side}], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) {{ square(size = [1, 1]); }} }}"
+        )
+    };
+    for (start, side, degrees) in [
+        ("", 2.0, 45.0),
+        ("start = 0, ", 2.0, 45.0),
+        ("start = 30, ", 2.0, 75.0),
+        ("start = -90, ", 2.0, -45.0),
+        ("start = 30, ", -3.0, 255.0),
+    ] {
+        let solid = scene(&from(start, side), false).solid;
+        let program = Program::lower(&solid).expect("a program");
+        for turn in 0..24 {
+            let angle = f64::from(15 * turn) + 7.0;
+            let (sine, cosine) = angle.to_radians().sin_cos();
+            let off = (angle - degrees + 180.0).rem_euclid(360.0) - 180.0;
+            let is_within = program.contains([2.5 * cosine, 2.5 * sine, 0.5]);
+            assert_eq!(is_within, off.abs() < 45.0, "{start}{side}: {angle}");
+        }
     }
 }

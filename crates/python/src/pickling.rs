@@ -36,6 +36,7 @@ enum Record {
         solid: u32,
         within: Option<[DVec3; 2]>,
         spanning: Vec<DVec3>,
+        strays: Option<f64>,
     },
     Named(String, u32),
     Colored(Color, u32),
@@ -74,6 +75,7 @@ fn records(root: &Solid) -> Result<Vec<Record>, String> {
                     solid: number(solid),
                     within: made.within,
                     spanning: made.spanning.clone(),
+                    strays: made.strays,
                 }
             }
             Node::Named(name, operand) => Record::Named(name.to_string(), number(operand)),
@@ -104,11 +106,13 @@ fn rebuilt(records: Vec<Record>) -> Option<Solid> {
                 solid,
                 within,
                 spanning,
+                strays,
             } => Solid::from_made(Made {
                 function: known(function),
                 solid: Ok(get(solid)?),
                 within,
                 spanning,
+                strays,
             }),
             Record::Named(name, operand) => get(operand)?.named(name),
             Record::Colored(color, operand) => get(operand)?.colored(color),

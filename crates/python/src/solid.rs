@@ -213,6 +213,18 @@ impl PySolid {
         Ok(bounds.map(|bounds| (bounds.min.into(), bounds.max.into())))
     }
 
+    /// How far a part of the solid strays at most from what was asked for, as far as it stands for
+    /// something curved that there are no surfaces for (circles turned beside an axis, twists);
+    /// None if all is what was asked for. Measures are of the solid as it is.
+    ///
+    /// >>> import stereotomy as st
+    /// >>> ring = st.circle(1).translate([3, 0]).revolve()
+    /// >>> 0 < ring.strays() < 1e-3, st.sphere(1).strays()
+    /// (True, None)
+    fn strays(&self) -> Option<f64> {
+        self.0.strays()
+    }
+
     /// The section with a plane as a profile, in coordinates of the plane: at a height z,
     /// with x and y as they are, or through `point` across `normal`, with y as near to the
     /// model's z as the plane allows (else to its y). Of a solid of flat faces it is exact;

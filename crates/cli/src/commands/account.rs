@@ -29,6 +29,9 @@ pub(crate) struct Account {
     non_manifold_edges: usize,
     non_manifold_vertices: usize,
     bounds: Option<Bounds>,
+    /// How far parts of the solid stray at most from what they stand for: chords and flat faces, from
+    /// what there are no surfaces for. Null if all is what was asked for, and for files with meshes.
+    strays: Option<f64>,
     unit: &'static str,
     /// Per stage, and the total.
     seconds: BTreeMap<&'static str, f64>,
@@ -50,6 +53,12 @@ impl Bounds {
             max: max.to_array(),
         }
     }
+}
+
+/// How far parts of a solid stray from what they stand for.
+pub(super) fn told(strays: f64, unit: &str) -> String {
+    let strays = at_most(strays, 3);
+    format!("strays      by at most {strays} {unit}: chords and flat faces, from curved ones")
 }
 
 /// Digits of coordinates: boxes are known to about a thousand millionth of their size.
@@ -183,6 +192,7 @@ impl Account {
             non_manifold_edges: check.non_manifold_edges,
             non_manifold_vertices: check.non_manifold_vertices,
             bounds: mesh.bounds().map(|(min, max)| Bounds::new(min, max)),
+            strays: product.strays,
             unit: mesh.unit.symbol(),
             seconds,
             report: product.report.as_ref().map(ReportAccount::of),
@@ -303,6 +313,9 @@ impl fmt::Display for Account {
                 };
                 let deviation = at_most(deviation, 3);
                 writeln!(f, "deviation   at most {deviation} ({state})")?;
+            }
+            if let Some(strays) = self.strays {
+                writeln!(f, "{}", told(strays, unit))?;
             }
             if let Some(moved) = &report.moved {
                 writeln!(f, "{moved}")?;

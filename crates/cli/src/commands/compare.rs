@@ -12,7 +12,7 @@ use super::figure::{Figure, at_most, short};
 use super::parse::length;
 use super::sheet::TellOptions;
 use crate::failure::Failure;
-use crate::input::{Reading, Subject};
+use crate::input::{Reading, Subject, Wanted};
 use crate::nothing::Nothing;
 use crate::output::{self, is_stream};
 use crate::progress::Progress;
@@ -201,7 +201,7 @@ struct Side {
 impl Side {
     fn read(path: &Path, options: &Options) -> Result<Self, Failure> {
         let unit = options.tell.unit;
-        let subject = options.reading.read(path, &[], false, unit)?;
+        let subject = options.reading.read(path, &[], Wanted::solid(unit))?;
         let own = subject.unit(unit);
         if own != unit {
             say!(

@@ -6,7 +6,7 @@ use csg::{BoundaryOptions, Program};
 use io::WriteOptions;
 
 use crate::failure::Failure;
-use crate::input::Input;
+use crate::input::{Input, Wanted};
 use crate::mesher::{MesherOptions, no_needs, produce};
 use crate::output::{self, StepArguments, StreamFormat};
 use crate::progress::Progress;
@@ -38,7 +38,7 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<(), Failure>
     output::check_folders(options.outputs.iter().map(PathBuf::as_path))?;
     progress.stage("reading");
     let given = options.mesher.unit;
-    let subject = options.input.read(false, given)?;
+    let subject = options.input.read(Wanted::solid(given))?;
     let is_exact = |path: &PathBuf| is_scene(path) || io::step::is_step(path);
     if options.outputs.iter().any(is_exact) {
         for path in options.outputs.iter().filter(|path| is_scene(path)) {

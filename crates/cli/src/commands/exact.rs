@@ -3,10 +3,10 @@
 use std::fmt;
 use std::time::Instant;
 
-use csg::{BoundaryOptions, Brep, Program};
+use csg::{BoundaryOptions, Brep, Program, Solid};
 use serde::Serialize;
 
-use super::account::{Bounds, MovedAccount};
+use super::account::{Bounds, MovedAccount, told};
 use super::figure::Figure;
 use crate::mesher::Unit;
 
@@ -31,6 +31,10 @@ pub(crate) struct ExactAccount {
     vertices: usize,
     /// Null unless surfaces that nearly coincide or touch were moved.
     moved: Option<MovedAccount>,
+    /// How far parts of the solid stray at most from what they stand for: chords and flat faces, from
+    /// what there are no surfaces for. Measures are of the solid as it is. Null if all is what was
+    /// asked for.
+    strays: Option<f64>,
     unit: &'static str,
     seconds: f64,
 }
@@ -38,7 +42,7 @@ pub(crate) struct ExactAccount {
 impl ExactAccount {
     /// Evaluates and measures the boundary.
     pub(crate) fn of(
-        program: &Program,
+        (solid, program): (&Solid, &Program),
         options: &BoundaryOptions,
         unit: Unit,
     ) -> Result<(Self, Brep), csg::Error> {
@@ -60,6 +64,7 @@ impl ExactAccount {
             edges: brep.edges().len(),
             vertices: brep.vertices().len(),
             moved: brep.moved().map(MovedAccount::from),
+            strays: solid.strays(),
             unit: unit.symbol(),
             seconds: start.elapsed().as_secs_f64(),
         };
@@ -94,6 +99,9 @@ impl fmt::Display for ExactAccount {
         writeln!(f, "vertices    {}", self.vertices)?;
         if let Some(moved) = &self.moved {
             writeln!(f, "{moved}")?;
+        }
+        if let Some(strays) = self.strays {
+            writeln!(f, "{}", told(strays, unit))?;
         }
         writeln!(f, "state       exact boundary")?;
         writeln!(f, "seconds     {:.3}", self.seconds)

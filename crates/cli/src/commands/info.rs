@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::account::Bounds;
 use crate::failure::Failure;
-use crate::input::{Input, Subject};
+use crate::input::{Input, Subject, Wanted};
 use crate::mesher::Unit;
 use crate::output::{self, is_stream};
 
@@ -63,7 +63,7 @@ pub(super) enum Info {
 
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let path = options.input.path();
-    let info = match options.input.read(false, Unit::Mm)? {
+    let info = match options.input.read(Wanted::solid(Unit::Mm))? {
         Subject::Solid(solid, _) => of_solid(path, &solid)?,
         Subject::Mesh(file) => of_mesh(path, &file),
     };

@@ -63,7 +63,7 @@ pub(crate) fn run(
     if let Some((solid, program)) = program.filter(|(_, program)| !is_large_polyhedron(program)) {
         progress.stage("boundary");
         let boundary = mesher.boundary(progress);
-        match ExactAccount::of(&program, &boundary, subject.unit(mesher.unit)) {
+        match ExactAccount::of((solid, &program), &boundary, subject.unit(mesher.unit)) {
             Ok((account, _)) => {
                 progress.end();
                 if account.is_empty() {

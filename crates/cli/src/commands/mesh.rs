@@ -281,7 +281,7 @@ fn write_exact(
     let boundary = options.mesher.boundary(progress).cut_at_seams();
     // Measures take longer than all else: none are made that nobody is told.
     let (account, brep) = if options.json.is_some() || !progress.is_quiet() {
-        let (account, brep) = ExactAccount::of(program, &boundary, unit)?;
+        let (account, brep) = ExactAccount::of((solid, program), &boundary, unit)?;
         (Some(account), brep)
     } else {
         (None, program.boundary(&boundary)?)

@@ -14,8 +14,8 @@ use super::figure::Figure;
 use super::parse::{angle, length};
 use super::table::{self, Field, Kind, TableFormat};
 use crate::failure::{Failure, exit_codes};
-use crate::input::Subject;
-use crate::mesher::{ANGLE, LimitOptions, Unit};
+use crate::input::{Subject, Wanted};
+use crate::mesher::{ANGLE, LimitOptions, Unit, chords, tolerance_beside};
 use crate::output::{self, StepArguments, StreamFormat};
 use crate::progress::Progress;
 use crate::shard::Shard;
@@ -436,6 +436,16 @@ impl Row {
     }
 }
 
+impl Options {
+    /// What models are read for.
+    pub(crate) fn wanted(&self) -> Wanted {
+        Wanted {
+            within: self.tolerance.map(chords),
+            ..Wanted::solid(self.unit)
+        }
+    }
+}
+
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -469,7 +479,7 @@ fn measured(
     if !meshes.is_empty() {
         let mut mesher = Mesher::new().normals().unit(unit).limits(limits);
         if let Some(tolerance) = options.tolerance {
-            mesher = mesher.tolerance(tolerance);
+            mesher = mesher.tolerance(tolerance_beside(solid.strays(), tolerance));
         }
         let angle = options
             .angle

@@ -15,7 +15,7 @@ use crate::solid::{Node, Primitive, Solid};
 
 /// The primitives that solids are the union of, each where it is put; none if they are no such
 /// union.
-fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
+pub(super) fn primitives(solids: &[Solid]) -> Option<Vec<(&Primitive, DAffine3)>> {
     let leaves = leaves(solids).into_iter();
     let found = leaves.map(|(solid, map)| match solid.node() {
         Node::Primitive(primitive) => Some((primitive, map)),
@@ -218,29 +218,33 @@ impl Solid {
         if solids.is_empty() {
             return Ok(Self::empty());
         }
-        if let Some((centers, radius)) = balls(solids)
-            && let Some(rounded) = Solid::hull_of_balls(&centers, radius)
-        {
-            return Ok(rounded);
-        }
-        if let Some(balls) = all_balls(solids)
-            && let Some(hull) = Solid::hull_of_unequal_balls(&balls)
-        {
-            return Ok(hull);
-        }
-        if let Some(Upright { frame, discs, z }) = Upright::of(solids) {
-            return Ok(Solid::extrude(&Profile::hull_of_discs(discs), z).affine(frame));
-        }
-        if let Some(hull) = hull_of_discs(solids, faceting)? {
-            return Ok(hull);
-        }
-        let mut points = Vec::new();
-        for solid in solids {
-            points.extend(corners(solid, faceting)?);
-        }
-        if points.is_empty() {
-            return Ok(Self::empty());
-        }
-        Ok(Solid::hull(points))
+        faceting.standing_in(|faceting| hull_of(solids, faceting))
     }
+}
+
+fn hull_of(solids: &[Solid], faceting: &mut Faceting) -> Result<Solid, Error> {
+    if let Some((centers, radius)) = balls(solids)
+        && let Some(rounded) = Solid::hull_of_balls(&centers, radius)
+    {
+        return Ok(rounded);
+    }
+    if let Some(balls) = all_balls(solids)
+        && let Some(hull) = Solid::hull_of_unequal_balls(&balls)
+    {
+        return Ok(hull);
+    }
+    if let Some(Upright { frame, discs, z }) = Upright::of(solids) {
+        return Ok(Solid::extrude(&Profile::hull_of_discs(discs), z).affine(frame));
+    }
+    if let Some(hull) = hull_of_discs(solids, faceting)? {
+        return Ok(hull);
+    }
+    let mut points = Vec::new();
+    for solid in solids {
+        points.extend(corners(solid, faceting)?);
+    }
+    if points.is_empty() {
+        return Ok(Solid::empty());
+    }
+    Ok(Solid::hull(points))
 }

@@ -38,6 +38,8 @@ pub use hull::{are_parallel, circles};
 #[derive(Clone, Debug)]
 pub struct Faceting {
     share: f64,
+    /// In model units; in place of the share.
+    distance: Option<f64>,
     /// What may still be spent, and could be at first.
     cells: [u64; 2],
     sums: [usize; 2],
@@ -59,6 +61,7 @@ impl Faceting {
         const MOST_SUMS: usize = 10_000_000;
         Self {
             share: 1e-4,
+            distance: None,
             cells: [MOST_CELLS; 2],
             sums: [MOST_SUMS; 2],
             strayed: None,
@@ -69,6 +72,13 @@ impl Faceting {
     #[must_use]
     pub fn within(self, share: f64) -> Self {
         Self { share, ..self }
+    }
+
+    /// How far a mesh of what is curved may stray, in model units, in place of a share; with none
+    /// the share again.
+    #[must_use]
+    pub fn to(self, distance: Option<f64>) -> Self {
+        Self { distance, ..self }
     }
 
     /// The most cells, or blocks between planes, that the mesher may look at.
@@ -95,6 +105,22 @@ impl Faceting {
         self.strayed.take()
     }
 
+    /// What an operation makes; if it took curved surfaces for faces, said to stand for another
+    /// solid.
+    fn standing_in(
+        &mut self,
+        of: impl FnOnce(&mut Self) -> Result<Solid, Error>,
+    ) -> Result<Solid, Error> {
+        let before = self.strayed.take();
+        let made = of(self);
+        let strays = self.strayed;
+        self.strayed = before.into_iter().chain(strays).reduce(f64::max);
+        Ok(match strays {
+            Some(strays) => made?.standing_in(strays),
+            None => made?,
+        })
+    }
+
     /// The mesh of a solid: exact if all its faces are flat.
     fn mesh(&mut self, solid: &Solid) -> Result<Mesh, Error> {
         let program = Program::lower(solid)?;
@@ -110,7 +136,8 @@ impl Faceting {
             let Some(bounds) = program.bounds()? else {
                 return Ok(Mesh::default());
             };
-            let within = self.share * bounds.size().max_element();
+            let longest = bounds.size().max_element();
+            let within = self.distance.unwrap_or(self.share * longest);
             mesher = mesher.tolerance(within).normals();
             let strayed = self.strayed.map_or(within, |before| before.max(within));
             self.strayed = Some(strayed);

@@ -3,17 +3,30 @@
 use glam::{BVec2, BVec3, DAffine2, DAffine3, DVec2, DVec3};
 
 use super::Faceting;
+use crate::BoundaryOptions;
 use crate::error::Error;
+use crate::limits::Limits;
+use crate::program::Program;
 use crate::solid::Solid;
 use crate::solid::profile::Profile;
 
 impl Solid {
-    /// The least and greatest coordinates, those of a mesh; `None` of an empty solid.
+    /// The least and greatest coordinates, to rounding ([`crate::Brep::bounds`]; those of a mesh
+    /// where the exact boundary could not be told); `None` of an empty solid.
     ///
     /// # Errors
     /// What is wrong with the solid, one without end, [`Error::InvalidOption`] for more work than
     /// `faceting` has left.
     pub fn corner_bounds(&self, faceting: &mut Faceting) -> Result<Option<(DVec3, DVec3)>, Error> {
+        let program = Program::lower(self)?;
+        if !program.is_polyhedral() {
+            let limits = Limits::new().cells(faceting.cells[0]);
+            match program.boundary(&BoundaryOptions::new().limits(limits)) {
+                Ok(brep) => return Ok(brep.bounds().map(|bounds| (bounds.min, bounds.max))),
+                Err(Error::Undecided(_) | Error::LimitReached(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
         Ok(faceting.mesh(self)?.bounds())
     }
 
@@ -40,11 +53,13 @@ impl Solid {
         auto: BVec3,
         faceting: &mut Faceting,
     ) -> Result<Self, Error> {
-        let Some((min, max)) = self.corner_bounds(faceting)? else {
-            return Ok(Self::empty());
-        };
-        let scale = factors(max - min, size.into(), auto)?;
-        Ok(self.affine(DAffine3::from_scale(scale)))
+        faceting.standing_in(|faceting| {
+            let Some((min, max)) = self.corner_bounds(faceting)? else {
+                return Ok(Self::empty());
+            };
+            let scale = factors(max - min, size.into(), auto)?;
+            Ok(self.affine(DAffine3::from_scale(scale)))
+        })
     }
 }
 

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::polyhedron::FEW_FACES;
 use super::profile::{Leaf, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
-use super::twist::{extent, prism, uneven};
+use super::twist::{even_twist, extent, prism};
 use crate::error::{NodeFault, ProfileFault};
 use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
 
@@ -30,6 +30,7 @@ impl Solid {
             solid,
             within,
             spanning: Vec::new(),
+            strays: None,
         }))
     }
 
@@ -49,6 +50,7 @@ impl Solid {
             solid,
             within: least.zip(greatest).map(<[DVec3; 2]>::from),
             spanning,
+            strays: None,
         }))
     }
 
@@ -69,7 +71,11 @@ impl Solid {
     /// circles or arcs all is in flat faces, as [`Solid::extrude_twisted`] has them.
     #[must_use]
     pub fn extrude_scaled(profile: &Profile, z: Range<f64>, scale: impl Into<DVec2>) -> Self {
-        Self::made("extrude_scaled", extruded(profile, &z, scale.into()))
+        let scale = scale.into();
+        if scale.x != scale.y && !profile.is_straight() {
+            return even_twist("extrude_scaled", profile, &z, (0.0, scale), None);
+        }
+        Self::made("extrude_scaled", extruded(profile, &z, scale))
     }
 
     /// The profile at `z.start`, drawn together to the point above `apex` at
@@ -99,10 +105,6 @@ fn extruded(
                 value: scale,
             });
         }
-    }
-    let even = scale.x == scale.y;
-    if !even && !profile.is_straight() {
-        return uneven(profile, z, scale);
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let Some((min, max)) = profile.reach()? else {

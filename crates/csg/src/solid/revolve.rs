@@ -32,15 +32,22 @@ impl Solid {
     /// and 5e-3 of their radius, 32 to a turn, of circles with the same area (for another tolerance, see [`Profile::flattened`]).
     #[must_use]
     pub fn revolve(profile: &Profile) -> Self {
-        Self::made("revolve", round(profile))
+        turned("revolve", profile, TAU, None)
     }
 
     /// [`Solid::revolve`] through an angle in radians from the xz plane, up to
     /// a whole turn, counter-clockwise seen from +z; clockwise if negative.
     #[must_use]
     pub fn revolve_by(profile: &Profile, radians: f64) -> Self {
-        let solid = round(profile).and_then(|whole| within(whole, radians));
-        Self::made("revolve_by", solid)
+        turned("revolve_by", profile, radians, None)
+    }
+
+    /// [`Solid::revolve_by`] with chords within another distance of circles and arcs that would
+    /// become tori, but not more than 5e-3 of their radius. The surfaces grow in number with the
+    /// root of what that is smaller.
+    #[must_use]
+    pub fn revolve_within(profile: &Profile, radians: f64, distance: f64) -> Self {
+        turned("revolve_within", profile, radians, Some(distance))
     }
 
     /// [`Solid::revolve_by`] in flat steps, as programs without curved surfaces
@@ -53,30 +60,42 @@ impl Solid {
     }
 }
 
-impl Profile {
-    /// How far [`Solid::revolve`] strays at most from the tori that the profile's circles and arcs
-    /// would become: so near are the chords that it takes in their place. None if all of them are
-    /// centred on the axis, as the solid is what was asked for then; nor of what cannot be revolved.
-    #[must_use]
-    pub fn revolved_within(&self) -> Option<f64> {
-        let tolerance = self.tolerance_of(PROFILE_CHORD).ok()?;
-        let has_chords = Cell::new(false);
-        let keeps = |map: &DAffine2| {
-            let keeps = is_on_axis(map);
-            has_chords.set(has_chords.get() || !keeps);
-            keeps
-        };
-        half_plane_set(self, tolerance, &keeps).ok()?;
-        has_chords.get().then_some(tolerance)
-    }
-}
-
 /// A solid, and the corners of a box around it.
 type Boxed = (Solid, [DVec3; 2]);
 
-fn round(profile: &Profile) -> Result<Boxed, NodeFault> {
-    let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, &is_on_axis)?;
+fn turned(function: &'static str, profile: &Profile, radians: f64, within: Option<f64>) -> Solid {
+    let has_chords = Cell::new(false);
+    let keeps = |map: &DAffine2| {
+        let keeps = is_on_axis(map);
+        has_chords.set(has_chords.get() || !keeps);
+        keeps
+    };
+    let tolerance = match within {
+        Some(within) if within > 0.0 => Ok(within),
+        Some(value) => Err(NodeFault::NotPositive {
+            what: "the distance of chords",
+            value,
+        }),
+        None => profile.tolerance_of(PROFILE_CHORD).map_err(NodeFault::from),
+    };
+    let made = tolerance.and_then(|tolerance| {
+        let whole = round(profile, tolerance, &keeps)?;
+        Ok((within_angle(whole, radians)?, tolerance))
+    });
+    let strays = made.as_ref().ok().map(|(_, tolerance)| *tolerance);
+    let solid = Solid::made(function, made.map(|(boxed, _)| boxed));
+    match strays.filter(|_| has_chords.get()) {
+        Some(strays) => solid.standing_in(strays),
+        None => solid,
+    }
+}
+
+fn round(
+    profile: &Profile,
+    tolerance: f64,
+    keeps: &dyn Fn(&DAffine2) -> bool,
+) -> Result<Boxed, NodeFault> {
+    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, keeps)?;
     let solid = set.solid(|leaf| match *leaf {
         Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
             Side::Flat { height, up } => flat(height, up),
@@ -226,7 +245,7 @@ fn nappe(radius: f64, slope: f64, height: f64) -> Solid {
 }
 
 /// The part of a solid of revolution within an angle from the xz plane.
-fn within((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
+fn within_angle((solid, corners): Boxed, radians: f64) -> Result<Boxed, NodeFault> {
     if !(radians != 0.0 && radians.abs() <= TAU) {
         return Err(NodeFault::AngleOutOfRange { value: radians });
     }
@@ -336,5 +355,5 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
         },
         Leaf::Disc(_) => Solid::empty(),
     });
-    within((solid, corners), radians)
+    within_angle((solid, corners), radians)
 }

@@ -1,6 +1,7 @@
 //! The tree: sharing, Boolean operators, names, colours and a drop that no
 //! depth can overflow.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Not, Sub};
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::primitive::Primitive;
+use super::transform::stretch;
 use crate::color::Color;
 use crate::error::NodeFault;
 
@@ -63,6 +65,9 @@ pub struct Made {
     /// Points whose convex hull is that of the solid; empty where none were
     /// given.
     pub spanning: Vec<DVec3>,
+    /// How far its boundary strays at most from that of what was asked for, if it stands for
+    /// something curved that there are no surfaces for.
+    pub strays: Option<f64>,
 }
 
 impl Node {
@@ -141,7 +146,50 @@ impl Solid {
             solid,
             within: None,
             spanning: Vec::new(),
+            strays: None,
         }))
+    }
+
+    /// The same solid, said to stand for another one, from whose boundary its own strays so far
+    /// at most.
+    #[must_use]
+    pub fn standing_in(mut self, strays: f64) -> Self {
+        let made = Arc::get_mut(&mut self.0);
+        if let Some(Node::Made(made)) = made {
+            made.strays = Some(made.strays.map_or(strays, |before| before.max(strays)));
+            return self;
+        }
+        Self::shaped("standing_in", Ok(self)).standing_in(strays)
+    }
+
+    /// How far a part of the solid strays at most from what was asked for, as far as it stands for
+    /// something curved that there are no surfaces for: circles turned beside an axis are chords
+    /// ([`Solid::revolve`]), twists flat faces. None if all is what was asked for. What is said
+    /// of the solid, as its volume, is said of it as it is.
+    #[must_use]
+    pub fn strays(&self) -> Option<f64> {
+        let mut known: HashMap<usize, Option<f64>> = HashMap::new();
+        // Nodes on the way down, and again (true) after their operands.
+        let mut pending = vec![(self, false)];
+        while let Some((solid, is_after)) = pending.pop() {
+            let operands = solid.node().operands();
+            if !is_after {
+                if !known.contains_key(&solid.id()) {
+                    pending.push((solid, true));
+                    pending.extend(operands.iter().map(|operand| (operand, false)));
+                }
+                continue;
+            }
+            let below = operands.iter().filter_map(|o| known[&o.id()]);
+            let below = below.reduce(f64::max);
+            let strays = match solid.node() {
+                Node::Transform(Ok(map), _) => below.map(|below| below * stretch(map)),
+                Node::Made(made) => below.into_iter().chain(made.strays).reduce(f64::max),
+                _ => below,
+            };
+            known.insert(solid.id(), strays);
+        }
+        known[&self.id()]
     }
 
     /// The solid without any point.

@@ -63,21 +63,65 @@ impl Solid {
         radians: f64,
         scale: impl Into<DVec2>,
     ) -> Self {
-        let even = Even::new(profile, radians, scale.into());
-        let made = even.and_then(|even| in_steps(&even.contours, &z, even.twist));
-        Self::made("extrude_twisted", made)
+        even_twist(
+            "extrude_twisted",
+            profile,
+            &z,
+            (radians, scale.into()),
+            None,
+        )
     }
 
-    /// How near [`Solid::extrude_twisted`] comes, and by how many faces.
+    /// The same by flat faces within another distance, or, if these would be more than 200,000, as
+    /// near as so many come.
+    #[must_use]
+    pub fn extrude_twisted_within(
+        profile: &Profile,
+        z: Range<f64>,
+        radians: f64,
+        scale: impl Into<DVec2>,
+        distance: f64,
+    ) -> Self {
+        let function = "extrude_twisted_within";
+        even_twist(
+            function,
+            profile,
+            &z,
+            (radians, scale.into()),
+            Some(distance),
+        )
+    }
+
+    /// How near [`Solid::extrude_twisted`], or [`Solid::extrude_twisted_within`] a distance, comes,
+    /// and by how many faces.
     ///
     /// # Errors
-    /// Whatever is wrong with the profile, the angle or the scale.
+    /// Whatever is wrong with the profile, the angle, the scale or the distance.
     pub fn twist_accuracy(
         profile: &Profile,
         radians: f64,
         scale: impl Into<DVec2>,
+        distance: Option<f64>,
     ) -> Result<TwistAccuracy, NodeFault> {
-        Even::new(profile, radians, scale.into()).map(|even| even.accuracy)
+        Even::new(profile, radians, scale.into(), distance).map(|even| even.accuracy)
+    }
+}
+
+/// By flat faces within a distance, if it is given.
+pub(super) fn even_twist(
+    function: &'static str,
+    profile: &Profile,
+    z: &Range<f64>,
+    (radians, scale): (f64, DVec2),
+    distance: Option<f64>,
+) -> Solid {
+    let even = Even::new(profile, radians, scale, distance);
+    let strays = even.as_ref().ok().map(|even| even.accuracy.deviation);
+    let made = even.and_then(|even| in_steps(&even.contours, z, even.twist));
+    let solid = Solid::made(function, made);
+    match strays {
+        Some(strays) => solid.standing_in(strays),
+        None => solid,
     }
 }
 
@@ -100,9 +144,22 @@ struct Even {
 }
 
 impl Even {
-    fn new(profile: &Profile, radians: f64, scale: DVec2) -> Result<Self, NodeFault> {
+    /// Within a distance, or a share of the profile's size, if so many faces do.
+    fn new(
+        profile: &Profile,
+        radians: f64,
+        scale: DVec2,
+        distance: Option<f64>,
+    ) -> Result<Self, NodeFault> {
         check(radians, scale)?;
-        let mut deviation = profile.tolerance_of(STRAY)?;
+        let mut deviation = match distance {
+            Some(distance) if distance > 0.0 => distance,
+            Some(value) => {
+                let what = "the distance of flat faces";
+                return Err(NodeFault::NotPositive { what, value });
+            }
+            None => profile.tolerance_of(STRAY)?,
+        };
         loop {
             // Half of it is for chords, half for flat faces.
             let contours = profile.contours(0.5 * deviation)?;
@@ -186,16 +243,6 @@ impl Steps {
 fn sides_of(contour: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> {
     let next = contour.iter().cycle().skip(1);
     contour.iter().zip(next).map(|(&from, &to)| [from, to])
-}
-
-/// A profile with circles or arcs moved along z and scaled unevenly, by flat faces.
-pub(super) fn uneven(
-    profile: &Profile,
-    z: &Range<f64>,
-    scale: DVec2,
-) -> Result<(Solid, [DVec3; 2]), NodeFault> {
-    let even = Even::new(profile, 0.0, scale)?;
-    in_steps(&even.contours, z, even.twist)
 }
 
 /// What polygons enclose, moved along z and scaled evenly, as a polyhedron; none if they meet

@@ -172,6 +172,8 @@ pub struct ReadProfile {
     pub profile: Profile,
     /// What was left out, taken for something else or mended, each with where it is first.
     pub warnings: Vec<String>,
+    /// How far chords stray from curves that are not arcs of circles, if there are such.
+    pub strays: Option<f64>,
     /// How many sides it has.
     pub(crate) sides: usize,
 }
@@ -375,8 +377,8 @@ fn finished(
     let Making {
         cutting, bounds, ..
     } = making;
-    if cutting.has_cut && cutting.fineness.is_none() {
-        let within = cutting.tolerance;
+    let strays = (cutting.has_cut && cutting.fineness.is_none()).then_some(cutting.tolerance);
+    if let Some(within) = strays {
         let problem =
             format!("curves that are not arcs of circles are taken for chords within {within:.1e}");
         warnings.add(whole, problem);
@@ -390,6 +392,7 @@ fn finished(
     Ok(ReadProfile {
         profile,
         warnings: warnings.told(),
+        strays,
         sides: cutting.sides,
     })
 }

@@ -1,7 +1,9 @@
 //! Meaning: from the text's nodes to a solid.
 
+use std::f64::consts::PI;
+
 use csg::corners::Faceting;
-use csg::{Made, Node, Solid};
+use csg::{Made, Node, Solid, elementary};
 use text::Fonts;
 
 use super::error::{Place, SceneError, Warning};
@@ -17,6 +19,9 @@ const MOST_FACETS: f64 = (1 << 24) as f64;
 /// them for a hull or a Minkowski sum.
 const FRAGMENTS: f64 = 30.0;
 
+/// And at most so many, however near they are to be: more corners are more work.
+const MOST_FRAGMENTS: f64 = 360.0;
+
 /// More warnings than this help nobody.
 const MOST_WARNINGS: usize = 1000;
 /// What becomes of a node that something is wrong with.
@@ -29,6 +34,8 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
         faceted_until: 0,
         index: 0,
         has_chords: false,
+        strays: None,
+        stretch: 1.0,
         facets: 0.0,
         faceting: Faceting::new(),
         fonts: None,
@@ -37,6 +44,7 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
     };
     let mut open = vec![Open {
         operation: Operation::Union,
+        stretch: 1.0,
         node: None,
         end: tree.nodes.len(),
         colored: false,
@@ -66,8 +74,11 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
         } else {
             let operation = builder.operation(node, around.colored)?;
             let colored = around.colored || matches!(operation, Operation::Color(_));
+            let stretch = builder.stretch;
+            builder.stretch *= operation.stretch();
             open.push(Open {
                 operation,
+                stretch,
                 node: Some(node),
                 end: node.end,
                 colored,
@@ -97,6 +108,8 @@ pub(super) fn build(tree: &Tree<'_>, options: &ReadOptions) -> Result<Scene, Sce
 /// A node whose children are being built.
 pub(super) struct Open<'a> {
     pub(super) operation: Operation,
+    /// By how much the maps around it make lengths longer.
+    stretch: f64,
     /// None for the root.
     node: Option<&'a NodeText<'a>>,
     end: usize,
@@ -114,6 +127,11 @@ pub(super) struct Builder<'a> {
     pub(super) index: usize,
     /// Whether polygons were put in place of circles since it was last told.
     has_chords: bool,
+    /// How far flat shapes, and what corners of polygons for circles make, stray from what they
+    /// stand for, since it was last told.
+    pub(super) strays: Option<f64>,
+    /// By how much the maps around the next node make lengths longer.
+    stretch: f64,
     /// Facets made so far.
     facets: f64,
     /// What may still be meshed.
@@ -137,12 +155,38 @@ impl Builder<'_> {
             fragments
         } else {
             self.has_chords = true;
-            fragments.max(FRAGMENTS)
+            let needed = self.within().map_or(0.0, |within| {
+                let half = elementary::acos((1.0 - within / radius).clamp(0.0, 1.0));
+                (PI / half).ceil().min(MOST_FRAGMENTS)
+            });
+            let fragments = fragments.max(FRAGMENTS).max(needed);
+            self.strayed(radius * (1.0 - elementary::cos(PI / fragments)));
+            fragments
+        }
+    }
+
+    /// How far chords and flat faces may stray in the coordinates of the next node, if the options
+    /// say.
+    pub(super) fn within(&self) -> Option<f64> {
+        self.options.within.map(|within| within / self.stretch)
+    }
+
+    /// Notes how far what was made strays from what it stands for, until it is a solid.
+    pub(super) fn strayed(&mut self, by: f64) {
+        self.strays = Some(self.strays.map_or(by, |before| before.max(by)));
+    }
+
+    /// A solid made of what strayed.
+    pub(super) fn standing_in(&mut self, solid: Solid) -> Solid {
+        match self.strays.take() {
+            Some(strays) => solid.standing_in(strays),
+            None => solid,
         }
     }
 
     /// What a node comes to when its children are there.
     fn close(&mut self, open: Open<'_>) -> Result<Piece, SceneError> {
+        self.stretch = open.stretch;
         let operation = match open.operation {
             Operation::Intersection => pieces::intersection,
             Operation::Difference => pieces::difference,
@@ -207,14 +251,23 @@ impl Builder<'_> {
     pub(super) fn of_corners<T>(
         &mut self,
         node: &NodeText<'_>,
-        of: impl FnOnce(&mut Faceting) -> Result<T, csg::Error>,
+        of: impl Fn(&mut Faceting) -> Result<T, csg::Error>,
     ) -> Result<T, SceneError> {
-        let made = of(&mut self.faceting).map_err(|e| self.fault(node, &e.to_string()))?;
+        let before = self.faceting.clone();
+        self.faceting = before.clone().to(self.within());
+        let mut made = of(&mut self.faceting);
+        if made.is_err() && self.options.within.is_some() {
+            // What is as near as that may be too much work.
+            self.faceting = before.to(None);
+            made = of(&mut self.faceting);
+        }
+        let made = made.map_err(|e| self.fault(node, &e.to_string()))?;
         if let Some(within) = self.faceting.take_strayed() {
             let problem = format!(
                 "what is curved in it is taken for faces and edges within {within:.0e} of it"
             );
             self.warn(node, problem);
+            self.strayed(within);
         }
         Ok(made)
     }

@@ -15,7 +15,8 @@ use super::pieces::Piece;
 use super::values::{array, list, number, sizes};
 
 /// What is told where arcs cannot be kept.
-pub(super) const CHORDS: &str = "its arcs are taken for chords within 1e-4 of its size";
+/// Of a flat shape's size, how far chords stray from its arcs unless options say.
+const CHORDS: f64 = 1e-4;
 
 /// `linear_extrude`, but for what it extrudes.
 pub(super) struct Extrusion {
@@ -30,10 +31,19 @@ pub(super) struct Extrusion {
     fineness: Fineness,
 }
 
+impl Extrusion {
+    /// By how much it makes what it extrudes wider, if it does.
+    pub(super) fn widest(&self) -> f64 {
+        self.scale.max_element().max(1.0)
+    }
+}
+
 /// `rotate_extrude`, but for what it turns.
 pub(super) struct Revolution {
     /// In degrees.
     angle: f64,
+    /// Where it begins, in degrees; if nothing is said a whole turn does on the far side.
+    start: Option<f64>,
     fineness: Fineness,
 }
 
@@ -190,11 +200,37 @@ impl Builder<'_> {
         let grown = match profile.exact_offset(growth.distance, growth.join) {
             Some(grown) => grown,
             None => {
-                self.warn(node, CHORDS.to_owned());
-                profile.offset(growth.distance, growth.join)
+                let chords = self.in_chords(node, profile)?;
+                chords.offset(growth.distance, growth.join)
             }
         };
         self.flat(node, grown)
+    }
+
+    /// A flat shape with chords for its arcs, with a warning.
+    pub(super) fn in_chords(
+        &mut self,
+        node: &NodeText<'_>,
+        profile: &Profile,
+    ) -> Result<Profile, SceneError> {
+        let within = match self.within() {
+            Some(within) => within,
+            None => CHORDS * self.size_of(node, profile)?,
+        };
+        self.warn(
+            node,
+            format!("its arcs are taken for chords within {within:.0e}"),
+        );
+        self.strayed(within);
+        Ok(profile.flattened(within))
+    }
+
+    /// The farthest of a flat shape's coordinates.
+    fn size_of(&self, node: &NodeText<'_>, profile: &Profile) -> Result<f64, SceneError> {
+        let bounds = profile
+            .bounds(1e-3)
+            .map_err(|e| self.fault(node, &e.to_string()))?;
+        Ok(bounds.map_or(1.0, |(min, max)| min.abs().max(max.abs()).max_element()))
     }
 
     pub(super) fn extrusion(&mut self, node: &NodeText<'_>) -> Result<Extrusion, SceneError> {
@@ -303,7 +339,8 @@ impl Builder<'_> {
             Solid::extrude_scaled(profile, z, scale)
         } else if !self.is_faceted() {
             let radians = -twist.to_radians();
-            if let Ok(near) = Solid::twist_accuracy(profile, radians, scale) {
+            let within = self.within();
+            if let Ok(near) = Solid::twist_accuracy(profile, radians, scale, within) {
                 self.facets(node, 1.0, near.faces as f64)?;
                 let off = near.deviation;
                 self.warn(
@@ -311,7 +348,10 @@ impl Builder<'_> {
                     format!("it is taken for flat faces within {off:.1e} of it"),
                 );
             }
-            Solid::extrude_twisted(profile, z, radians, scale)
+            match within {
+                Some(within) => Solid::extrude_twisted_within(profile, z, radians, scale, within),
+                None => Solid::extrude_twisted(profile, z, radians, scale),
+            }
         } else {
             let steps = self.slices(node, profile, extrusion)?;
             let radians = -twist.to_radians();
@@ -325,6 +365,8 @@ impl Builder<'_> {
                 },
             )
         };
+        self.strays = self.strays.map(|strays| strays * extrusion.widest());
+        let solid = self.standing_in(solid);
         let solid = if lean == DVec2::ZERO {
             solid
         } else {
@@ -412,17 +454,14 @@ impl Builder<'_> {
         node: &NodeText<'_>,
         profile: &Profile,
     ) -> Result<Vec<Vec<DVec2>>, SceneError> {
-        let bounds = profile
-            .bounds(1e-3)
-            .map_err(|e| self.fault(node, &e.to_string()))?;
-        let size = bounds.map_or(1.0, |(min, max)| min.abs().max(max.abs()).max_element());
-        let contours = profile.contours(1e-4 * size);
+        let contours = profile.contours(CHORDS * self.size_of(node, profile)?);
         contours.map_err(|e| self.fault(node, &e.to_string()))
     }
 
     pub(super) fn revolution(&mut self, node: &NodeText<'_>) -> Result<Revolution, SceneError> {
         let keys = [
             "angle",
+            "start",
             "convexity",
             "$fn",
             "$fa",
@@ -433,13 +472,24 @@ impl Builder<'_> {
             LEGACY[2],
             LEGACY[3],
         ];
-        let [angle, _, fn_, fa, fs, ..] = self.arguments(node, &keys)?;
+        let [angle, start, _, fn_, fa, fs, ..] = self.arguments(node, &keys)?;
         let angle = match angle {
             Some(_) => self.number(node, "angle", angle)?,
             None => 360.0,
         };
+        let start = match start {
+            None | Some(Value::Undefined) => None,
+            Some(_) => Some(self.number(node, "start", start)?),
+        };
+        if start.is_some_and(|start| !start.is_finite()) {
+            return Err(self.fault(node, "`start` must be finite"));
+        }
         let fineness = self.fineness(node, [fn_, fa, fs])?;
-        Ok(Revolution { angle, fineness })
+        Ok(Revolution {
+            angle,
+            start,
+            fineness,
+        })
     }
 
     pub(super) fn revolved(
@@ -448,7 +498,11 @@ impl Builder<'_> {
         profile: &Profile,
         revolution: &Revolution,
     ) -> Result<Piece, SceneError> {
-        let Revolution { angle, fineness } = *revolution;
+        let Revolution {
+            angle,
+            start,
+            fineness,
+        } = *revolution;
         if angle == 0.0 {
             return Ok(self.nothing(node, "the angle is 0"));
         }
@@ -487,20 +541,27 @@ impl Builder<'_> {
             let steps = self.facets(node, steps, steps * corners)?;
             Solid::revolve_in_steps(&profile, radians, steps)
         } else {
-            if let Some(within) = profile.revolved_within() {
+            let solid = match self.within() {
+                Some(within) => Solid::revolve_within(&profile, radians, within),
+                None => Solid::revolve_by(&profile, radians),
+            };
+            if let Some(within) = solid.strays() {
                 let problem = format!(
                     "there are no tori: of circles and arcs off the axis chords are turned, \
                      within {within:.0e} of them"
                 );
                 self.warn(node, problem);
             }
-            Solid::revolve_by(&profile, radians)
+            solid
         };
+        let solid = self.standing_in(solid);
         // Whole turns begin on the far side.
-        let turned = if mirrored == whole {
+        let start = start.unwrap_or(if whole { 180.0 } else { 0.0 });
+        let start = (start + if mirrored { 180.0 } else { 0.0 }).rem_euclid(360.0);
+        let turned = if start == 0.0 {
             solid.clone()
         } else {
-            solid.rotate_z(PI)
+            solid.rotate_z(start.to_radians())
         };
         match self.made(node, solid)? {
             Piece::Nothing => Ok(Piece::Nothing),

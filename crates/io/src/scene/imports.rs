@@ -134,8 +134,12 @@ impl Builder<'_> {
         if self.is_faceted() || fineness.is_polygon() {
             options.fineness = Some(fineness);
         }
+        options.tolerance = self.within();
         let read = read_profile_with(path, &options);
         let read = read.map_err(|e| self.fault(node, &e.to_string()))?;
+        if let Some(strays) = read.strays {
+            self.strayed(strays);
+        }
         for warning in read.warnings {
             self.warn(node, format!("{}: {warning}", path.display()));
         }

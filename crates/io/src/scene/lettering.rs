@@ -78,7 +78,9 @@ impl Builder<'_> {
             let fragments = fineness.fragments(size);
             Curves::Chords(((fragments / 8.0).floor() as usize + 1).max(2))
         } else {
-            Curves::Within(1e-3)
+            let share = self.within().map_or(1e-3, |within| within / size);
+            self.strayed(share * size);
+            Curves::Within(share)
         };
         let horizontal = match halign.as_str() {
             "center" => HorizontalAlign::Center,

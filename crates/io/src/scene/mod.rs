@@ -36,7 +36,8 @@
 //!   chords or more first, a twist and circles that are scaled unevenly into flat faces within
 //!   3e-4 of the size if these are not too many, with warnings that say how near they are. Offsets
 //!   have the arcs of what they move and of its corners; of ellipses, and where rounding leaves
-//!   open what meets, chords are moved, with a warning.
+//!   open what meets, chords are moved, with a warning. [`ReadOptions::within`] says how near all
+//!   of these are to be.
 //! - `text` is drawn in the font it names, or in Liberation Sans with a warning
 //!   if that one is not installed; its curves become chords within a thousandth
 //!   of the size (faceted: as many as OpenSCAD takes). A warning names characters that the font
@@ -108,7 +109,7 @@ pub use error::{Place, SceneError, Warning};
 pub use write::{WriteError, write};
 
 /// How to read a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ReadOptions {
     /// Read every circle, sphere and cone as the polygon or polyhedron that
@@ -129,6 +130,10 @@ pub struct ReadOptions {
     /// The unit of the scene's lengths, into which those of imported 3MF and glTF files are
     /// converted; others have none and are taken as they are.
     pub unit: LengthUnit,
+    /// How far chords and flat faces may stray that stand for what there are no surfaces for, in
+    /// the scene's unit: shares of sizes, told by warnings, where nothing else is said. How
+    /// far they do tells [`Solid::strays`].
+    pub within: Option<f64>,
 }
 
 impl ReadOptions {
@@ -164,6 +169,14 @@ impl ReadOptions {
     #[must_use]
     pub fn repair(mut self, repair: bool) -> Self {
         self.repair = repair;
+        self
+    }
+
+    /// The same options with chords and flat faces within a distance, in the scene's unit, of what
+    /// they stand for.
+    #[must_use]
+    pub fn within(mut self, distance: f64) -> Self {
+        self.within = Some(distance);
         self
     }
 

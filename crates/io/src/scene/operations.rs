@@ -3,12 +3,12 @@
 
 use std::ops::Range;
 
-use csg::{Color, Profile, Solid, corners};
+use csg::{Color, Profile, Solid, corners, stretch};
 use glam::{BVec2, BVec3, DAffine2, DAffine3, DMat2, DMat3, DMat4, DVec2, DVec3, DVec4};
 
 use super::build::{Builder, Open};
 use super::error::SceneError;
-use super::flat::{CHORDS, Extrusion, Growth, Revolution};
+use super::flat::{Extrusion, Growth, Revolution};
 use super::parse::{Kind, NodeText, Value};
 use super::pieces::{self, MIXED, Piece, Pieces};
 use super::values::{array, number, text};
@@ -32,6 +32,17 @@ pub(super) enum Operation {
     /// To a size where it is not 0; as much as that along the axes that are so
     /// marked.
     Resize(DVec3, BVec3),
+}
+
+impl Operation {
+    /// By how much it makes lengths longer at most, as far as its arguments tell.
+    pub(super) fn stretch(&self) -> f64 {
+        match self {
+            Self::Map(Some(map), _) => stretch(map),
+            Self::Extrude(extrusion) => extrusion.widest(),
+            _ => 1.0,
+        }
+    }
 }
 
 /// Whether a node holds others as they are, or puts them elsewhere.
@@ -197,7 +208,17 @@ impl Builder<'_> {
             }
             index = child.end;
         }
-        self.sums_with_balls(&children) || self.sums_with_circles(&children)
+        self.sums_with_balls(&children)
+            || self.sums_with_circles(&children)
+            || self.sums_columns(node)
+    }
+
+    /// Whether all below a node are boxes and cylinders with parallel axes.
+    fn sums_columns(&self, node: &NodeText<'_>) -> bool {
+        let is_column = |node: &NodeText<'_>| {
+            matches!(node.kind, Kind::Cube | Kind::Cylinder) || is_bracket(node.kind)
+        };
+        self.below(self.index..node.end).all(is_column) && self.holds_parallel_circles(node)
     }
 
     /// Whether children are each made of nothing but spheres, or of nothing but flat faces: what
@@ -326,15 +347,15 @@ impl Builder<'_> {
             Pieces::Nothing => Ok(Piece::Nothing),
             Pieces::Flats(flats) if is_hull => {
                 let flat = Profile::union(flats);
-                let exact = flat.exact_hull();
-                Ok(Piece::Flat(exact.unwrap_or_else(|| {
-                    self.warn(node, CHORDS.to_owned());
-                    flat.hull()
-                })))
+                Ok(Piece::Flat(match flat.exact_hull() {
+                    Some(hull) => hull,
+                    None => self.in_chords(node, &flat)?.hull(),
+                }))
             }
             Pieces::Flats(flats) => {
-                let sum =
-                    self.of_corners(node, |faceting| Profile::minkowski_sum(flats, faceting))?;
+                let sum = self.of_corners(node, |faceting| {
+                    Profile::minkowski_sum(flats.clone(), faceting)
+                })?;
                 self.flat(node, sum)
             }
             Pieces::Solids(solids) => {
@@ -342,9 +363,10 @@ impl Builder<'_> {
                     if is_hull {
                         Solid::hull_of(&solids, faceting)
                     } else {
-                        Solid::minkowski_sum(solids, faceting)
+                        Solid::minkowski_sum(solids.clone(), faceting)
                     }
                 })?;
+                let solid = self.standing_in(solid);
                 self.made(node, solid)
             }
         }
@@ -365,7 +387,7 @@ impl Builder<'_> {
             Piece::Solid(solid) => {
                 let resized =
                     self.of_corners(node, |faceting| solid.resized(size, auto, faceting))?;
-                Ok(Piece::of(resized))
+                Ok(Piece::of(self.standing_in(resized)))
             }
             Piece::Flat(flat) => {
                 let resized = flat.resized(size.truncate(), BVec2::new(auto.x, auto.y));
