@@ -1,6 +1,6 @@
 //! Voids that touch the shell around them.
 
-use csg::brep::{Edge, Shell};
+use csg::brep::{Edge, Loop, Shell};
 use glam::DVec3;
 
 /// As a share of the size, how near a point is to a surface that it is on.
@@ -38,7 +38,7 @@ pub(super) fn edge(void: &Shell<'_>, outer: &Shell<'_>) -> Option<Telling> {
         .collect();
     let edges: Vec<Edge<'_>> = loops
         .iter()
-        .flat_map(|around| around.coedges())
+        .flat_map(Loop::coedges)
         .map(|side| side.edge())
         .collect();
     let ends = |edge: &Edge<'_>| {

@@ -58,7 +58,7 @@ impl Profile {
         let of_shape = |shape: &Shape, map: &DAffine2| {
             let disc = |map: &DAffine2| {
                 let (x, y) = (map.matrix2.x_axis, map.matrix2.y_axis);
-                let half = DVec2::new(x.x.hypot(y.x), x.y.hypot(y.y));
+                let half = DVec2::new(elementary::hypot(x.x, y.x), elementary::hypot(x.y, y.y));
                 (map.translation - half, map.translation + half)
             };
             Ok(match shape {
