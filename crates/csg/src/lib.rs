@@ -91,6 +91,7 @@ pub use mesh::{
     LengthUnit, Mesh, MeshCheck, MeshDefect, MeshDistance, MeshMeasure, MeshNearest, MeshSurface,
 };
 pub use mesher::{MAX_CELLS, Meshed, Mesher};
+pub use numeric::stretch;
 pub use program::{Bounds, Placement, Program, Surface, SurfaceShape};
 pub use query::{Nearest, RayHit};
 pub use report::{Fallback, Moved, PLACES_PER_FALLBACK, Report};
@@ -98,7 +99,7 @@ pub use shapes::{Gear, Screw};
 pub use solid::profile::{FillRule, Join, Path, Profile, turn};
 pub use solid::{
     Axis, Made, MeshFaults, Node, Plane, Polyhedron, Primitive, Repairs, Solid, Twist,
-    TwistAccuracy, shear_matrix, stretch,
+    TwistAccuracy, shear_matrix,
 };
 pub use surface_nets::slab::{Slab, SlabBody, SlabHead, SlabSource};
 pub use undecided::{Undecided, Why};

@@ -29,7 +29,8 @@ pub(crate) struct Options {
     #[command(flatten)]
     reading: Reading,
     /// The solids are equal if no point of either boundary is farther than this from the other
-    /// one, too, and not only if they have the same points
+    /// one, too, and not only if they have the same points; where that stays open they are not
+    /// said to be
     #[arg(long, value_name = "DISTANCE", value_parser = length, allow_negative_numbers = true)]
     within: Option<f64>,
     /// The tolerance of the meshes by which distances are found [default: a twentieth of
@@ -44,8 +45,9 @@ pub(crate) struct Options {
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct Comparison {
-    /// Whether they are the same: have the same points, or are as near as was asked for.
-    equal: bool,
+    /// Whether they are the same: have the same points, or are as near as was asked for; null where
+    /// it is open whether they are as near.
+    equal: Option<bool>,
     /// Null where no exact boundary could be told.
     volumes: Option<Volumes>,
     /// The largest distance from a point of one boundary to the other one; null if one has
@@ -77,6 +79,17 @@ struct Distance {
     upper: Option<f64>,
     /// About where it is found; null where there is none.
     place: Option<[f64; 3]>,
+}
+
+impl Distance {
+    /// Whether it is no more than another one; none if both are possible.
+    fn is_within(&self, within: f64) -> Option<bool> {
+        if self.upper.is_some_and(|upper| upper <= within) {
+            Some(true)
+        } else {
+            (self.lower > within).then_some(false)
+        }
+    }
 }
 
 impl Default for Distance {
@@ -139,34 +152,34 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
         let tolerance = options
             .tolerance
             .or(options.within.map(|within| OF_WITHIN * within));
-        let between = |tolerance: Option<f64>| -> Result<Option<Distance>, Failure> {
+        let between = |tolerance: Option<f64>| -> Result<Option<(Distance, Fineness)>, Failure> {
             let sides = [
                 Boundary::of(&one, tolerance, options)?,
                 Boundary::of(&other, tolerance, options)?,
             ];
-            Ok(distance(&sides))
+            let fineness = Fineness::of(&sides);
+            Ok(distance(&sides).map(|distance| (distance, fineness)))
         };
-        let found = between(tolerance)?;
+        let mut found = between(tolerance)?;
         // How fine meshes have to be follows from the distance, if nothing is said of it.
-        let finer = found.as_ref().and_then(|found| finer(found, options));
-        match finer {
-            Some(finer) => between(Some(finer))?,
-            None => found,
+        while let Some(finer) = found.as_ref().and_then(|found| finer(found, options)) {
+            found = between(Some(finer))?;
         }
+        found.map(|(distance, _)| distance)
     };
     progress.end();
-    let is_near = options
-        .within
-        .zip(distance.as_ref())
-        .is_some_and(|(within, distance)| distance.upper.is_some_and(|upper| upper <= within));
+    let is_near = match (options.within, &distance) {
+        (Some(within), Some(distance)) => distance.is_within(within),
+        _ => Some(false),
+    };
     let comparison = Comparison {
-        equal: is_near || is_same,
+        equal: if is_same { Some(true) } else { is_near },
         volumes,
         distance,
         witness,
         unit: options.tell.unit.symbol(),
     };
-    let equal = comparison.equal;
+    let equal = comparison.equal == Some(true);
     if let Some(path) = &options.tell.json {
         output::write_json(path, &comparison)?;
         if is_stream(path) {
@@ -177,18 +190,49 @@ pub(crate) fn run(options: &Options, progress: &Progress) -> Result<bool, Failur
     Ok(equal)
 }
 
+/// How fine meshes are that were compared.
+struct Fineness {
+    triangles: usize,
+    tolerance: f64,
+}
+
+impl Fineness {
+    /// Of those that were made; nothing of what was read.
+    fn of(sides: &[Boundary; 2]) -> Self {
+        let made = sides.iter().filter(|side| side.tolerance.is_some());
+        Self {
+            triangles: made.clone().map(|side| side.mesh.triangles.len()).sum(),
+            tolerance: made.filter_map(|side| side.tolerance).fold(0.0, f64::max),
+        }
+    }
+
+    /// The tolerance that takes so many triangles: they grow as it falls.
+    fn finest(&self, most: f64) -> f64 {
+        self.triangles as f64 * self.tolerance / most
+    }
+}
+
 /// The tolerance of finer meshes, if none was asked for: where it is still open whether the solids
-/// are near enough, or else the distance is not told to a few percent.
-fn finer(found: &Distance, options: &Options) -> Option<f64> {
-    /// Of the distance.
+/// are near enough, or else the distance is not told to a few percent. Not finer than takes
+/// seconds.
+fn finer((found, fineness): &(Distance, Fineness), options: &Options) -> Option<f64> {
+    /// Of the distance, and then of the tolerance before.
     const SHARE: f64 = 0.01;
+    const STEP: f64 = 0.2;
+    const MOST_TRIANGLES: f64 = 3e5;
     let upper = found.upper?;
     let open = upper - found.lower;
     let is_open = match options.within {
-        Some(within) => found.lower <= within && within < upper,
+        Some(within) => found.is_within(within).is_none(),
         None => open > 4.0 * SHARE * upper,
     };
-    (options.tolerance.is_none() && is_open).then_some(SHARE * upper)
+    let before = fineness.tolerance;
+    // (Little finer tells little more.)
+    let is_finer = |tolerance: &f64| *tolerance < 0.5 * before;
+    let wanted = Some(SHARE * upper).filter(is_finer);
+    let wanted = wanted.unwrap_or(STEP * before);
+    let tolerance = Some(wanted.max(fineness.finest(MOST_TRIANGLES)));
+    tolerance.filter(|finer| options.tolerance.is_none() && is_open && is_finer(finer))
 }
 
 /// One of the two, in the unit that they are compared in.
@@ -227,6 +271,8 @@ impl Side {
 struct Boundary {
     mesh: Mesh,
     deviation: Option<f64>,
+    /// That it was made to, if it was made.
+    tolerance: Option<f64>,
 }
 
 impl Boundary {
@@ -237,6 +283,7 @@ impl Boundary {
             return Ok(Self {
                 mesh: mesh.clone(),
                 deviation: Some(0.0),
+                tolerance: None,
             });
         }
         let program = Program::lower(&side.solid)?;
@@ -257,6 +304,7 @@ impl Boundary {
         Ok(Self {
             mesh: meshed.mesh,
             deviation,
+            tolerance: Some(tolerance),
         })
     }
 }
@@ -367,6 +415,11 @@ impl fmt::Display for Comparison {
             let name = if witness.inside == "one" { "A" } else { "B" };
             writeln!(f, "witness       {point} is in {name} alone")?;
         }
-        writeln!(f, "{}", if self.equal { "equal" } else { "different" })
+        let verdict = match self.equal {
+            Some(true) => "equal",
+            Some(false) => "different",
+            None => "open: the distance may be what was asked for, or more (--tolerance)",
+        };
+        writeln!(f, "{verdict}")
     }
 }

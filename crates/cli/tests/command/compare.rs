@@ -50,6 +50,14 @@ fn differences_are_within_their_bounds() {
         compared(&folder, "one.csg less.csg --within 0.09", 1)["equal"],
         false
     );
+    // Just so far apart: meshes do not tell.
+    let json = compared(&folder, "one.csg less.csg --within 0.1", 1);
+    let [lower, upper] = bounds(&json["distance"]);
+    assert!(json["equal"].is_null(), "{json}");
+    assert!(
+        lower <= 0.1 && 0.1 < upper && upper - lower < 2e-3,
+        "{json}"
+    );
     let text = folder.run("compare one.csg less.csg");
     let text = String::from_utf8_lossy(&text.stdout).into_owned();
     assert!(

@@ -3,9 +3,11 @@
 mod eigen;
 mod groups;
 pub(crate) mod lanes;
+mod stretch;
 pub(crate) mod tolerance;
 mod welder;
 
 pub(crate) use self::eigen::{eigen_symmetric, jacobi};
 pub(crate) use self::groups::Groups;
+pub use self::stretch::stretch;
 pub(crate) use self::welder::Welder;

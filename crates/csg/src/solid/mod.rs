@@ -26,6 +26,6 @@ pub use crate::error::PolyhedronFault;
 pub use from_mesh::MeshFaults;
 pub use primitive::{Plane, Polyhedron, Primitive};
 pub use repair::Repairs;
-pub use transform::{Axis, shear_matrix, stretch};
+pub use transform::{Axis, shear_matrix};
 pub use tree::{Made, Node, Solid};
 pub use twist::{Twist, TwistAccuracy};

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::primitive::Primitive;
-use super::transform::stretch;
 use crate::color::Color;
 use crate::error::NodeFault;
+use crate::numeric::stretch;
 
 /// A solid: an immutable tree whose subtrees are shared, not copied.
 ///
