@@ -4,6 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
+use super::polyhedron::same_places;
 use super::tree::Solid;
 use crate::mesh::{Mesh, MeshCheck, MeshDefect};
 
@@ -164,7 +165,8 @@ impl std::error::Error for MeshFaults {}
 
 impl Solid {
     /// The solid that a mesh bounds ([`Solid::polyhedron`], which says what that
-    /// costs). Names, colours and the unit of the mesh are not kept.
+    /// costs). Of a mesh that is open vertices at one place are one. Names, colours and the unit of the
+    /// mesh are not kept.
     ///
     /// # Errors
     /// All that is wrong with the mesh, if it bounds no solid: nothing is mended
@@ -172,9 +174,55 @@ impl Solid {
     pub fn from_mesh(mesh: &Mesh) -> Result<Self, Box<MeshFaults>> {
         let (faults, volume) = MeshFaults::of(mesh);
         if faults.bounds_a_solid() {
-            Ok(Self::of_checked(mesh, volume))
+            return Ok(Self::of_checked(mesh, volume));
+        }
+        let joined = (!faults.check.is_closed()).then(|| joined(mesh)).flatten();
+        let Some(joined) = joined else {
+            return Err(Box::new(faults));
+        };
+        let (faults, volume) = MeshFaults::of(&joined);
+        if faults.bounds_a_solid() {
+            Ok(Self::of_checked(&joined, volume))
         } else {
             Err(Box::new(faults))
         }
+    }
+}
+
+/// The mesh with one vertex at each place, if there were more.
+fn joined(mesh: &Mesh) -> Option<Mesh> {
+    let same = same_places(&mesh.positions);
+    let is_joined = (0..).zip(&same).any(|(index, &first)| index != first);
+    is_joined.then(|| {
+        let corner = |vertex: u32| same.get(vertex as usize).copied().unwrap_or(vertex);
+        let triangles = mesh.triangles.iter().map(|t| t.map(corner)).collect();
+        Mesh::new(mesh.positions.clone(), triangles)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BoundaryOptions, Program};
+
+    /// Triangles with vertices of their own, as many programs write them.
+    #[test]
+    fn vertices_at_one_place_are_one() {
+        let place = |k: u32| DVec3::from([1, 2, 4].map(|bit| f64::from(u8::from(k & bit != 0))));
+        let cube = Solid::hull((0..8).map(place));
+        let program = Program::lower(&cube).expect("a cube");
+        let mesh = crate::Mesher::new().mesh(&program).expect("a mesh").mesh;
+        let corners = mesh.triangles.iter().flatten();
+        let positions = corners.map(|&vertex| mesh.positions[vertex as usize]);
+        let triangles = (0..mesh.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        let mut split = Mesh::new(positions.collect(), triangles.collect());
+        let solid = Solid::from_mesh(&split).expect("a solid");
+        let brep = Program::lower(&solid)
+            .expect("valid")
+            .boundary(&BoundaryOptions::default());
+        assert!((brep.expect("a boundary").measure().volume.value - 1.0).abs() < 1e-12);
+        split.positions[7].x += 1e-9;
+        let faults = Solid::from_mesh(&split).expect_err("it is open");
+        assert!(faults.to_string().contains("open edge"), "{faults}");
     }
 }

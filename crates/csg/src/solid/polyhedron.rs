@@ -134,16 +134,7 @@ impl Faces {
         if let Some(vertex) = vertices.iter().position(far) {
             return Err(PolyhedronFault::NotFinite { vertex });
         }
-        let mut places: FxHashMap<[u64; 3], u32> = FxHashMap::default();
-        places.reserve(vertices.len());
-        let same: Vec<u32> = (0..)
-            .zip(&vertices)
-            .map(|(index, vertex)| {
-                // Adding zero makes -0 and 0 the same.
-                let key = vertex.to_array().map(|c| (c + 0.0).to_bits());
-                *places.entry(key).or_insert(index)
-            })
-            .collect();
+        let same = same_places(&vertices);
         let size = vertices
             .iter()
             .map(|v| v.abs().max_element())
@@ -350,6 +341,20 @@ impl Faces {
         let facets: Vec<Facet> = facets.collect();
         Tree::of(&facets, SAME_FACE * self.size)
     }
+}
+
+/// Of each vertex the first one at the same place.
+pub(super) fn same_places(vertices: &[DVec3]) -> Vec<u32> {
+    let mut places: FxHashMap<[u64; 3], u32> = FxHashMap::default();
+    places.reserve(vertices.len());
+    (0..)
+        .zip(vertices)
+        .map(|(index, vertex)| {
+            // Adding zero makes -0 and 0 the same.
+            let key = vertex.to_array().map(|c| (c + 0.0).to_bits());
+            *places.entry(key).or_insert(index)
+        })
+        .collect()
 }
 
 impl From<PolyhedronFault> for NodeFault {
