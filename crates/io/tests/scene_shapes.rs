@@ -484,7 +484,7 @@ fn warnings_and_errors_say_where() {
         "polygon(points = [[0, 0], [1, 0], [0, 1]], paths = [[0, 1, 7]], convexity = 1);",
         "linear_extrude(height = 1, twist = nan) { circle(r = 1); }",
         "offset(r = inf) { circle(r = 1); }",
-        "resize(newsize = [1, 1]) { circle(r = 1); }",
+        "resize(newsize = [1]) { circle(r = 1); }",
     ] {
         match read(&format!("\n\t{text}"), &ReadOptions::default()) {
             Err(SceneError::Argument { place, .. }) => {
@@ -569,6 +569,10 @@ fn sums_along_an_axis_and_new_sizes_are_exact() {
         (
             "resize(newsize = [10, 20, 30]) { sphere(r = 1); }".to_owned(),
             1000.0 * PI,
+        ),
+        (
+            "linear_extrude(height = 2) { resize([8, 4]) { circle(r = 1); } }".to_owned(),
+            16.0 * PI,
         ),
         (
             format!("resize(newsize = [0, 0, 3]) {{ {squashed} {{ cylinder(r = 2, h = 5); }} }}"),

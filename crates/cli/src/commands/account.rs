@@ -15,10 +15,10 @@ use crate::mesher::Product;
 #[derive(Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Account {
-    // (The mesh's own, and where the solid's is.)
+    // (The mesh's own, and where the solid's is: of area and centroid nobody knows.)
     volume: Figure,
-    area: f64,
-    centroid: Option<[f64; 3]>,
+    area: Figure,
+    centroid: Option<[Figure; 3]>,
     triangles: usize,
     vertices: usize,
     components: usize,
@@ -179,10 +179,11 @@ impl Account {
             total += time;
         }
         seconds.insert("total", total);
+        let unbounded = |value: f64| Figure::within(value, None);
         Self {
             volume: Figure::within(measure.volume, volume_error(product, &measure)),
-            area: measure.area,
-            centroid: measure.centroid.map(|c| c.to_array()),
+            area: unbounded(measure.area),
+            centroid: measure.centroid.map(|c| c.to_array().map(unbounded)),
             triangles: mesh.triangles.len(),
             vertices: mesh.positions.len(),
             components: check.components,
@@ -282,8 +283,9 @@ impl fmt::Display for Account {
             }
             None => writeln!(f, "volume      {volume} {unit}³")?,
         }
-        writeln!(f, "area        {} {unit}²", short(self.area, 10))?;
+        writeln!(f, "area        {} {unit}²", short(self.area.value(), 10))?;
         if let (Some(centroid), Some(bounds)) = (self.centroid, &self.bounds) {
+            let centroid = centroid.map(|figure| figure.value());
             writeln!(f, "centroid    {}", bounds.told(centroid))?;
         }
         if let Some(bounds) = &self.bounds {

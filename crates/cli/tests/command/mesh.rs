@@ -209,7 +209,7 @@ fn a_tolerance_an_angle_and_a_smallest_feature_are_kept() {
             none
         );
         let off = (number(&json["volume"]["value"]) - DRILLED_VOLUME).abs();
-        assert!(off <= tolerance * number(&json["area"]), "{off}");
+        assert!(off <= tolerance * number(&json["area"]["value"]), "{off}");
         assert_eq!(json["genus"], 5);
     }
     let text = folder.run("measure in.csg --tolerance 0.01");

@@ -70,7 +70,7 @@ impl Profile {
     /// What is wrong with the profile; [`Error::InvalidOption`] for a size that is not finite.
     pub fn resized(&self, size: impl Into<DVec2>, auto: BVec2) -> Result<Self, Error> {
         let bounds = self
-            .bounds(1e-6)
+            .tight_bounds()
             .map_err(|fault| Error::InvalidOption(fault.to_string()))?;
         let Some((min, max)) = bounds else {
             return Ok(self.clone());

@@ -281,7 +281,11 @@ impl Builder<'_> {
 
     fn resize(&mut self, node: &NodeText<'_>) -> Result<Operation, SceneError> {
         let [size, auto, _] = self.arguments(node, &["newsize", "auto", "convexity"])?;
-        let size = size.and_then(|value| array(value, number));
+        // (Of flat shapes two do.)
+        let size = size.and_then(|value| {
+            let flat = || array(value, number).map(|[x, y]| [x, y, 0.0]);
+            array(value, number).or_else(flat)
+        });
         let flag = |item: &Value| match item {
             Value::Bool(flag) => Some(*flag),
             item => number(item).map(|number| number != 0.0),
@@ -291,11 +295,12 @@ impl Builder<'_> {
             // One for all axes, or each its own.
             Some(value) => flag(value)
                 .map(|flag| [flag; 3])
-                .or_else(|| array(value, flag)),
+                .or_else(|| array(value, flag))
+                .or_else(|| array(value, flag).map(|[x, y]| [x, y, false])),
         };
         let (Some(size), Some(auto)) = (size, auto) else {
-            let problem = "it needs `newsize = [x, y, z]`, and `auto`, if it is given, as one flag \
-                           or [x, y, z]";
+            let problem = "it needs `newsize = [x, y, z]` or [x, y], and `auto`, if it is given, as \
+                           one flag or so many";
             return Err(self.fault(node, problem));
         };
         Ok(Operation::Resize(

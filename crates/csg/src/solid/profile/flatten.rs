@@ -46,6 +46,15 @@ impl Profile {
         Ok(bounds.or_else(|| self.exact_bounds().flatten()))
     }
 
+    /// The same, to rounding where [`Profile::exact_area`] is, else to 1e-7 of the size.
+    pub(crate) fn tight_bounds(&self) -> Result<Option<(DVec2, DVec2)>, ProfileFault> {
+        const SHARE: f64 = 1e-7;
+        match self.exact_bounds() {
+            Some(bounds) if self.fault().is_none() => Ok(bounds),
+            _ => self.bounds(self.tolerance_of(SHARE)?),
+        }
+    }
+
     /// A box around the profile, however much too large; `None` if there is none.
     pub(crate) fn reach(&self) -> Result<Option<(DVec2, DVec2)>, ProfileFault> {
         type Reach = (DVec2, DVec2);
