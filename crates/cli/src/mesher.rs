@@ -28,7 +28,8 @@ pub(crate) struct MesherOptions {
     /// The largest distance between mesh and solid, in the model's unit: as many
     /// triangles as that takes [default, without cells, their size or a smallest
     /// feature: a thousandth of the solid's longest side, or for a picture a quarter of a pixel where the solid is nearest to
-    /// the eye; the boundary of a solid bounded by planes alone is exact]
+    /// the eye; the boundary of a solid bounded by planes alone is exact]. Chords and flat faces
+    /// that a scene has in place of tori and twists take half of it
     #[arg(long, value_name = "DISTANCE", conflicts_with = "draft", value_parser = length,
           allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,

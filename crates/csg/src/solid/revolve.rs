@@ -71,7 +71,7 @@ fn turned(function: &'static str, profile: &Profile, radians: f64, within: Optio
         keeps
     };
     let tolerance = match within {
-        Some(within) if within > 0.0 => Ok(within),
+        Some(within) if within > 0.0 && within.is_finite() => Ok(within),
         Some(value) => Err(NodeFault::NotPositive {
             what: "the distance of chords",
             value,

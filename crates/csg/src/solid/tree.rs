@@ -154,8 +154,10 @@ impl Solid {
     /// at most.
     #[must_use]
     pub fn standing_in(mut self, strays: f64) -> Self {
-        let made = Arc::get_mut(&mut self.0);
-        if let Some(Node::Made(made)) = made {
+        if let Node::Made(Made { solid: Err(_), .. }) = self.node() {
+            return self;
+        }
+        if let Some(Node::Made(made)) = Arc::get_mut(&mut self.0) {
             made.strays = Some(made.strays.map_or(strays, |before| before.max(strays)));
             return self;
         }

@@ -153,7 +153,7 @@ impl Even {
     ) -> Result<Self, NodeFault> {
         check(radians, scale)?;
         let mut deviation = match distance {
-            Some(distance) if distance > 0.0 => distance,
+            Some(distance) if distance > 0.0 && distance.is_finite() => distance,
             Some(value) => {
                 let what = "the distance of flat faces";
                 return Err(NodeFault::NotPositive { what, value });
