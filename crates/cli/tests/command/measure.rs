@@ -1,5 +1,6 @@
 //! `csg measure`.
 
+use std::f64::consts::PI;
 use std::fs;
 
 use serde_json::Value;
@@ -73,7 +74,7 @@ fn large_polyhedra_are_measured_quickly_and_exactly() {
     let output = folder.run("measure ball.csg --faceted --json -");
     let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
     let ring = |k: u32| {
-        let (radius, z) = (std::f64::consts::PI * (f64::from(k) + 0.5) / 200.0).sin_cos();
+        let (radius, z) = (PI * (f64::from(k) + 0.5) / 200.0).sin_cos();
         (
             200.0 * (std::f64::consts::TAU / 400.0).sin() * radius * radius,
             z,
@@ -216,6 +217,49 @@ fn files_are_measured_in_their_own_unit() {
     let json: Value = serde_json::from_slice(&succeeded(&section).stdout).expect("JSON");
     let area = json["area"]["value"].as_f64().expect("a number");
     assert!((area - 2.54 * 2.54).abs() < 1e-12, "{json}");
+}
+
+/// What a scene has in place of a torus strays from it: measures say so, and a tolerance holds for both.
+#[test]
+fn what_stands_for_a_torus_is_told() {
+    let folder = Folder::new();
+    let ring = "rotate_extrude() { translate([5, 0]) { circle(r = 2); } }";
+    fs::write(folder.file("ring.csg"), ring).expect("a file");
+    let told = |arguments: &str| -> [f64; 4] {
+        let output = folder.run(&format!("measure ring.csg {arguments} --json -"));
+        let json: Value = serde_json::from_slice(&succeeded(&output).stdout).expect("JSON");
+        let bounds = &json["bounds"]["max"][0];
+        let deviation = &json["report"]["deviation"];
+        let number = |value: &Value| value.as_f64();
+        let strays = number(&json["strays"]).expect("how far it strays");
+        let measured = number(&json["volume"]["value"]).expect("a volume");
+        let widest = number(bounds).expect("a box");
+        [strays, number(deviation).unwrap_or(0.0), measured, widest]
+    };
+    let volume = 2.0 * PI * 5.0 * PI * 4.0;
+    let area = 4.0 * PI * PI * 10.0;
+    for (arguments, tolerance) in [
+        ("", 1e-3),
+        ("--tolerance 0.02", 0.02),
+        ("--tolerance 0.2", 0.2),
+    ] {
+        let [strays, deviation, measured, widest] = told(arguments);
+        assert!(
+            0.05 * tolerance < strays && strays + deviation <= 1.001 * tolerance,
+            "{arguments}: {strays} {deviation}"
+        );
+        assert!(
+            (measured - volume).abs() <= tolerance * area,
+            "{arguments}: {measured}, not {volume}"
+        );
+        assert!(
+            (widest - 7.0).abs() <= 1.001 * tolerance,
+            "{arguments}: {widest}"
+        );
+    }
+    let output = folder.run("measure ring.csg");
+    let text = &succeeded(&output).stdout;
+    assert!(String::from_utf8_lossy(text).contains("\nstrays      by at most "));
 }
 
 #[test]
