@@ -501,3 +501,38 @@ fn polygons_that_cross_themselves_are_exact() {
         assert!(off <= 1e-8 * area, "{case}: {off:e}");
     }
 }
+
+/// Stepped shafts and bushes, their walls upright but for a hair, or exactly: each step is a frustum.
+#[test]
+fn walls_upright_but_for_a_hair_are_there() {
+    let mut random = Random(5);
+    for case in 0..80 {
+        let hair = 10f64.powi(-3 - random.below(11) as i32);
+        let bore = [0.0, 1.5][random.below(2)];
+        let mut off = || hair * [0.0, 1.0, -1.0][random.below(3)];
+        let mut corners = vec![[bore, 0.0]];
+        let mut height = 0.0;
+        for step in 0..2 + case % 3 {
+            let radius = [3.0, 4.0, 6.0, 8.0][(case / 3 + 5 * step) % 4];
+            corners.push([radius + off(), height]);
+            height += 3.0;
+            corners.push([radius, height]);
+        }
+        corners.push([if bore > 0.0 { bore + off() } else { bore }, height]);
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let frusta = sides.map(|([a, low], [b, high])| (high - low) * (a * a + a * b + b * b));
+        let whole = frusta.sum::<f64>() * PI / 3.0;
+        let angle = [TAU, FRAC_PI_2, 4.0][case % 3];
+        let solid = Solid::revolve_by(&Profile::polygon(corners.clone()), angle);
+        let brep = Program::lower(&solid).and_then(|p| p.boundary(&BoundaryOptions::new()));
+        let found = brep
+            .unwrap_or_else(|e| panic!("{e}: {corners:?}"))
+            .measure()
+            .volume;
+        let volume = whole * angle / TAU;
+        assert!(
+            (found.value - volume).abs() < 1e-9 * volume,
+            "{corners:?}, {angle}: {found:?}, not {volume}"
+        );
+    }
+}

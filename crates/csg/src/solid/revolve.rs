@@ -7,13 +7,14 @@
 use crate::elementary;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use glam::{DAffine2, DVec2, DVec3};
 
 use super::extrude::double_cone;
 use super::primitive::Plane;
 use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
-use super::tree::Solid;
+use super::tree::{Node, Solid};
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
 use crate::numeric::tolerance::{IN_PROFILE, ON_AXIS, PROFILE_CHORD};
@@ -96,6 +97,12 @@ fn round(
     keeps: &dyn Fn(&DAffine2) -> bool,
 ) -> Result<Boxed, NodeFault> {
     let Turned { set, corners, axis } = half_plane_set(profile, tolerance, keeps)?;
+    let [low, high] = corners.map(|corner| corner.z);
+    let beside = high - low;
+    // Steep cones end beyond it, and so does all before these do.
+    let between = low - beside..high + beside;
+    let has_ends = Cell::new(false);
+    let ends = flat(low - 0.5 * beside, true) & flat(high + 0.5 * beside, false);
     let solid = set.solid(|leaf| match *leaf {
         Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
             Side::Flat { height, up } => flat(height, up),
@@ -108,7 +115,10 @@ fn round(
                 let wall = if slope == 0.0 {
                     Solid::infinite_cylinder(radius)
                 } else {
-                    nappe(radius, slope, height)
+                    let wall = nappe(radius, slope, height, &between);
+                    let is_cut = matches!(wall.node(), Node::Primitive(_));
+                    has_ends.set(has_ends.get() || is_cut);
+                    wall
                 };
                 if inside { wall } else { !wall }
             }
@@ -121,6 +131,7 @@ fn round(
             Solid::ellipsoid([radii.x, radii.x, radii.y]).translate(map.translation.y * DVec3::Z)
         }
     });
+    let solid = if has_ends.get() { solid & ends } else { solid };
     Ok((solid, corners))
 }
 
@@ -235,9 +246,17 @@ fn flat(height: f64, up: bool) -> Solid {
     Solid::half_space_through(height * DVec3::Z, normal)
 }
 
-/// The inside of a cone, the nappe that has a circle of `radius` at `height`.
-fn nappe(radius: f64, slope: f64, height: f64) -> Solid {
-    let apex = height - radius / slope;
+/// The inside of a cone, the nappe that has a circle of `radius` at `height`; where its apex is
+/// so far away that the cone keeps few digits about it, between two heights alone.
+fn nappe(radius: f64, slope: f64, height: f64, between: &Range<f64>) -> Solid {
+    /// Of the way between the heights.
+    const FAR: f64 = 300.0;
+    let beyond = -radius / slope;
+    if beyond.abs() > FAR * (between.end - between.start) {
+        let at = |z: f64| radius + slope * (z - height);
+        return Solid::frustum(at(between.start), at(between.end), between.clone());
+    }
+    let apex = height + beyond;
     let cone = double_cone()
         .scale_xyz([slope.abs(), slope.abs(), 1.0])
         .translate(apex * DVec3::Z);
