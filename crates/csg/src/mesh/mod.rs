@@ -4,6 +4,8 @@
 
 mod apart;
 pub(crate) mod box_tree;
+#[cfg(test)]
+pub(crate) mod boxes;
 mod check;
 mod components;
 mod contour;

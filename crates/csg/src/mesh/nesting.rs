@@ -71,27 +71,17 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::mesh::boxes::cuboid;
 
     /// A box, its faces inwards if it is a hollow.
     fn add(mesh: &mut Mesh, [low, high]: [DVec3; 2], is_hollow: bool) {
         let first = mesh.positions.len() as u32;
-        for k in 0..8 {
-            let greater = [1, 2, 4].map(|bit| k & bit != 0);
-            mesh.positions
-                .push(DVec3::select(greater.into(), high, low));
-        }
-        for [a, b, c, d] in [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ] {
-            for [a, b, c] in [[a, b, c], [a, c, d]].map(|corners| corners.map(|k| first + k)) {
-                mesh.triangles
-                    .push(if is_hollow { [a, c, b] } else { [a, b, c] });
-            }
+        let cuboid = cuboid(low, high);
+        mesh.positions.extend(cuboid.positions);
+        for corners in cuboid.triangles {
+            let [a, b, c] = corners.map(|k| first + k);
+            mesh.triangles
+                .push(if is_hollow { [a, c, b] } else { [a, b, c] });
         }
     }
 

@@ -283,25 +283,11 @@ fn cross(corners: &[DVec3; 3], axis: usize, through: DVec3) -> Crossed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::boxes;
 
-    /// A cuboid, each face cut into two triangles.
     fn cuboid(low: DVec3, high: DVec3) -> Vec<[DVec3; 3]> {
-        let corner = |k: usize| {
-            let pick = |axis: usize| [low, high][k >> axis & 1][axis];
-            DVec3::new(pick(0), pick(1), pick(2))
-        };
-        let faces = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles = faces
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        triangles.map(|triangle| triangle.map(corner)).collect()
+        let mesh = boxes::cuboid(low, high);
+        (0..mesh.triangles.len()).map(|k| mesh.corners(k)).collect()
     }
 
     /// Points of a grid, many of which are in line with edges and vertices.
