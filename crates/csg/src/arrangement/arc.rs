@@ -46,8 +46,8 @@ pub(super) struct Arc<'a> {
     pub surfaces: [&'a Surface; 2],
     pub curve: &'a Curve,
     pub nodes: &'a [f64],
-    /// The given edge that the curve runs along, and the edge's length.
-    pub edge: Option<(EdgeEnds, f64)>,
+    /// The given edge that the curve runs along, and the stretch of it.
+    pub edge: Option<(EdgeEnds, [f64; 2])>,
 }
 
 impl Arc<'_> {
@@ -56,10 +56,10 @@ impl Arc<'_> {
         let Block { low, high, .. } = *self.block;
         let reach = 0.5 * (high - low).length();
         let [start, end] = self.curve.range(self.block.center(), reach)?;
-        let Some((_, length)) = self.edge else {
+        let Some((_, stretch)) = self.edge else {
             return Some([start, end]);
         };
-        let [start, end] = [start.max(0.0), end.min(length)];
+        let [start, end] = [start.max(stretch[0]), end.min(stretch[1])];
         (start < end).then_some([start, end])
     }
 

@@ -103,8 +103,8 @@ impl ArcTracer {
                 };
                 if let Some(edges) = id.pair().and_then(|pair| scene.only_edges(pair)) {
                     let lines = edges.iter().filter_map(|&ends| {
-                        let (line, length) = along(scene.given?, ends)?;
-                        Some((line, (ends, length)))
+                        let (line, stretch) = along(scene.given?, ends)?;
+                        Some((line, (ends, stretch)))
                     });
                     for (line, edge) in lines {
                         let arc = Arc {

@@ -25,11 +25,11 @@ impl Scene<'_> {
         };
         let mut roots = Roots::default();
         for &ends in given.edges_of(pair) {
-            let Some((line, length)) = along(given, ends) else {
+            let Some((line, stretch)) = along(given, ends) else {
                 continue;
             };
             roots.clear();
-            line.meet(surface, [0.0, length], self.tolerances(), &mut roots);
+            line.meet(surface, stretch, self.tolerances(), &mut roots);
             points.extend(roots.simple.iter().map(|&t| line.at(t)));
         }
         points
@@ -51,13 +51,8 @@ impl Scene<'_> {
     }
 }
 
-/// The line along an edge, and how long that is.
-pub(super) fn along(given: &Given, ends: Ends) -> Option<(Curve, f64)> {
-    let [from, to] = ends.map(|vertex| given.vertex(vertex));
-    let length = from.distance(to);
-    (length > 0.0).then(|| {
-        let direction = (to - from) / length;
-        let point = from;
-        (Curve::Line { point, direction }, length)
-    })
+/// The line along an edge, and where on it that begins and ends.
+pub(super) fn along(given: &Given, ends: Ends) -> Option<(Curve, [f64; 2])> {
+    let (point, direction, stretch) = given.line_of(ends)?;
+    Some((Curve::Line { point, direction }, stretch))
 }

@@ -6,6 +6,7 @@ use super::block::Block;
 use super::ids::Position;
 use super::scene::{Plane, Scene};
 use crate::numeric::tolerance::PARALLEL_PLANES;
+use crate::program::{Ends, Given};
 
 /// A line with the interval of it that lies in a block.
 pub(super) struct Line {
@@ -41,19 +42,19 @@ impl Line {
         scene: &Scene<'_>,
         block: &Block,
         pair: [Position; 2],
-        ends: [DVec3; 2],
+        given: &Given,
+        ends: Ends,
     ) -> Option<Self> {
         let [p, q] = pair.map(|position| scene.plane(block.id(position)).normal);
-        let along = ends[1] - ends[0];
-        let length = along.length();
-        let runs_back = p.cross(q).dot(along) < 0.0;
-        let point = ends[usize::from(runs_back)];
-        let direction = if runs_back { -along } else { along };
-        (length > 0.0).then(|| Self {
+        let [from, to] = ends.map(|vertex| given.vertex(vertex));
+        let runs_back = p.cross(q).dot(to - from) < 0.0;
+        let ends = if runs_back { [ends[1], ends[0]] } else { ends };
+        let (point, direction, [start, end]) = given.line_of(ends)?;
+        Some(Self {
             point,
-            direction: direction / length,
-            start: 0.0,
-            end: length,
+            direction,
+            start,
+            end,
         })
     }
 

@@ -231,10 +231,7 @@ impl Tracer {
         let pair = candidate.pair;
         let edge = candidate.edge.zip(scene.given);
         let line = match edge {
-            Some((ends, given)) => {
-                let ends = ends.map(|vertex| given.vertex(vertex));
-                Line::along_edge(scene, block, pair, ends)
-            }
+            Some((ends, given)) => Line::along_edge(scene, block, pair, given, ends),
             None => Line::of_pair(scene, block, pair),
         };
         let Some(mut line) = line else {

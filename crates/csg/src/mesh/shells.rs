@@ -189,6 +189,19 @@ impl Shells {
         own.map(|corners| turns(corners, point)).sum()
     }
 
+    /// Whether those triangles that pass a test, of all shells, wind around a point off them.
+    pub fn is_within(&self, point: DVec3, test: impl Fn(u32) -> bool) -> bool {
+        let told = (0..3).find_map(|axis| self.count_of(&test, axis, point));
+        told.map_or_else(
+            || {
+                let all = (0..).zip(&self.corners);
+                let meant = all.filter(|&(index, _)| test(index));
+                meant.map(|(_, corners)| turns(corners, point)).sum::<f64>() > 0.5
+            },
+            |count| count > 0,
+        )
+    }
+
     /// Whether all triangles wind not once around what is right before one of them, and once
     /// around what is right behind it.
     pub fn has_outside_before(&self, triangle: u32) -> bool {

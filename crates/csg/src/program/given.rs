@@ -5,7 +5,8 @@ use glam::DVec3;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
-use crate::surface::SurfaceId;
+use crate::numeric::eigen_symmetric;
+use crate::surface::{Surface, SurfaceId};
 
 /// The number of what belongs to no polyhedron alone.
 const NONE: u32 = u32::MAX;
@@ -26,6 +27,8 @@ pub(crate) struct Given {
     are_walls: bool,
     /// For two surfaces, the lesser first, the edges in which their faces meet.
     edges: FxHashMap<[SurfaceId; 2], SmallVec<[Ends; 1]>>,
+    /// Of edges that others cover, the stretch from the first end that is left.
+    left: FxHashMap<Ends, [f64; 2]>,
     /// The vertices of each surface's faces, ascending, and where they begin.
     vertices_of: Vec<u32>,
     first_of: Vec<u32>,
@@ -118,9 +121,7 @@ impl Gathered {
                 edges.entry([first, second]).or_default().push(ends);
             }
         }
-        for runs in edges.values_mut() {
-            runs.sort_unstable();
-        }
+        let left = parted(&mut edges, &self.vertices, self.slack);
         pairs.sort_unstable();
         pairs.dedup();
         let mut first_of = vec![0; surfaces + 1];
@@ -137,10 +138,101 @@ impl Gathered {
             cuts,
             are_walls: self.are_walls,
             edges,
+            left,
             vertices_of: pairs.into_iter().map(|(_, vertex)| vertex).collect(),
             first_of,
         })
     }
+}
+
+/// Lines that are off two planes by less than rounding are apart by so many times as much where
+/// these meet at a sine of a tenth: at lesser ones edges are not told to be on one line.
+const ON_LINE: f64 = 10.0;
+
+/// Sorts the edges between the same two surfaces, which may be those of parts of a polyhedron that
+/// nearly touch. Of those that others cover, on the same line but for so much, the stretch from the
+/// first end that is left.
+fn parted(
+    edges: &mut FxHashMap<[SurfaceId; 2], SmallVec<[Ends; 1]>>,
+    vertices: &[DVec3],
+    slack: f64,
+) -> FxHashMap<Ends, [f64; 2]> {
+    let mut left = FxHashMap::default();
+    for runs in edges.values_mut().filter(|runs| runs.len() > 1) {
+        runs.sort_unstable();
+        part(runs, vertices, ON_LINE * slack, &mut left);
+    }
+    left
+}
+
+/// The same of the edges between two surfaces.
+fn part(runs: &[Ends], vertices: &[DVec3], within: f64, left: &mut FxHashMap<Ends, [f64; 2]>) {
+    let at = |vertex: u32| vertices[vertex as usize];
+    let lengths = runs.iter().map(|&[from, to]| at(from).distance(at(to)));
+    let longest = lengths.zip(runs).max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, &[from, to])) = longest else {
+        return;
+    };
+    let direction = (at(to) - at(from)).normalize_or_zero();
+    let along = |vertex: u32| direction.dot(at(vertex));
+    // Where each begins and ends along the longest, and which it is.
+    let ranges = runs.iter().map(|&ends| {
+        let [from, to] = ends.map(along);
+        (from.min(to), from.max(to), ends)
+    });
+    let mut ranges: Vec<(f64, f64, Ends)> = ranges.collect();
+    ranges.sort_unstable_by(|a, b| {
+        a.0.total_cmp(&b.0)
+            .then(b.1.total_cmp(&a.1))
+            .then(a.2.cmp(&b.2))
+    });
+    // The one that goes farthest so far.
+    let mut last: Option<(f64, Ends)> = None;
+    for (low, high, ends) in ranges {
+        let covered = last.filter(|&(end, [from, to])| {
+            let line = (at(to) - at(from)).normalize_or_zero();
+            let off = |vertex: u32| line.cross(at(vertex) - at(from)).length();
+            end > low && off(ends[0]).max(off(ends[1])) <= within
+        });
+        if let Some((end, _)) = covered {
+            let length = at(ends[0]).distance(at(ends[1]));
+            let share = ((end - low) / (high - low)).min(1.0);
+            let runs_back = along(ends[0]) > along(ends[1]);
+            let stretch = if runs_back {
+                [0.0, (1.0 - share) * length]
+            } else {
+                [share * length, length]
+            };
+            left.insert(ends, stretch);
+        }
+        if last.is_none_or(|(end, _)| high > end) {
+            last = Some((high, ends));
+        }
+    }
+}
+
+/// The shortest way from a point to where planes meet that pass by it, as far as these meet at
+/// sines of more than a tenth or so.
+fn onto<'a>(planes: impl Iterator<Item = &'a Surface>, point: DVec3) -> DVec3 {
+    /// Of the squares of sines.
+    const TELLS: f64 = 1e-2;
+    let mut squares = [0.0; 6];
+    let mut off = DVec3::ZERO;
+    for plane in planes {
+        let n = plane.linear;
+        let mixed = 2.0 * DVec3::new(n.x * n.y, n.y * n.z, n.z * n.x);
+        let products = (n * n).to_array().into_iter().chain(mixed.to_array());
+        for (sum, product) in squares.iter_mut().zip(products) {
+            *sum += product;
+        }
+        off += plane.value(point) * n;
+    }
+    let (values, vectors) = eigen_symmetric(squares);
+    let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
+    let all = values.into_iter().zip(axes);
+    let told = all.filter(|&(value, _)| value > TELLS);
+    told.map(|(value, axis)| -axis.dot(off) / value * axis)
+        .sum()
 }
 
 impl Given {
@@ -153,13 +245,22 @@ impl Given {
         moved
     }
 
-    /// The same for a program in which surfaces were replaced by others.
-    pub fn renumbered(&self, in_place: impl Fn(SurfaceId) -> SurfaceId) -> Self {
+    /// The same for a program in which surfaces were replaced by others that are no farther off
+    /// than `moved`, all of which are given: vertices go along.
+    pub fn renumbered(
+        &self,
+        in_place: impl Fn(SurfaceId) -> SurfaceId,
+        placed: &[Surface],
+        moved: f64,
+    ) -> Self {
         let surfaces = self.owners.len();
+        let slack = self.slack + moved;
         let mut owners = vec![NONE; surfaces];
         let mut is_met = vec![false; surfaces];
         let mut cuts = vec![true; surfaces];
         let mut pairs = Vec::with_capacity(self.vertices_of.len());
+        // The vertices of faces whose planes were replaced, and all planes that they are on.
+        let mut concerned: FxHashMap<u32, SmallVec<[SurfaceId; 4]>> = FxHashMap::default();
         for (old, &owner) in (0u32..).map(SurfaceId).zip(&self.owners) {
             let new = in_place(old);
             let slot = new.index();
@@ -170,10 +271,27 @@ impl Given {
             };
             is_met[slot] = true;
             cuts[slot] &= self.cuts[old.index()];
-            pairs.extend(self.vertices_on(old).iter().map(|&vertex| (new, vertex)));
+            let own = self.vertices_on(old);
+            pairs.extend(own.iter().map(|&vertex| (new, vertex)));
+            if new != old {
+                concerned.extend(own.iter().map(|&vertex| (vertex, SmallVec::new())));
+            }
         }
         pairs.sort_unstable();
         pairs.dedup();
+        let mut vertices = self.vertices.clone();
+        if !concerned.is_empty() {
+            for &(surface, vertex) in &pairs {
+                if let Some(planes) = concerned.get_mut(&vertex) {
+                    planes.push(surface);
+                }
+            }
+            for (vertex, ids) in concerned {
+                let planes = ids.iter().map(|id| &placed[id.index()]);
+                let at = &mut vertices[vertex as usize];
+                *at += onto(planes, *at);
+            }
+        }
         let mut first_of = vec![0; surfaces + 1];
         for &(surface, _) in &pairs {
             first_of[surface.index() + 1] += 1;
@@ -189,16 +307,15 @@ impl Given {
                 edges.entry(pair).or_default().extend(runs.iter().copied());
             }
         }
-        for runs in edges.values_mut() {
-            runs.sort_unstable();
-        }
+        let left = parted(&mut edges, &vertices, slack);
         Self {
-            vertices: self.vertices.clone(),
-            slack: self.slack,
+            vertices,
+            slack,
             owners,
             cuts,
             are_walls: self.are_walls,
             edges,
+            left,
             vertices_of: pairs.into_iter().map(|(_, vertex)| vertex).collect(),
             first_of,
         }
@@ -250,6 +367,20 @@ impl Given {
     pub fn edges_of(&self, mut pair: [SurfaceId; 2]) -> &[Ends] {
         pair.sort_unstable();
         self.edges.get(&pair).map_or(&[], |runs| &runs[..])
+    }
+
+    /// The line along an edge from the first of its ends, named in either order: that, the
+    /// direction, and where the edge begins and ends, as far as no other one covers it. None if
+    /// nothing of it is left.
+    pub fn line_of(&self, ends: Ends) -> Option<(DVec3, DVec3, [f64; 2])> {
+        let [from, to] = ends.map(|vertex| self.vertex(vertex));
+        let length = from.distance(to);
+        let stretch = match self.left.get(&[ends[0].min(ends[1]), ends[0].max(ends[1])]) {
+            None => [0.0, length],
+            Some(&left) if ends[0] < ends[1] => left,
+            Some(&[start, end]) => [length - end, length - start],
+        };
+        (stretch[0] < stretch[1]).then(|| (from, (to - from) / length, stretch))
     }
 
     /// The vertices of faces on a surface, ascending.

@@ -7,10 +7,14 @@
 //! The planes that halve space are literals, too: "below it and in what is below it, or
 //! above it and in what is above it" has one value on both sides of it.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use crate::mesh::shells::Shells;
 use crate::numeric::tolerance::COORDINATE;
+use crate::solid::Plane;
 use crate::solid::partition::{Facet, Part, Tree};
 
 /// So few faces in a box are not worth another cut. Tunes speed only.
@@ -85,6 +89,7 @@ impl Partition {
             bounds,
             slack,
             is_needed,
+            shells: OnceLock::new(),
         };
         let root = cutter.halve(parts, [low, high], 0, 0);
         Self {
@@ -104,6 +109,8 @@ struct Cutter<'a> {
     /// own faces, and some more.
     slack: f64,
     is_needed: &'a (dyn Fn(&[Part], [DVec3; 2]) -> bool + Sync),
+    /// All of them, for where those in a box do not tell.
+    shells: OnceLock<Shells>,
 }
 
 impl Cutter<'_> {
@@ -183,7 +190,23 @@ impl Cutter<'_> {
         });
         let facets: Vec<Facet> = facets.collect();
         let parts = (0..).zip(parts).map(|(k, part)| part.moved(k, -center));
-        Tree::of_parts(&facets, parts.collect(), self.slack)
+        let is_inside = |plane: &Plane, point: DVec3| {
+            let away = plane.offset + plane.normal.dot(center);
+            self.is_within(point + center, |facet| {
+                let mut corners = facet.corners.iter();
+                corners.any(|&p| (plane.normal.dot(p) - away).abs() > self.slack)
+            })
+        };
+        Tree::of_parts(&facets, parts.collect(), self.slack, &is_inside)
+    }
+
+    /// Whether a point off those facets that pass a test is inside of them all.
+    fn is_within(&self, point: DVec3, test: impl Fn(&Facet) -> bool) -> bool {
+        let shells = self.shells.get_or_init(|| {
+            let corners = self.facets.iter().flat_map(Facet::triangles);
+            Shells::new([corners], 0.0)
+        });
+        shells.is_within(point, |index| test(&self.facets[index as usize]))
     }
 
     /// Whether facets are on few planes.
@@ -249,7 +272,8 @@ impl Cutter<'_> {
     }
 
     /// Whether a point of a box, off all faces, is inside, by the facets in the box: by the
-    /// side of the first that is met on the way to the middle of one of them.
+    /// side of the first that is met on the way to the middle of one of them; by all facets where
+    /// two are met there that look opposite ways.
     fn is_inside(&self, parts: &[Part], point: DVec3) -> bool {
         /// How many are aimed at.
         const AIMS: usize = 8;
@@ -290,7 +314,10 @@ impl Cutter<'_> {
                 best = Some((steepness, slope > 0.0));
             }
         }
-        best.is_some_and(|(_, is_inside)| is_inside)
+        match best {
+            Some((steepness, is_inside)) if steepness > 0.0 => is_inside,
+            _ => self.is_within(point, |_| true),
+        }
     }
 }
 

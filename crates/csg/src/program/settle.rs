@@ -247,7 +247,10 @@ impl Program {
         let mut ids = 0..surfaces.len() as u32;
         let are_in_place = ids.all(|id| !self.is_given(SurfaceId(id)) || is_in_place(id));
         let given = self.given().filter(|_| are_in_place);
-        let given = given.map(|given| given.renumbered(|id| SurfaceId(in_place[id.index()].0)));
+        let given = given.map(|given| {
+            let in_place = |id: SurfaceId| SurfaceId(in_place[id.index()].0);
+            given.renumbered(in_place, &surfaces, moved)
+        });
         Ok(Some(Settled {
             program: Self::of(Lowered {
                 surfaces,

@@ -5,9 +5,18 @@ use smallvec::SmallVec;
 
 use super::primitive::Plane;
 use super::tree::Solid;
+use crate::mesh::shells::turns;
 
 /// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
+
+/// Facets on a plane that look opposite ways cancel if their areas differ by less than this share:
+/// what is told then is told of a point in most of them.
+const CANCELLED: f64 = 1e-6;
+
+/// Whether a point in a plane is inside a polyhedron, or how facets that are not on that plane have
+/// it: asked where those that are cancel.
+pub(crate) type IsInside<'a> = &'a dyn Fn(&Plane, DVec3) -> bool;
 
 /// A face, or a convex part of one.
 #[derive(Clone, Debug)]
@@ -17,6 +26,19 @@ pub(crate) struct Facet {
     /// With a unit normal.
     pub plane: Plane,
     pub corners: SmallVec<[DVec3; 3]>,
+}
+
+impl Facet {
+    /// Triangles that make it up, some of them turned round if it is not convex.
+    pub fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        fan(&self.corners)
+    }
+}
+
+/// Triangles between the first corner of a polygon and its sides.
+fn fan(corners: &[DVec3]) -> impl Iterator<Item = [DVec3; 3]> {
+    let sides = corners.windows(2).skip(1);
+    sides.map(|side| [corners[0], side[0], side[1]])
 }
 
 /// What cuts have left of a facet.
@@ -92,39 +114,49 @@ impl Tree {
     /// are on it.
     pub(crate) fn of(facets: &[Facet], slack: f64) -> Self {
         let all = (0..facets.len() as u32).map(Part::all_of);
-        Self::of_parts(facets, all.collect(), slack)
+        let is_inside = |plane: &Plane, point: DVec3| {
+            let off = |facet: &&Facet| {
+                let mut corners = facet.corners.iter();
+                corners.any(|&corner| distance(plane, corner).abs() > slack)
+            };
+            let others = facets.iter().filter(off);
+            let triangles = others.flat_map(Facet::triangles);
+            triangles.map(|corners| turns(&corners, point)).sum::<f64>() > 0.5
+        };
+        Self::of_parts(facets, all.collect(), slack, &is_inside)
     }
 
     /// The same of what is left of faces in a box.
-    pub(crate) fn of_parts(facets: &[Facet], parts: Vec<Part>, slack: f64) -> Self {
+    pub(crate) fn of_parts(
+        facets: &[Facet],
+        parts: Vec<Part>,
+        slack: f64,
+        is_inside: IsInside<'_>,
+    ) -> Self {
         let mut nodes: Vec<Node> = Vec::new();
         // What is left to cut, and whose front or back it is.
         let mut pending: Vec<(Vec<Part>, Option<Place>)> = vec![(parts, None)];
         while let Some((parts, above)) = pending.pop() {
-            let cut_by = best(facets, &parts, slack);
+            // Without any, the node above knows already.
+            let Some((face, plane)) = best(facets, &parts, slack) else {
+                continue;
+            };
+            let index = nodes.len();
             if let Some((parent, is_front)) = above {
-                let child = match cut_by {
-                    Some(_) => Child::Node(nodes.len()),
-                    None if is_front => Child::Outside,
-                    None => Child::Inside,
-                };
                 let node = &mut nodes[parent];
                 *(if is_front {
                     &mut node.front
                 } else {
                     &mut node.back
-                }) = child;
+                }) = Child::Node(index);
             }
-            let Some((face, plane)) = cut_by else {
-                continue;
-            };
-            let (front, back) = cut(facets, parts, (face, &plane), slack);
-            let index = nodes.len();
+            let [front, back, on] = cut(facets, parts, (face, &plane), slack);
+            let [before, behind] = beside(facets, &on, &plane, is_inside);
             nodes.push(Node {
                 face,
                 plane,
-                front: Child::Outside,
-                back: Child::Inside,
+                front: before,
+                back: behind,
             });
             pending.push((front, Some((index, true))));
             pending.push((back, Some((index, false))));
@@ -147,6 +179,8 @@ impl Tree {
             solids[index] = match (node.front, node.back) {
                 (Child::Outside, Child::Inside) => behind,
                 (Child::Inside, Child::Outside) => !behind,
+                (Child::Outside, Child::Outside) => Solid::empty(),
+                (Child::Inside, Child::Inside) => Solid::space(),
                 (Child::Outside, back) => behind & solid(back),
                 (front, Child::Inside) => behind | solid(front),
                 (Child::Inside, back) => !behind | solid(back),
@@ -240,14 +274,9 @@ fn best(facets: &[Facet], parts: &[Part], slack: f64) -> Option<(u32, Plane)> {
     candidates.min_by_key(cost)
 }
 
-/// What is left of facets before and behind a plane; those on it are done with.
-fn cut(
-    facets: &[Facet],
-    parts: Vec<Part>,
-    by: (u32, &Plane),
-    slack: f64,
-) -> (Vec<Part>, Vec<Part>) {
-    let (mut front, mut back) = (Vec::new(), Vec::new());
+/// What is left of facets before a plane, behind it, and on it.
+fn cut(facets: &[Facet], parts: Vec<Part>, by: (u32, &Plane), slack: f64) -> [Vec<Part>; 3] {
+    let [mut front, mut back, mut on] = [const { Vec::new() }; 3];
     for part in parts {
         match sides(facets, &part, by, slack) {
             (true, true) => {
@@ -260,10 +289,56 @@ fn cut(
             }
             (true, false) => front.push(part),
             (false, true) => back.push(part),
-            (false, false) => {}
+            (false, false) => on.push(part),
         }
     }
-    (front, back)
+    [front, back, on]
+}
+
+/// What is right before and right behind a plane, on sides without facets, by the facets on it.
+///
+/// Where some look one way and some the other, as those of two parts of a polyhedron that are
+/// apart by less than can be told, the larger area decides: of a side that is inside or outside
+/// all over, facets that are not covered by others all look the same way. If nothing is left
+/// uncovered the plane bounds nothing, and it is asked what it runs through.
+fn beside(facets: &[Facet], on: &[Part], plane: &Plane, is_inside: IsInside<'_>) -> [Child; 2] {
+    let looks = |part: &Part| {
+        let normal = facets[part.facet as usize].plane.normal;
+        normal.dot(plane.normal).signum()
+    };
+    let as_seen = [Child::Outside, Child::Inside];
+    if on.iter().all(|part| looks(part) > 0.0) {
+        return as_seen;
+    }
+    let (mut difference, mut all, mut largest) = (0.0, 0.0, None);
+    for part in on {
+        let corners = part.corners(facets);
+        let own = area(corners);
+        difference += looks(part) * own;
+        all += own;
+        if largest.is_none_or(|(area, _)| own > area) {
+            largest = Some((own, corners));
+        }
+    }
+    match largest {
+        Some((_, corners)) if difference.abs() <= CANCELLED * all => {
+            let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+            let middle = middle - distance(plane, middle) * plane.normal;
+            let both = if is_inside(plane, middle) {
+                Child::Inside
+            } else {
+                Child::Outside
+            };
+            [both; 2]
+        }
+        Some(_) if difference < 0.0 => [Child::Inside, Child::Outside],
+        _ => as_seen,
+    }
+}
+
+fn area(corners: &[DVec3]) -> f64 {
+    let doubled: DVec3 = fan(corners).map(|[a, b, c]| (b - a).cross(c - a)).sum();
+    0.5 * doubled.length()
 }
 
 /// The part of a polygon on one side of a plane (I. E. Sutherland, G. W.

@@ -4,9 +4,10 @@
 mod meshes;
 
 use csg::glam::{DQuat, DVec3, EulerRot, dvec3};
-use csg::{Mesh, Meshed, Mesher, Program, Solid, turn};
+use csg::{BoundaryOptions, Mesh, Meshed, Mesher, Program, Solid, turn};
 
 use crate::random::Random;
+use crate::sweeps::one_in;
 use meshes::{ball, rounded_cube, star};
 
 fn solid(mesh: &Mesh) -> Solid {
@@ -32,6 +33,15 @@ fn volume(what: &str, solid: &Solid) -> f64 {
     assert_eq!(meshed.report.method, "polyhedral", "{what}");
     assert_eq!(meshed.report.undecided, [], "{what}");
     meshed.mesh.volume()
+}
+
+/// The volume of a solid by its exact boundary.
+#[track_caller]
+fn measured(what: &str, solid: &Solid) -> f64 {
+    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
+    let boundary = program.boundary(&BoundaryOptions::new());
+    let boundary = boundary.unwrap_or_else(|e| panic!("{what}: {e}"));
+    boundary.measure().volume.value
 }
 
 /// Of two solids of known volumes the union, the intersection and both differences: parts
@@ -185,4 +195,118 @@ fn faceted_solids_are_cut() {
         let what = format!("a peg of {n}");
         assert_parts(&what, [&prism, &peg], [2.0 * area, 1.62 * area], 1e-11);
     }
+}
+
+/// A block of faces of so many squares each, in place.
+fn block([low, high]: [DVec3; 2], squares: u32, place: impl Fn(DVec3) -> DVec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for is_high in [false, true] {
+            let at = |i: u32, j: u32| {
+                let mut share = DVec3::ZERO;
+                share[axis] = f64::from(u8::from(is_high));
+                share[u] = f64::from(i) / f64::from(squares);
+                share[v] = f64::from(j) / f64::from(squares);
+                low + share * (high - low)
+            };
+            for (i, j) in (0..squares).flat_map(|i| (0..squares).map(move |j| (i, j))) {
+                let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                let first = mesh.positions.len() as u32;
+                mesh.positions.extend(corners.map(&place));
+                let quad = [0, 1, 2, 3].map(|k| first + if is_high { k } else { 3 - k });
+                let [a, b, c, d] = quad;
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    mesh
+}
+
+/// One polyhedron of blocks with cracks between them that are as thin as rounding makes them, or
+/// a little thicker: faces that look at each other are on one plane or on two, and parts of them
+/// are in the open.
+#[test]
+fn blocks_a_hair_apart_are_all_there() {
+    let mut random = Random(3);
+    let mut taken = 0;
+    for case in (0..400).step_by(one_in(7)) {
+        let mut unit = || random.unit();
+        let squares = [1, 1, 3, 5][(4.0 * unit()) as usize];
+        let turn = if unit() < 0.5 {
+            DQuat::IDENTITY
+        } else {
+            DQuat::from_euler(EulerRot::XYZ, 6.0 * unit(), 6.0 * unit(), 6.0 * unit())
+        };
+        let mut round = |least: f64, most: f64| (least + unit() * (most - least)).round();
+        let size = dvec3(round(2.0, 8.0), round(2.0, 8.0), round(2.0, 8.0));
+        let core = [-size, size];
+        let others = round(1.0, 4.0) as usize;
+        let mut blocks = vec![core];
+        let mut sides: Vec<usize> = (0..6).collect();
+        let mut thickest: f64 = 0.0;
+        for _ in 0..others {
+            let side = sides.swap_remove(round(0.0, sides.len() as f64 - 1.0) as usize);
+            let (axis, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
+            let gap = 10.0_f64.powf(-round(8.0, 16.0));
+            thickest = thickest.max(gap);
+            // Beside the block, within what is beside it alone.
+            let mut low = DVec3::ZERO;
+            let mut high = DVec3::ZERO;
+            for across in [(axis + 1) % 3, (axis + 2) % 3] {
+                low[across] = -round(0.0, size[across]);
+                high[across] = round(1.0, size[across]);
+            }
+            let near = size[axis] + gap;
+            let far = size[axis] + round(1.0, 5.0);
+            (low[axis], high[axis]) = if sign > 0.0 {
+                (near, far)
+            } else {
+                (-far, -near)
+            };
+            blocks.push([low, high]);
+        }
+        let place = |point: DVec3| turn * point;
+        let meshes = blocks.iter().map(|&ends| block(ends, squares, place));
+        let mesh = meshes.fold(Mesh::default(), |all, own| {
+            let first = all.positions.len() as u32;
+            let mut all = all;
+            all.positions.extend(own.positions);
+            all.triangles
+                .extend(own.triangles.iter().map(|t| t.map(|v| v + first)));
+            all
+        });
+        // Turned, some of them overlap.
+        let Ok(all) = Solid::from_mesh(&mesh) else {
+            continue;
+        };
+        taken += 1;
+        let whole = mesh.volume();
+        let area = mesh.area();
+        let what = format!("{case}: {blocks:?}, {squares}, {turn}");
+        let within = area * thickest + 1e-10 * whole;
+        let found = volume(&what, &all);
+        assert!(
+            (found - whole).abs() <= within,
+            "{what}: {found} for {whole}"
+        );
+        // About a corner of the first.
+        let cut = |tool: &Solid| tool.translate(turn * core[1]);
+        let block = cut(&Solid::cuboid(DVec3::splat(7.0)).rotate_xyz(0.1, 0.2, 0.3));
+        let parts = volume(&what, &(&all & &block)) + volume(&what, &(&all - &block));
+        assert!(
+            (parts - whole).abs() <= 2.0 * within,
+            "{what}: {parts} for {whole}"
+        );
+        let rod = Solid::cylinder(2.0, -4.0..4.0);
+        for tool in [Solid::sphere(4.0), rod.rotate_xyz(0.1, 0.2, 0.3), rod] {
+            let tool = cut(&tool);
+            let parts = measured(&what, &(&all & &tool)) + measured(&what, &(&all - &tool));
+            assert!(
+                (parts - whole).abs() <= 2.0 * within,
+                "{what}: {parts} for {whole}"
+            );
+        }
+    }
+    assert!(taken >= 40, "{taken}");
 }
