@@ -338,6 +338,10 @@ fn voids_whose_vertices_are_on_the_body_are_voids() {
 fn every_kind_of_surface_is_read_back() {
     let mut script = start();
     let within = || Solid::cuboid([1.9, 2.1, 1.8]);
+    // Over the curve of x², z², z and a constant.
+    let over = |xx: f64, zz: f64, z: f64, constant: f64| {
+        Solid::quadric([xx, 0.0, zz, 0.0, 0.0, 0.0, 0.0, 0.0, z, constant])
+    };
     let solids = [
         ("ellipsoid", Solid::ellipsoid([0.7, 0.8, 0.9])),
         ("spheroid", Solid::ellipsoid([0.8, 0.8, 0.4])),
@@ -369,6 +373,12 @@ fn every_kind_of_surface_is_read_back() {
         ("round paraboloid", Solid::paraboloid([0.9, 0.9]) & within()),
         ("cone", Solid::cone(0.8, -0.7..0.9)),
         ("frustum", Solid::frustum(0.8, 0.4, -0.7..0.9)),
+        ("parabolic cylinder", over(0.9, 0.0, 1.0, -0.2) & within()),
+        ("hyperbolic cylinder", over(1.3, -0.8, 0.0, -0.2) & within()),
+        (
+            "the other way",
+            over(1.3, -0.8, 0.0, 0.3) & within() - Solid::sphere(0.7),
+        ),
     ];
     let mut tally = Tally::default();
     let count = solids.len();

@@ -5,6 +5,7 @@ mod draft;
 #[path = "../../../tests/every_file.rs"]
 mod every_file;
 mod exact;
+
 mod hulls_of_discs;
 #[path = "import_order/main.rs"]
 mod import_order;
@@ -15,6 +16,7 @@ mod mesh_sheets;
 mod polyhedra;
 mod profiles;
 mod program;
+mod quadrics;
 mod queries;
 #[path = "../src/random.rs"]
 #[allow(dead_code, reason = "shared")]

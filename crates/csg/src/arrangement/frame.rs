@@ -61,7 +61,7 @@ impl Frame {
             mut axes,
             mut values,
             slope,
-            ..
+            constant,
         } = form;
         let outward = values[0].signum();
         let mut facing = [outward; 2];
@@ -82,14 +82,21 @@ impl Frame {
                     facing = [outward, -outward];
                     Shape::Graph
                 }
-                Kind::EllipticParaboloid | Kind::HyperbolicParaboloid => {
+                Kind::HyperbolicCylinder => {
+                    is_divided = true;
+                    // Across the plane between its two sheets.
+                    let apart = usize::from((constant > 0.0) == (values[0] > 0.0));
+                    axes.swap(apart, 2);
+                    values.swap(apart, 2);
+                    let outward = -values[2].signum();
+                    facing = [outward, -outward];
+                    Shape::Graph
+                }
+                Kind::EllipticParaboloid | Kind::HyperbolicParaboloid | Kind::ParabolicCylinder => {
                     facing = [slope.signum(); 2];
                     Shape::Graph
                 }
-                Kind::Plane
-                | Kind::HyperbolicCylinder
-                | Kind::ParabolicCylinder
-                | Kind::ParallelPlanes => return None,
+                Kind::Plane | Kind::ParallelPlanes => return None,
             }
         };
         // (Along an axis any scale would do: that of where it is widest.)

@@ -25,11 +25,14 @@ pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Bra
         return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, nearness));
     }
     let branches = pencil::curves(a, b, nearness)?;
-    // Those of degree four pass at infinity where the lines of a saddle are: where others cross them there
-    // is not told reliably.
-    let is_saddle = |surface: &Surface| surface.kind == Kind::HyperbolicParaboloid;
+    // Those of degree four pass at infinity where the lines of a saddle are, or where planes that a
+    // hyperbolic cylinder comes near cut what goes on to infinity, too: where others cross them
+    // there is not told reliably.
+    let is = |kind: Kind| a.kind == kind || b.kind == kind;
+    let is_open = a.kind.is_indefinite() && b.kind.is_indefinite();
+    let is_doubtful = is(Kind::HyperbolicParaboloid) || is_open && is(Kind::HyperbolicCylinder);
     let is_straight_or_conic = |branch: &Branch| !matches!(branch.curve, Curve::Rulings(_));
-    if (is_saddle(a) || is_saddle(b)) && !branches.iter().all(is_straight_or_conic) {
+    if is_doubtful && !branches.iter().all(is_straight_or_conic) {
         return Err(Unknown::NoForm);
     }
     Ok(branches)

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::primitive::{Plane, Primitive};
 use super::tree::{Node, Solid};
+use crate::surface::{Kind, from_coefficients};
 
 /// Primitives. Sizes must be positive and finite and directions not zero;
 /// lowering reports the node where one is not.
@@ -45,12 +46,27 @@ impl Solid {
     /// The half-space f(p) <= 0 of a quadric: f = c0 x² + c1 y² + c2 z² +
     /// c3 xy + c4 yz + c5 zx + c6 x + c7 y + c8 z + c9.
     ///
-    /// Lowering rejects coefficients whose zero set is no surface (f of one
-    /// sign, as in x² + 1) or crosses itself along a line (as in xy = 0,
-    /// which is two half-spaces to be combined).
+    /// Parallel planes become two half-spaces. Lowering rejects coefficients whose zero set is no
+    /// surface (f of one sign, as in x² + 1) or crosses itself along a line (as in xy = 0, which is
+    /// two half-spaces to be combined).
     #[must_use]
     pub fn quadric(coefficients: [f64; 10]) -> Self {
-        Self::primitive(Primitive::Quadric(coefficients))
+        match from_coefficients(coefficients) {
+            Ok(surface) if surface.kind == Kind::ParallelPlanes => {
+                let form = surface.standard_form();
+                let [across, ..] = form.axes;
+                let half = form.half_axes()[0] * across;
+                let between = Self::half_space_through(form.center + half, across)
+                    & Self::half_space_through(form.center - half, -across);
+                if form.values[0] > 0.0 {
+                    between
+                } else {
+                    !between
+                }
+            }
+            // (What is wrong with it is said where it is lowered.)
+            _ => Self::primitive(Primitive::Quadric(coefficients)),
+        }
     }
 
     /// A cube of the given side, centred at the origin.

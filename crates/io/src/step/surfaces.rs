@@ -108,6 +108,29 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
         SurfaceShape::EllipticCylinder { placement, radii } => {
             extruded(to, face, &placement, radii)
         }
+        SurfaceShape::ParabolicCylinder { placement, bend } => {
+            let Placement { origin, axes, .. } = placement;
+            let [across, _, up] = axes;
+            let axis = up.cross(across);
+            let focus = Real(0.25 / bend);
+            let placement = to.placement(origin, [axis, up]);
+            let parabola = to.share(format_args!("PARABOLA('',{placement},{focus})"));
+            along(to, face, (parabola, axis), |_| up)
+        }
+        SurfaceShape::HyperbolicCylinder {
+            placement,
+            radii: [a, b],
+        } => {
+            let Placement { origin, axes, .. } = placement;
+            let [x, _, axis] = axes;
+            // The branch that the face is on.
+            let ahead = face.points().into_iter().map(|p| (p - origin).dot(x));
+            let x = ahead.sum::<f64>().signum() * x;
+            let placement = to.placement(origin, [axis, x]);
+            let [a, b] = [a, b].map(Real);
+            let branch = to.share(format_args!("HYPERBOLA('',{placement},{a},{b})"));
+            along(to, face, (branch, axis), |_| x)
+        }
         SurfaceShape::EllipticCone {
             placement,
             slopes: [a, b],
@@ -372,13 +395,25 @@ fn extruded(to: &mut Entities, face: &Face<'_>, placement: &Placement, radii: [f
     let placement = to.placement(origin, [axis, long]);
     let [most, least] = [most, least].map(Real);
     let ellipse = to.share(format_args!("ELLIPSE('',{placement},{most},{least})"));
-    let direction = to.direction(axis);
+    along(to, face, (ellipse, axis), |p| {
+        (p - origin).reject_from(axis)
+    })
+}
+
+/// A curve along a direction. On its right, seen against that, are the vectors at points.
+fn along(
+    to: &mut Entities,
+    face: &Face<'_>,
+    (curve, direction): (Id, DVec3),
+    right: impl Fn(DVec3) -> DVec3,
+) -> Written {
+    let direction = to.direction(direction);
     let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
     Written {
         surface: to.share(format_args!(
-            "SURFACE_OF_LINEAR_EXTRUSION('',{ellipse},{vector})"
+            "SURFACE_OF_LINEAR_EXTRUSION('',{curve},{vector})"
         )),
-        is_outward: is_away(face, |p| (p - origin).reject_from(axis)),
+        is_outward: is_away(face, right),
     }
 }
 
