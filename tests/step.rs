@@ -377,7 +377,7 @@ fn every_kind_of_surface_is_read_back() {
         ("hyperbolic cylinder", over(1.3, -0.8, 0.0, -0.2) & within()),
         (
             "the other way",
-            over(1.3, -0.8, 0.0, 0.3) & within() - Solid::sphere(0.7),
+            over(1.3, -0.8, 0.0, 0.3) & (within() - Solid::sphere(0.7)),
         ),
     ];
     let mut tally = Tally::default();

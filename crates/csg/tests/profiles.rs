@@ -536,3 +536,41 @@ fn walls_upright_but_for_a_hair_are_there() {
         );
     }
 }
+
+/// Turned steps whose treads rise or fall by a hair: flat cones, on one axis with what they meet. From a
+/// millionth on they are level, and that is told.
+#[test]
+fn treads_level_but_for_a_hair_are_there() {
+    let mut random = Random(7);
+    for case in 0..80 {
+        let hair = 10f64.powi(-2 - random.below(10) as i32);
+        let mut off = || hair * [0.0, 1.0, -1.0][random.below(3)];
+        let mut corners = vec![[0.0, 0.0], [8.0, off()]];
+        let mut height = 0.0;
+        for (step, radius) in [8.0, 6.0, 3.0].into_iter().enumerate().skip(case % 2) {
+            height += 2.0 + step as f64;
+            let within = [6.0, 3.0, 0.0][step];
+            corners.push([radius, height + off()]);
+            corners.push([within, height + off()]);
+        }
+        // Between radii the area under a side, turned.
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let rings = sides
+            .map(|([a, low], [b, high])| (a - b) * (low * (2.0 * a + b) + high * (a + 2.0 * b)));
+        let volume = rings.sum::<f64>() * PI / 3.0;
+        let solid = Solid::revolve(&Profile::polygon(corners.clone()));
+        let brep = Program::lower(&solid).and_then(|p| p.boundary(&BoundaryOptions::new()));
+        let found = brep
+            .unwrap_or_else(|e| panic!("{e}: {corners:?}"))
+            .measure();
+        let strays = solid.strays().unwrap_or(0.0);
+        assert!(strays <= 0.5e-6 * 8.0 + 1e-15, "{corners:?}: {strays}");
+        let within = found.volume.error + strays * found.area.value + 1e-11 * volume;
+        let off = (found.volume.value - volume).abs();
+        assert!(
+            off <= within,
+            "{corners:?}: {off} beyond {within} of {volume}"
+        );
+        assert!(within < 2e-5 * volume, "{corners:?}: {within}");
+    }
+}

@@ -7,7 +7,7 @@ use smallvec::{SmallVec, smallvec};
 use super::curve::{Branch, Branches, Curve, Form, polar};
 use super::intersection::{Nearness, Unknown};
 use super::trig::BEGIN;
-use crate::numeric::tolerance::CANCELLED;
+use crate::numeric::tolerance::{CANCELLED, NO_VALUE};
 use crate::program::Surface;
 
 /// The curves in which a plane cuts a quadric, where they are known.
@@ -140,8 +140,8 @@ pub(super) fn conic(
     let (u, v) = (cos * u + sin * v, cos * v - sin * u);
     let [mut first, mut second] = [u, v].map(|d| 0.5 * quadric.curvature_along(d));
     let (x, y) = (cos * x + sin * y, cos * y - sin * x);
-    for value in [&mut first, &mut second] {
-        if value.abs() <= CANCELLED {
+    for (value, direction) in [(&mut first, u), (&mut second, v)] {
+        if value.abs() <= (CANCELLED * quadric.terms_along(direction)).max(NO_VALUE) {
             *value = 0.0;
         }
     }

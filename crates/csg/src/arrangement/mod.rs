@@ -44,6 +44,7 @@ mod boundary;
 mod boundary_tests;
 mod cells;
 mod chords;
+mod coaxial;
 mod common;
 mod conic;
 mod contacts;

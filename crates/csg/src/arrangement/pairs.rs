@@ -1,5 +1,6 @@
 //! The curves in which two surfaces meet.
 
+use super::coaxial::circles;
 use super::conic::conic;
 use super::curve::{Branch, Branches, Curve};
 use super::intersection::{Nearness, Unknown, line};
@@ -9,7 +10,7 @@ use crate::program::{Kind, Surface};
 
 /// The curves common to two surfaces: two planes meet in a line, a plane and a
 /// quadric in conics, and two quadrics in curves of degree four (see
-/// [`pencil`]) or, if their quadratic parts agree, in a plane. Surfaces that
+/// [`pencil`]) or, if their quadratic parts agree, in a plane; of one axis, in circles. Surfaces that
 /// come nearer to each other than `near` without crossing touch.
 pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Branches, Unknown> {
     if a.is_plane() && b.is_plane() {
@@ -23,6 +24,9 @@ pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Bra
     }
     if let Some(plane) = radical_plane(a, b) {
         return plane.map_or(Ok(Branches::new()), |plane| conic(&plane, a, nearness));
+    }
+    if let Some(circles) = circles(a, b, nearness) {
+        return Ok(circles);
     }
     let branches = pencil::curves(a, b, nearness)?;
     // Those of degree four pass at infinity where the lines of a saddle are, or where planes that a

@@ -177,6 +177,12 @@ pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
 /// by ten coefficients depends on it.
 pub(crate) const NO_VALUE: f64 = 1e-12;
 
+/// Is a quadric's centre or vertex so far from the origin, by squares of distances of what its
+/// coefficients tell, that it is kept as it was given?
+///
+/// Decree: f about a point so far away loses two digits that the coefficients have.
+pub(crate) const FAR_CENTRE: f64 = 100.0;
+
 /// Are two values of a quadric's form one, of the larger: is it round, and no ellipse?
 ///
 /// Above rounding: the same as [`NO_VALUE`], as values come from the same coefficients. What is
@@ -272,12 +278,31 @@ pub(crate) const SEWN: f64 = 1e-6;
 /// long as the mesh is right to a hundredth; shorter ones are not told from flat ones so well.
 pub(crate) const FLAT: f64 = 100.0 * ON_REFINED;
 
+/// Do facets on one plane that look opposite ways cover each other, by what their areas differ of
+/// all?
+///
+/// Decree: a facet that is seen is more of them in a cell that is cut by all others' planes; what is
+/// told then is told of a point in the largest.
+pub(crate) const COVERED: f64 = 1e-6;
+
+/// Are edges between two planes on one line, in distances at which points are on these?
+///
+/// Derived: so far apart are lines that are off planes which meet at a sine of a tenth. Along lines
+/// of planes that meet at lesser ones it is not told.
+pub(crate) const ON_LINE: f64 = 10.0;
+
 /// Is a length in a profile nothing, of its size, or a turn, in radians?
 ///
 /// Above rounding: arcs are told by bulges, whose centre, angles and ends lie some hundred
 /// roundings from what was given, 2e-14 of the size; fifty times that. Whether paths are closed,
 /// and whether circles stay circles under a map, depends on it.
 pub(crate) const IN_PROFILE: f64 = 1e-12;
+
+/// Is a side of a profile that is turned level, by its rise?
+///
+/// Decree: of a cone a millionth as high as wide, whose coefficients differ by its square, six digits
+/// tell where it meets others. By how much that moves it is told.
+pub(crate) const LEVEL: f64 = 1e-6;
 
 /// Is the sum of a polygon's turns a single whole one, in radians?
 ///

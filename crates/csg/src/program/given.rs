@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 use crate::numeric::eigen_symmetric;
+use crate::numeric::tolerance::ON_LINE;
 use crate::surface::{Surface, SurfaceId};
 
 /// The number of what belongs to no polyhedron alone.
@@ -145,10 +146,6 @@ impl Gathered {
     }
 }
 
-/// Lines that are off two planes by less than rounding are apart by so many times as much where
-/// these meet at a sine of a tenth: at lesser ones edges are not told to be on one line.
-const ON_LINE: f64 = 10.0;
-
 /// Sorts the edges between the same two surfaces, which may be those of parts of a polyhedron that
 /// nearly touch. Of those that others cover, on the same line but for so much, the stretch from the
 /// first end that is left.
@@ -211,11 +208,9 @@ fn part(runs: &[Ends], vertices: &[DVec3], within: f64, left: &mut FxHashMap<End
     }
 }
 
-/// The shortest way from a point to where planes meet that pass by it, as far as these meet at
-/// sines of more than a tenth or so.
+/// The shortest way from a point to where planes meet that pass by it, as far as these meet
+/// at such sines as [`ON_LINE`] says.
 fn onto<'a>(planes: impl Iterator<Item = &'a Surface>, point: DVec3) -> DVec3 {
-    /// Of the squares of sines.
-    const TELLS: f64 = 1e-2;
     let mut squares = [0.0; 6];
     let mut off = DVec3::ZERO;
     for plane in planes {
@@ -230,7 +225,7 @@ fn onto<'a>(planes: impl Iterator<Item = &'a Surface>, point: DVec3) -> DVec3 {
     let (values, vectors) = eigen_symmetric(squares);
     let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
     let all = values.into_iter().zip(axes);
-    let told = all.filter(|&(value, _)| value > TELLS);
+    let told = all.filter(|&(value, _)| value > ON_LINE.powi(-2));
     told.map(|(value, axis)| -axis.dot(off) / value * axis)
         .sum()
 }

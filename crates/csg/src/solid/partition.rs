@@ -6,13 +6,10 @@ use smallvec::SmallVec;
 use super::primitive::Plane;
 use super::tree::Solid;
 use crate::mesh::shells::turns;
+use crate::numeric::tolerance::COVERED;
 
 /// So many planes are tried for each cut: tunes speed and the number of cuts only.
 const CANDIDATES: usize = 12;
-
-/// Facets on a plane that look opposite ways cancel if their areas differ by less than this share:
-/// what is told then is told of a point in most of them.
-const CANCELLED: f64 = 1e-6;
 
 /// Whether a point in a plane is inside a polyhedron, or how facets that are not on that plane have
 /// it: asked where those that are cancel.
@@ -321,7 +318,7 @@ fn beside(facets: &[Facet], on: &[Part], plane: &Plane, is_inside: IsInside<'_>)
         }
     }
     match largest {
-        Some((_, corners)) if difference.abs() <= CANCELLED * all => {
+        Some((_, corners)) if difference.abs() <= COVERED * all => {
             let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
             let middle = middle - distance(plane, middle) * plane.normal;
             let both = if is_inside(plane, middle) {

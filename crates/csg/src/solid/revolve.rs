@@ -17,7 +17,7 @@ use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::{Node, Solid};
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{IN_PROFILE, ON_AXIS, PROFILE_CHORD};
+use crate::numeric::tolerance::{IN_PROFILE, LEVEL, ON_AXIS, PROFILE_CHORD};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;
@@ -31,6 +31,8 @@ impl Solid {
     /// centred on the axis spheres and spheroids. Others would become tori: these
     /// circles and arcs become chords first, within 1e-4 of the profile's size
     /// and 5e-3 of their radius, 32 to a turn, of circles with the same area (for another tolerance, see [`Profile::flattened`]).
+    /// Lines that rise by less than a millionth of their length are level. How far both stray is told by
+    /// [`Solid::strays`].
     #[must_use]
     pub fn revolve(profile: &Profile) -> Self {
         turned("revolve", profile, TAU, None)
@@ -65,7 +67,7 @@ impl Solid {
 type Boxed = (Solid, [DVec3; 2]);
 
 fn turned(function: &'static str, profile: &Profile, radians: f64, within: Option<f64>) -> Solid {
-    let has_chords = Cell::new(false);
+    let (has_chords, levelled) = (Cell::new(false), Cell::new(0.0));
     let keeps = |map: &DAffine2| {
         let keeps = is_on_axis(map);
         has_chords.set(has_chords.get() || !keeps);
@@ -80,21 +82,29 @@ fn turned(function: &'static str, profile: &Profile, radians: f64, within: Optio
         None => profile.tolerance_of(PROFILE_CHORD).map_err(NodeFault::from),
     };
     let made = tolerance.and_then(|tolerance| {
-        let whole = round(profile, tolerance, &keeps)?;
+        let whole = round(profile, tolerance, &keeps, &levelled)?;
         Ok((within_angle(whole, radians)?, tolerance))
     });
-    let strays = made.as_ref().ok().map(|(_, tolerance)| *tolerance);
+    let chords = match made {
+        Ok((_, tolerance)) if has_chords.get() => tolerance,
+        _ => 0.0,
+    };
+    let strays = chords.max(levelled.get());
     let solid = Solid::made(function, made.map(|(boxed, _)| boxed));
-    match strays.filter(|_| has_chords.get()) {
-        Some(strays) => solid.standing_in(strays),
-        None => solid,
+    if strays > 0.0 {
+        solid.standing_in(strays)
+    } else {
+        solid
     }
 }
 
+/// The profile turned about the axis; sides that are made level stray by no more than `levelled`
+/// comes to.
 fn round(
     profile: &Profile,
     tolerance: f64,
     keeps: &dyn Fn(&DAffine2) -> bool,
+    levelled: &Cell<f64>,
 ) -> Result<Boxed, NodeFault> {
     let Turned { set, corners, axis } = half_plane_set(profile, tolerance, keeps)?;
     let [low, high] = corners.map(|corner| corner.z);
@@ -104,8 +114,11 @@ fn round(
     let has_ends = Cell::new(false);
     let ends = flat(low - 0.5 * beside, true) & flat(high + 0.5 * beside, false);
     let solid = set.solid(|leaf| match *leaf {
-        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
-            Side::Flat { height, up } => flat(height, up),
+        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis, LEVEL) {
+            Side::Flat { height, up, strays } => {
+                levelled.set(strays.max(levelled.get()));
+                flat(height, up)
+            }
             Side::Wall {
                 radius,
                 slope,
@@ -198,8 +211,8 @@ fn is_on_axis(map: &DAffine2) -> bool {
 
 /// What is to the left of a line in the half-plane of distances and heights.
 enum Side {
-    /// Below a height, or above it (`up`).
-    Flat { height: f64, up: bool },
+    /// Below a height, or above it (`up`); the line strays from that by so much.
+    Flat { height: f64, up: bool, strays: f64 },
     /// Nearer to the axis than `radius` at `height`, and by `slope` more for
     /// each height above it; or further from it.
     Wall {
@@ -213,13 +226,17 @@ enum Side {
 }
 
 impl Side {
-    fn of(ends: [DVec2; 2], axis: Axis) -> Self {
+    /// Lines that rise by no more than such a share of their length are level.
+    fn of(ends: [DVec2; 2], axis: Axis, level: f64) -> Self {
         let [from, to] = ends.map(|end| axis.snapped(end));
         let along = to - from;
-        if along.y.abs() <= IN_PROFILE * along.x.abs() {
+        let rise = along.y.abs();
+        if rise <= level * along.x.abs() {
+            let is_rounding = rise <= IN_PROFILE * along.x.abs();
             return Self::Flat {
                 height: from.midpoint(to).y,
                 up: along.x > 0.0,
+                strays: if is_rounding { 0.0 } else { 0.5 * rise },
             };
         }
         let inside = along.y > 0.0;
@@ -354,8 +371,8 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
         .collect();
     let short = elementary::cos(0.5 * radians / steps as f64);
     let solid = set.solid(|leaf| match *leaf {
-        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis) {
-            Side::Flat { height, up } => flat(height, up),
+        Leaf::HalfPlane { from, to } => match Side::of([from, to], axis, IN_PROFILE) {
+            Side::Flat { height, up, .. } => flat(height, up),
             Side::Wall {
                 radius,
                 slope,

@@ -145,6 +145,13 @@ impl Surface {
             + (zz * d.z + zx * d.x) * d.z)
     }
 
+    /// The sizes of the terms of half of [`Self::curvature_along`]: so much of them is rounding.
+    pub(crate) fn terms_along(&self, d: DVec3) -> f64 {
+        let [xx, yy, zz, xy, yz, zx] = self.quadratic.map(f64::abs);
+        let DVec3 { x, y, z } = d.abs();
+        (xx * x + xy * y) * x + (yy * y + yz * z) * y + (zz * z + zx * x) * z
+    }
+
     /// Bounds of f over the box of the given centre and half extents, rounded
     /// outward.
     ///

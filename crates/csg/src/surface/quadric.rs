@@ -7,11 +7,7 @@ use super::Surface;
 use super::kind::Kind;
 use crate::error::NodeFault;
 use crate::numeric::eigen_symmetric;
-use crate::numeric::tolerance::NO_VALUE;
-
-/// Of squares of distances, of what the constant tells: about centres and vertices that are farther
-/// from the origin more than two digits would be lost that the coefficients have.
-const FAR: f64 = 100.0;
+use crate::numeric::tolerance::{FAR_CENTRE, NO_VALUE};
 
 /// The surface f = 0 of f = c0 x² + c1 y² + c2 z² + c3 xy + c4 yz + c5 zx +
 /// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex.
@@ -107,7 +103,8 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
     };
     let kind = Kind::of_signature((positive, negative), has_slope, at_center)?;
     let near = linear.length_squared() / (4.0 * largest);
-    if largest * center.length_squared() > FAR * near.max(constant.abs()) {
+    // It is kept about the origin.
+    if largest * center.length_squared() > FAR_CENTRE * near.max(constant.abs()) {
         return Ok(Surface { kind, ..surface });
     }
     let (linear, constant) = if has_slope {

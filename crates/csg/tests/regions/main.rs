@@ -247,7 +247,7 @@ fn blocks_a_hair_apart_are_all_there() {
         let mut thickest: f64 = 0.0;
         for _ in 0..others {
             let side = sides.swap_remove(round(0.0, sides.len() as f64 - 1.0) as usize);
-            let (axis, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
+            let (axis, is_above) = (side / 2, side.is_multiple_of(2));
             let gap = 10.0_f64.powf(-round(8.0, 16.0));
             thickest = thickest.max(gap);
             // Beside the block, within what is beside it alone.
@@ -259,11 +259,7 @@ fn blocks_a_hair_apart_are_all_there() {
             }
             let near = size[axis] + gap;
             let far = size[axis] + round(1.0, 5.0);
-            (low[axis], high[axis]) = if sign > 0.0 {
-                (near, far)
-            } else {
-                (-far, -near)
-            };
+            (low[axis], high[axis]) = if is_above { (near, far) } else { (-far, -near) };
             blocks.push([low, high]);
         }
         let place = |point: DVec3| turn * point;
