@@ -63,7 +63,7 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// Of the faces of a closed polyhedron, as convex facets of any number. It is empty in
+    /// Of the faces of a closed polyhedron, as triangles of any number. It is empty in
     /// boxes in which parts of them are not needed.
     pub fn new(
         facets: Vec<Facet>,

@@ -27,6 +27,10 @@
 //!   a vertex or a point of it, as (t a + t² b) / (1 + l t + k t²).
 //! - Quadrics of the same quadratic part but for a factor, as all spheres are, meet in the radical
 //!   plane f - λ f' = 0, which is linear, and so in a conic.
+//! - Quadrics of revolution about one axis, as those of turned parts are, meet in circles
+//!   ([`circles`][arrangement/coaxial.rs]): each is α ρ² + β t² + γ t + δ = 0 at the distance ρ from the
+//!   axis, and α' f - α f' = 0 is an equation of degree two in t, about the middle between its roots,
+//!   however flat or steep the two are. Where they nearly touch there, or in the axis, the pencil tells.
 //!
 //! # Members with lines
 //! det M(φ) is of degree four in cos φ and sin φ, and the same at φ + π: in 2 φ it is a
@@ -110,6 +114,7 @@
 //! meet, the answer is [`Unknown::NoForm`][arrangement/intersection.rs]: then surfaces are
 //! [settled](super::relations) or cells do.
 //!
+//! [arrangement/coaxial.rs]: ../../../src/csg/arrangement/coaxial.rs.html
 //! [arrangement/conic.rs]: ../../../src/csg/arrangement/conic.rs.html
 //! [arrangement/intersection.rs]: ../../../src/csg/arrangement/intersection.rs.html
 //! [arrangement/pairs.rs]: ../../../src/csg/arrangement/pairs.rs.html
