@@ -9,6 +9,7 @@ mod exact;
 mod hulls_of_discs;
 #[path = "import_order/main.rs"]
 mod import_order;
+mod measured;
 mod mesh_check;
 mod mesh_intersect;
 mod mesh_measure;

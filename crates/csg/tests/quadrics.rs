@@ -3,10 +3,11 @@
 
 use std::f64::consts::PI;
 
+use crate::measured::measured;
 use crate::random::Random;
 use crate::sweeps::one_in;
 use csg::glam::{DMat3, DQuat, DVec3, EulerRot, dvec3};
-use csg::{BoundaryOptions, Mesher, Program, Solid};
+use csg::{Mesher, Program, Solid};
 
 /// The coefficients of Σ squares + Σ linear + constant, turned and moved.
 fn turned(squares: DVec3, linear: DVec3, constant: f64, (turn, by): (DMat3, DVec3)) -> [f64; 10] {
@@ -27,23 +28,13 @@ fn turned(squares: DVec3, linear: DVec3, constant: f64, (turn, by): (DMat3, DVec
     ]
 }
 
-/// The volume by the exact boundary, and its bound.
-#[track_caller]
-fn volume(what: &str, solid: &Solid) -> (f64, f64) {
-    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
-    let boundary = program.boundary(&BoundaryOptions::new());
-    let boundary = boundary.unwrap_or_else(|e| panic!("{what}: {e}"));
-    let volume = boundary.measure().volume;
-    (volume.value, volume.error)
-}
-
 #[track_caller]
 fn assert_volume(what: &str, solid: &Solid, truth: f64) {
-    let (found, within) = volume(what, solid);
-    let off = (found - truth).abs();
+    let found = measured(what, solid);
+    let off = (found.value - truth).abs();
     assert!(
-        off <= within.max(1e-12 * truth),
-        "{what}: {found} ± {within} for {truth}"
+        off <= found.error.max(1e-12 * truth),
+        "{what}: {found:?} for {truth}"
     );
 }
 
@@ -182,16 +173,16 @@ fn cylinders_over_parabolas_and_hyperbolas_are_cut_exactly() {
         let (one, other) = (pose(one) & &block, pose(other));
         let what = format!("case {case}");
         let rest = &one - &other;
-        let [whole, off, left] = [&one, &(&one & &other), &rest].map(|s| volume(&what, s));
-        let within = (whole.1 + off.1 + left.1).max(1e-11);
-        let difference = (whole.0 - off.0 - left.0).abs();
+        let [whole, off, left] = [&one, &(&one & &other), &rest].map(|s| measured(&what, s));
+        let within = (whole.error + off.error + left.error).max(1e-11);
+        let difference = (whole.value - off.value - left.value).abs();
         assert!(difference <= within, "{what}: {difference} beyond {within}");
         let program = Program::lower(&rest).expect("valid");
         let meshed = Mesher::new().tolerance(0.02).mesh(&program);
         let meshed = meshed.unwrap_or_else(|e| panic!("{what}: {e}"));
         assert_eq!(meshed.report.undecided, [], "{what}");
         assert!(meshed.report.check.is_manifold(), "{what}");
-        let difference = (meshed.mesh.volume() - left.0).abs();
+        let difference = (meshed.mesh.volume() - left.value).abs();
         assert!(difference <= 0.02 * meshed.mesh.area(), "{what}");
     }
 }

@@ -53,7 +53,7 @@ pub(super) fn circles(a: &Surface, b: &Surface, nearness: Nearness) -> Option<Br
     // By how much the squares of the radii differ between the roots.
     let between = discriminant / (4.0 * square * both[0].across * both[1].across);
     let is_clear = between.abs() > touch && discriminant.abs() > unsure;
-    if square == 0.0 || !is_clear {
+    if !is_clear {
         return None;
     }
     let mut branches = Branches::new();
@@ -62,7 +62,7 @@ pub(super) fn circles(a: &Surface, b: &Surface, nearness: Nearness) -> Option<Br
     }
     let sum = -0.5 * (linear + discriminant.sqrt().copysign(linear));
     let roots = [sum / square, constant / sum];
-    if (roots[0] - roots[1]).abs() <= 4.0 * nearness.near {
+    if (roots[0] - roots[1]).abs() <= nearness.near {
         return None;
     }
     for t in roots {
@@ -109,7 +109,7 @@ impl Axis {
         let axes = [vectors.x_axis, vectors.y_axis, vectors.z_axis];
         let along = (0..3).find(|&k| {
             let [p, q] = [values[(k + 1) % 3], values[(k + 2) % 3]];
-            let is_one = (p - q).abs() <= CANCELLED * p.abs();
+            let is_one = (p - q).abs() <= ROUND * p.abs();
             is_one && p != 0.0 && (values[k] - p).abs() > ROUND * p.abs()
         })?;
         let [u, v, along] = [1, 2, 3].map(|k| axes[(along + k) % 3]);
@@ -139,9 +139,9 @@ impl Axis {
         let mixed = |p: DVec3, q: DVec3| 0.5 * surface.curvature_along(p + q);
         let is_nothing = |p: DVec3, q: DVec3, own: f64| {
             let value = mixed(p, q) - own;
-            value.abs() <= CANCELLED * surface.terms_along(u).max(surface.terms_along(v))
+            value.abs() <= ROUND * surface.terms_along(u).max(surface.terms_along(v))
         };
-        let is_round = (uu - vv).abs() <= CANCELLED * uu.abs()
+        let is_round = (uu - vv).abs() <= ROUND * uu.abs()
             && is_nothing(u, v, uu + vv)
             && is_nothing(u, along, uu + tt)
             && is_nothing(v, along, vv + tt);

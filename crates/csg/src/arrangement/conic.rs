@@ -140,6 +140,8 @@ pub(super) fn conic(
     let (u, v) = (cos * u + sin * v, cos * v - sin * u);
     let [mut first, mut second] = [u, v].map(|d| 0.5 * quadric.curvature_along(d));
     let (x, y) = (cos * x + sin * y, cos * y - sin * x);
+    // By their own terms, as those of flat cones are far below the largest coefficient; to a share of
+    // that coefficients are known.
     for (value, direction) in [(&mut first, u), (&mut second, v)] {
         if value.abs() <= (CANCELLED * quadric.terms_along(direction)).max(NO_VALUE) {
             *value = 0.0;

@@ -240,8 +240,8 @@ impl Given {
         moved
     }
 
-    /// The same for a program in which surfaces were replaced by others that are no farther off
-    /// than `moved`, all of which are given: vertices go along.
+    /// The same for a program in which surfaces were replaced by others, which are among all of
+    /// them (`placed`) and no farther off than `moved`. Vertices go along.
     pub fn renumbered(
         &self,
         in_place: impl Fn(SurfaceId) -> SurfaceId,

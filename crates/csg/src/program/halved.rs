@@ -191,11 +191,11 @@ impl Cutter<'_> {
         let facets: Vec<Facet> = facets.collect();
         let parts = (0..).zip(parts).map(|(k, part)| part.moved(k, -center));
         let is_inside = |plane: &Plane, point: DVec3| {
-            let away = plane.offset + plane.normal.dot(center);
-            self.is_within(point + center, |facet| {
-                let mut corners = facet.corners.iter();
-                corners.any(|&p| (plane.normal.dot(p) - away).abs() > self.slack)
-            })
+            let plane = Plane {
+                normal: plane.normal,
+                offset: plane.offset + plane.normal.dot(center),
+            };
+            self.is_within(point + center, |facet| facet.is_off(&plane, self.slack))
         };
         Tree::of_parts(&facets, parts.collect(), self.slack, &is_inside)
     }

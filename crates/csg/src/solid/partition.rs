@@ -30,6 +30,12 @@ impl Facet {
     pub fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
         fan(&self.corners)
     }
+
+    /// Whether a corner is farther from a plane than what is on it.
+    pub fn is_off(&self, plane: &Plane, slack: f64) -> bool {
+        let mut corners = self.corners.iter();
+        corners.any(|&corner| distance(plane, corner).abs() > slack)
+    }
 }
 
 /// Triangles between the first corner of a polygon and its sides.
@@ -112,11 +118,7 @@ impl Tree {
     pub(crate) fn of(facets: &[Facet], slack: f64) -> Self {
         let all = (0..facets.len() as u32).map(Part::all_of);
         let is_inside = |plane: &Plane, point: DVec3| {
-            let off = |facet: &&Facet| {
-                let mut corners = facet.corners.iter();
-                corners.any(|&corner| distance(plane, corner).abs() > slack)
-            };
-            let others = facets.iter().filter(off);
+            let others = facets.iter().filter(|facet| facet.is_off(plane, slack));
             let triangles = others.flat_map(Facet::triangles);
             triangles.map(|corners| turns(&corners, point)).sum::<f64>() > 0.5
         };

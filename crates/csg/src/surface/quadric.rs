@@ -103,7 +103,7 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
     };
     let kind = Kind::of_signature((positive, negative), has_slope, at_center)?;
     let near = linear.length_squared() / (4.0 * largest);
-    // It is kept about the origin.
+    // Kept about the origin, as given.
     if largest * center.length_squared() > FAR_CENTRE * near.max(constant.abs()) {
         return Ok(Surface { kind, ..surface });
     }

@@ -276,6 +276,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::solid::Primitive;
     use crate::{Program, Solid};
 
     fn shape(solid: &Solid) -> (Surface, SurfaceShape) {
@@ -404,6 +405,10 @@ mod tests {
             quadric(0.0, 1.0, 1.0, 0.0, -1.0),
             quadric(0.0, 1.0, 1.0, 0.0, 1.0),
             quadric(1.0, 0.0, 0.0, 1.0, 0.5),
+            // (As the surface that it is: authors get half-spaces.)
+            Solid::primitive(Primitive::Quadric([
+                1.0, 1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0,
+            ])),
         ]
     }
 

@@ -159,6 +159,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::solid::Primitive;
     use crate::{Program, Solid};
 
     fn surface(solid: &Solid) -> Surface {
@@ -168,7 +169,7 @@ mod tests {
     }
 
     /// One solid of each kind that is curved.
-    fn solids() -> [(Kind, Solid); 9] {
+    fn solids() -> [(Kind, Solid); 10] {
         // Of x², y², z², xy and z, and the constant.
         let quadric = |xx: f64, yy: f64, xy: f64, z: f64, constant: f64| {
             Solid::quadric([xx, yy, 0.0, xy, 0.0, 0.0, 0.0, 0.0, z, constant])
@@ -195,6 +196,13 @@ mod tests {
             ),
             (Kind::HyperbolicCylinder, quadric(0.0, 1.0, 1.0, 0.0, -1.0)),
             (Kind::ParabolicCylinder, quadric(1.0, 0.0, 0.0, 1.0, 0.5)),
+            // (As the surface that it is: authors get half-spaces.)
+            (
+                Kind::ParallelPlanes,
+                Solid::primitive(Primitive::Quadric([
+                    1.0, 1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0,
+                ])),
+            ),
         ]
     }
 

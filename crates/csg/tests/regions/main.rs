@@ -4,9 +4,11 @@
 mod meshes;
 
 use csg::glam::{DQuat, DVec3, EulerRot, dvec3};
-use csg::{BoundaryOptions, Mesh, Meshed, Mesher, Program, Solid, turn};
+use csg::{Mesh, Meshed, Mesher, Program, Solid, turn};
 
+use crate::measured::measured;
 use crate::random::Random;
+use crate::shapes::joined;
 use crate::sweeps::one_in;
 use meshes::{ball, rounded_cube, star};
 
@@ -33,15 +35,6 @@ fn volume(what: &str, solid: &Solid) -> f64 {
     assert_eq!(meshed.report.method, "polyhedral", "{what}");
     assert_eq!(meshed.report.undecided, [], "{what}");
     meshed.mesh.volume()
-}
-
-/// The volume of a solid by its exact boundary.
-#[track_caller]
-fn measured(what: &str, solid: &Solid) -> f64 {
-    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{what}: {e}"));
-    let boundary = program.boundary(&BoundaryOptions::new());
-    let boundary = boundary.unwrap_or_else(|e| panic!("{what}: {e}"));
-    boundary.measure().volume.value
 }
 
 /// Of two solids of known volumes the union, the intersection and both differences: parts
@@ -264,14 +257,7 @@ fn blocks_a_hair_apart_are_all_there() {
         }
         let place = |point: DVec3| turn * point;
         let meshes = blocks.iter().map(|&ends| block(ends, squares, place));
-        let mesh = meshes.fold(Mesh::default(), |all, own| {
-            let first = all.positions.len() as u32;
-            let mut all = all;
-            all.positions.extend(own.positions);
-            all.triangles
-                .extend(own.triangles.iter().map(|t| t.map(|v| v + first)));
-            all
-        });
+        let mesh = meshes.fold(Mesh::default(), |all, own| joined(&all, &own));
         // Turned, some of them overlap.
         let Ok(all) = Solid::from_mesh(&mesh) else {
             continue;
@@ -297,7 +283,8 @@ fn blocks_a_hair_apart_are_all_there() {
         let rod = Solid::cylinder(2.0, -4.0..4.0);
         for tool in [Solid::sphere(4.0), rod.rotate_xyz(0.1, 0.2, 0.3), rod] {
             let tool = cut(&tool);
-            let parts = measured(&what, &(&all & &tool)) + measured(&what, &(&all - &tool));
+            let parts =
+                measured(&what, &(&all & &tool)).value + measured(&what, &(&all - &tool)).value;
             assert!(
                 (parts - whole).abs() <= 2.0 * within,
                 "{what}: {parts} for {whole}"

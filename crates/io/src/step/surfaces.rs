@@ -115,7 +115,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             let focus = Real(0.25 / bend);
             let placement = to.placement(origin, [axis, up]);
             let parabola = to.share(format_args!("PARABOLA('',{placement},{focus})"));
-            along(to, face, (parabola, axis), |_| up)
+            linear_extrusion(to, face, (parabola, axis), |_| up)
         }
         SurfaceShape::HyperbolicCylinder {
             placement,
@@ -129,7 +129,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             let placement = to.placement(origin, [axis, x]);
             let [a, b] = [a, b].map(Real);
             let branch = to.share(format_args!("HYPERBOLA('',{placement},{a},{b})"));
-            along(to, face, (branch, axis), |_| x)
+            linear_extrusion(to, face, (branch, axis), |_| x)
         }
         SurfaceShape::EllipticCone {
             placement,
@@ -395,13 +395,13 @@ fn extruded(to: &mut Entities, face: &Face<'_>, placement: &Placement, radii: [f
     let placement = to.placement(origin, [axis, long]);
     let [most, least] = [most, least].map(Real);
     let ellipse = to.share(format_args!("ELLIPSE('',{placement},{most},{least})"));
-    along(to, face, (ellipse, axis), |p| {
+    linear_extrusion(to, face, (ellipse, axis), |p| {
         (p - origin).reject_from(axis)
     })
 }
 
 /// A curve along a direction. On its right, seen against that, are the vectors at points.
-fn along(
+fn linear_extrusion(
     to: &mut Entities,
     face: &Face<'_>,
     (curve, direction): (Id, DVec3),
