@@ -127,11 +127,13 @@ enum Turns {
 }
 
 impl Assembly {
-    /// Makes directions that are nearly the same, or nearly at right angles, so.
+    /// Makes directions that are nearly the same, or nearly at right angles, so: those that
+    /// more surfaces have stay, with all that fits them as they are.
     fn straightened(mut elements: Vec<Element>, reach: f64, within: f64) -> Self {
         let within = within / reach;
         let mut known: Vec<DVec3> = Vec::new();
-        for element in elements.iter_mut().filter(|element| element.has_axis()) {
+        for index in by_popularity(&elements) {
+            let element = &mut elements[index];
             let axis = element.axis;
             let same = known.iter().position(|k| k.cross(axis).length() <= within);
             if let Some(same) = same {
@@ -269,6 +271,19 @@ impl Assembly {
             [false, true] => smallvec![self.turn(k, -off.dot(b.axis) * along)],
         }
     }
+}
+
+/// The elements with an axis, those first whose direction most of them have.
+fn by_popularity(elements: &[Element]) -> Vec<usize> {
+    let with_axis = || elements.iter().enumerate().filter(|(_, e)| e.has_axis());
+    let count = |axis: DVec3| {
+        with_axis()
+            .filter(|(_, e)| is_parallel(e.axis, axis))
+            .count()
+    };
+    let mut counted: Vec<(usize, usize)> = with_axis().map(|(k, e)| (count(e.axis), k)).collect();
+    counted.sort_by_key(|&(count, _)| std::cmp::Reverse(count));
+    counted.into_iter().map(|(_, index)| index).collect()
 }
 
 /// Whether directions are the same or opposite, once they were straightened.
