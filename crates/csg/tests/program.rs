@@ -575,3 +575,35 @@ fn names_around_a_primitive_are_its_parts() {
     assert_eq!(names(2).len(), 16);
     assert_eq!((names(2)[0], names(2)[14], names(2)[15]), ("99", "85", "0"));
 }
+
+/// A block whose side is turned by so little that one coordinate of its normal is rounded to 1 is
+/// not taken for one along the axes: about its middle, 9 away, it is elsewhere by more than the cap
+/// of a ball that it cuts off is high.
+#[test]
+fn boxes_of_caps_under_sides_turned_by_a_hair_hold_them() {
+    for power in 6..13 {
+        let angle = 10f64.powi(-power);
+        for (height, y) in [(1e-8, 9.0), (1e-8, -9.0), (1e-6, -9.0), (1e-4, -9.0)] {
+            let (sin, cos) = angle.sin_cos();
+            let x = (11.0 - height - y * sin) / cos;
+            let block = Solid::cube(20.0).rotate_z(angle).translate([x, y, 0.0]);
+            let program = Program::lower(&(Solid::sphere(1.0) & block)).expect("valid");
+            let bounds = program.bounds().expect("finite").expect("a cap");
+            let rim = (height * (2.0 - height)).sqrt();
+            let along = DVec3::new(cos, sin, 0.0);
+            for side in [
+                DVec3::ZERO,
+                DVec3::Z,
+                DVec3::NEG_Z,
+                DVec3::new(-sin, cos, 0.0),
+                DVec3::new(sin, -cos, 0.0),
+            ] {
+                // (The side itself is rounded by 2e-15 of 10.)
+                let inside = 1.0 - 1e-6;
+                let point = (1.0 - inside * height) * along + inside * rim * side;
+                let is_within = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
+                assert!(is_within, "{angle:e}, {height:e}: {point} of {bounds:?}");
+            }
+        }
+    }
+}

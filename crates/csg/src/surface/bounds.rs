@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::Surface;
-use crate::numeric::tolerance::COORDINATE;
+use crate::numeric::tolerance::{COORDINATE, VALUE};
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,7 +61,9 @@ pub(crate) fn half_space_bounds(surface: &Surface) -> Bounds {
     let slack = |value: f64| COORDINATE * value.abs();
     if surface.is_plane() {
         for axis in 0..3 {
-            if surface.linear.abs()[axis] == 1.0 {
+            // Of a normal that is turned by less than 1e-8 one coordinate is rounded to 1.
+            let turned = surface.linear.reject_from_normalized(DVec3::AXES[axis]);
+            if turned.abs().max_element() <= VALUE {
                 let at = anchor[axis];
                 if surface.linear[axis] > 0.0 {
                     bounds.max[axis] = at + slack(at);
