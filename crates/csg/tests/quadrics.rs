@@ -186,3 +186,56 @@ fn cylinders_over_parabolas_and_hyperbolas_are_cut_exactly() {
         assert!(difference <= 0.02 * meshed.mesh.area(), "{what}");
     }
 }
+
+/// A cone whose apex is as far as that from another surface: volumes change with the distance as
+/// evenly near nothing as farther off.
+#[test]
+fn apexes_beside_surfaces_are_as_far_off_as_they_are() {
+    let cone = Solid::cone(0.25, -1.75..0.0).rotate_y(std::f64::consts::FRAC_PI_2);
+    // All touch the plane z = 0 at the origin from above.
+    let others: [(&str, Solid); 5] = [
+        (
+            "cylinder along",
+            Solid::cylinder(1.25, -0.25..0.25).rotate_y(std::f64::consts::FRAC_PI_2),
+        ),
+        (
+            "cylinder across",
+            Solid::cylinder(1.25, -1.0..1.0).rotate_x(std::f64::consts::FRAC_PI_2),
+        ),
+        ("ball", Solid::sphere(1.25)),
+        ("ellipsoid", Solid::ellipsoid([0.8, 0.6, 1.25])),
+        (
+            "cone",
+            Solid::cone(2.0, -2.75..1.25)
+                .rotate_x(std::f64::consts::FRAC_PI_2 + 0.5f64.atan())
+                .rotate_z(0.4),
+        ),
+    ];
+    // Of that cone the side is at the distance that its axis has from there.
+    let below = [1.25, 1.25, 1.25, 1.25, 1.25 / 5f64.sqrt() * 2.0];
+    for ((what, other), below) in others.iter().zip(below) {
+        for pose in poses() {
+            let volume = |off: f64, is_swapped: bool| {
+                let other = other.translate([0.0, 0.0, below + off]);
+                let [a, b] = [&cone, &other].map(|s| placed(s, pose));
+                let solid = if is_swapped { b & a } else { a & b };
+                let found = measured(what, &solid);
+                assert!(found.error < 1e-11, "{what} {off:e}: {found:?}");
+                found.value
+            };
+            let on = volume(0.0, false);
+            let slope = (volume(1e-4, false) - volume(-1e-4, false)) / 2e-4;
+            for power in 5..12 {
+                for off in [10f64.powi(-power), -(10f64.powi(-power))] {
+                    for is_swapped in [false, true] {
+                        let found = volume(off, is_swapped);
+                        let wanted = on + off * slope;
+                        let most = 3e-3 * off.abs() + 1e-12;
+                        let is_near = (found - wanted).abs() < most;
+                        assert!(is_near, "{what} {off:e}: {found}, not {wanted} ({on})");
+                    }
+                }
+            }
+        }
+    }
+}

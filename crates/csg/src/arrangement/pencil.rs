@@ -86,7 +86,6 @@ pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Bra
 impl<'a> Pencil<'a> {
     /// The curves by that quadric of the pencil on which they are known best.
     fn by_members(&self) -> Result<Branches, Unknown> {
-        let near = self.nearness.near;
         let [a, b] = self.surfaces;
         let mut hyperboloids: SmallVec<[(Lines, DMat4); 2]> = SmallVec::new();
         let mut consider = |[x, y]: [f64; 2]| -> Option<Result<Branches, Unknown>> {
@@ -115,10 +114,16 @@ impl<'a> Pencil<'a> {
             }
         }
         // Then the surfaces themselves, which are known best; of these the one whose
-        // apex is on the other one, as there the other's lines tell nothing.
-        let is_on_first = |apex: DVec3| a.value(apex).abs() <= near * a.gradient(apex).length();
+        // apex is nearer to the other one: there the other's lines tell little of it, or nothing.
+        let off = |apex: DVec3, other: &Surface| {
+            other.value(apex).abs() / other.gradient(apex).length().max(f64::MIN_POSITIVE)
+        };
+        let [of_a, of_b] = [(a, b), (b, a)].map(|(cone, other)| {
+            let apex = cone.apex();
+            apex.map_or(f64::INFINITY, |apex| off(apex, other))
+        });
         let mut own = [[1.0, 0.0], [0.0, 1.0]];
-        if b.apex().is_some_and(is_on_first) {
+        if of_b < of_a {
             own.swap(0, 1);
         }
         for own in own {
