@@ -14,11 +14,37 @@ pub(crate) struct Spline {
     pub points: Vec<DVec3>,
 }
 
+impl Spline {
+    /// Its point, by de Boor's algorithm.
+    pub fn at(&self, u: f64) -> DVec3 {
+        let last = self.knots.len() - 1;
+        // In which span, and the knots about it, as often as they are there.
+        let span = self.knots[1..last].partition_point(|&knot| knot <= u);
+        let knot = |index: usize| {
+            // (The first is there six times.)
+            let distinct = if index < 6 { 0 } else { 1 + (index - 6) / 3 };
+            self.knots[distinct.min(last)]
+        };
+        let k = 5 + 3 * span;
+        let mut d: [DVec3; 6] = std::array::from_fn(|j| self.points[k - 5 + j]);
+        for r in 1..=5 {
+            for j in (r..=5).rev() {
+                let (a, b) = (knot(j + k - 5), knot(j + 1 + k - r));
+                d[j] = d[j - 1].lerp(d[j], (u - a) / (b - a));
+            }
+        }
+        d[5]
+    }
+}
+
 /// A point of a curve and its first two derivatives.
 type Jet = [DVec3; 3];
 
 /// No curve is cut into more spans.
 const MOST_SPANS: usize = 4096;
+
+/// Shorter spans at an end tell of a root there.
+const SHORT: f64 = 1e-5;
 
 /// A spline through points of a curve, from its first end to its last, that strays from it by
 /// no more than a tolerance; none if none is found.
@@ -47,29 +73,55 @@ pub(crate) fn fit_spans(
     [from, to]: [f64; 2],
     tolerance: f64,
 ) -> Option<(Vec<f64>, Vec<Span>)> {
-    /// Shorter spans at an end tell of a root there.
-    const SHORT: f64 = 1e-5;
     // (To the bit at both ends.)
     let place = |u: f64| if u == 1.0 { to } else { from + u * (to - from) };
-    let plain = halved(|u| at(place(u)), tolerance);
+    let halved = |warp: fn(f64) -> f64| {
+        let at = |u: f64| at(place(warp(u)));
+        let is_near = |u: f64, point: DVec3| at(u).distance(point) <= tolerance;
+        halved(&at, QUARTERS.to_vec(), is_near, 0.0)
+    };
+    let plain = halved(|u| u);
     let is_root = plain.as_ref().map_or([true; 2], |(knots, _)| {
         let last = knots.len() - 1;
         [knots[1], 1.0 - knots[last - 1]].map(|length| length < SHORT)
     });
     match is_root {
         [false, false] => plain,
-        [true, false] => halved(|u| at(place(u * u)), tolerance),
-        [false, true] => halved(|u| at(place(u * (2.0 - u))), tolerance),
-        [true, true] => halved(|u| at(place(u * u * (3.0 - 2.0 * u))), tolerance),
+        [true, false] => halved(|u| u * u),
+        [false, true] => halved(|u| u * (2.0 - u)),
+        [true, true] => halved(|u| u * u * (3.0 - 2.0 * u)),
     }
 }
 
-/// The knots and spans for a curve whose parameter goes from 0 to 1.
-fn halved(at: impl Fn(f64) -> DVec3, tolerance: f64) -> Option<(Vec<f64>, Vec<Span>)> {
-    let mut knots = vec![0.0, 0.25, 0.5, 0.75, 1.0];
+/// The knots with which a curve is begun of which nothing is known.
+pub(crate) const QUARTERS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// A spline through points of a curve that keeps its parameter, from 0 to 1, and the knots that are
+/// given: none if it had spans as short as tell of a root. Whether it is near enough where it is held
+/// against the curve `is_near` tells, by the parameter and the spline's point.
+pub(crate) fn fit_as_given(
+    at: impl Fn(f64) -> DVec3,
+    knots: &[f64],
+    is_near: impl Fn(f64, DVec3) -> bool,
+) -> Option<Spline> {
+    let (knots, spans) = halved(&at, knots.to_vec(), is_near, SHORT)?;
+    Some(Spline {
+        points: joined_points(&knots, &spans),
+        knots,
+    })
+}
+
+/// The knots and spans for a curve whose parameter goes from 0 to 1: none if spans of a length would have
+/// to be halved.
+fn halved(
+    at: &impl Fn(f64) -> DVec3,
+    mut knots: Vec<f64>,
+    is_near: impl Fn(f64, DVec3) -> bool,
+    shortest: f64,
+) -> Option<(Vec<f64>, Vec<Span>)> {
     while knots.len() <= MOST_SPANS {
         let spans: Vec<[f64; 2]> = knots.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-        let jets: Vec<[Jet; 2]> = spans.iter().map(|&span| jets(&at, span)).collect();
+        let jets: Vec<[Jet; 2]> = spans.iter().map(|&span| jets(at, span)).collect();
         let mut joined = vec![jets[0][0]];
         for pair in jets.windows(2) {
             let (before, after) = (pair[0][1], pair[1][0]);
@@ -84,11 +136,11 @@ fn halved(at: impl Fn(f64) -> DVec3, tolerance: f64) -> Option<(Vec<f64>, Vec<Sp
         let mut finer = vec![0.0];
         for (pair, span) in knots.windows(2).zip(&spans) {
             let [a, b] = [pair[0], pair[1]];
-            let is_near = CHECKED.iter().all(|&share| {
-                let off = at(a + share * (b - a)).distance(point(*span, share));
-                off <= tolerance
-            });
-            if !is_near {
+            let is_near = |&share: &f64| is_near(a + share * (b - a), point(*span, share));
+            if !CHECKED.iter().all(is_near) {
+                if b - a < shortest {
+                    return None;
+                }
                 finer.push(0.5 * (a + b));
             }
             finer.push(b);
@@ -203,28 +255,8 @@ fn joined_points(knots: &[f64], spans: &[[DVec3; 6]]) -> Vec<DVec3> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-
-    /// By de Boor's algorithm.
-    pub fn value(spline: &Spline, u: f64) -> DVec3 {
-        let last = spline.knots.len() - 1;
-        let mut knots = Vec::new();
-        for (k, &knot) in spline.knots.iter().enumerate() {
-            knots.extend(vec![knot; if k == 0 || k == last { 6 } else { 3 }]);
-        }
-        let k = (5..spline.points.len())
-            .rfind(|&k| knots[k] <= u)
-            .unwrap_or(5);
-        let mut d: Vec<DVec3> = spline.points[k - 5..=k].to_vec();
-        for r in 1..=5 {
-            for j in (r..=5).rev() {
-                let (a, b) = (knots[j + k - 5], knots[j + 1 + k - r]);
-                d[j] = d[j - 1].lerp(d[j], (u - a) / (b - a));
-            }
-        }
-        d[5]
-    }
 
     type Curve<'a> = &'a dyn Fn(f64) -> DVec3;
 
@@ -247,7 +279,7 @@ pub(crate) mod tests {
                 for step in 0..=5000 {
                     let u = f64::from(step) / 5000.0;
                     let exact = curve(range[0] + u * (range[1] - range[0]));
-                    let off = value(&spline, u).distance(exact);
+                    let off = spline.at(u).distance(exact);
                     assert!(off < 1.5 * tolerance, "{k}: {off} at {u}");
                 }
                 spans.push(spline.knots.len() - 1);

@@ -1,6 +1,8 @@
 //! The curves of edges.
 
-use csg::brep::{CurveShape, Edge};
+use std::f64::consts::{PI, TAU};
+
+use csg::brep::{CurveShape, Edge, HalfAxes};
 use csg::elementary;
 use glam::{DVec3, DVec4};
 
@@ -8,48 +10,150 @@ use super::text::{Entities, Id, List, Real, Reals};
 use crate::conic;
 use crate::spline::{self, Spline};
 
-/// Writes the curve of an edge, which runs the way its parameter grows; none if no B-spline
-/// is found within the tolerance.
-pub(super) fn write(to: &mut Entities, edge: &Edge<'_>, tolerance: f64) -> Option<Id> {
-    let curve = edge.curve();
-    Some(match curve {
-        CurveShape::Line { point, direction } => {
-            let point = to.point(point);
-            let direction = to.direction(direction);
-            let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
-            to.share(format_args!("LINE('',{point},{vector})"))
+/// A curve as it is written, and the parameters of its ends.
+#[derive(Debug)]
+pub(super) struct Course {
+    pub shape: CourseShape,
+    pub range: [f64; 2],
+}
+
+/// A curve by the parameter that readers give it.
+#[derive(Debug)]
+pub(super) enum CourseShape {
+    /// point + t direction.
+    Line { point: DVec3, direction: DVec3 },
+    /// By the angle from one of its half axes.
+    Ellipse { center: DVec3, axes: HalfAxes },
+    /// center + cosh t a + sinh t b, with half axes.
+    Hyperbola { center: DVec3, a: DVec3, b: DVec3 },
+    /// point + t a + t² b, where a is of unit length, at right angles to b.
+    Parabola { point: DVec3, a: DVec3, b: DVec3 },
+    /// From 0 to 1, by points times their weights, and weights.
+    Rational([DVec4; 3]),
+    /// From 0 to 1.
+    Quintic(Spline),
+}
+
+impl Course {
+    /// The curve of an edge, which runs the way its parameter grows; none if no B-spline is
+    /// found within the tolerance.
+    pub fn of(edge: &Edge<'_>, tolerance: f64) -> Option<Self> {
+        let curve = edge.curve();
+        let [from, to] = edge.range();
+        let whole = |shape| Self {
+            shape,
+            range: [0.0, 1.0],
+        };
+        Some(match curve {
+            CurveShape::Line { point, direction } => Self {
+                shape: CourseShape::Line { point, direction },
+                range: [from, to],
+            },
+            CurveShape::Ellipse { center, .. } => {
+                let mut axes = curve.half_axes()?;
+                // Readers look for the first end between 0 and a whole turn: it is far from both
+                // where the edge begins beyond a quarter of a turn.
+                if axes.long.dot(edge.at(from) - center) > 0.0 {
+                    axes.turn += PI;
+                    (axes.long, axes.short) = (-axes.long, -axes.short);
+                }
+                let begin = (from - axes.turn).rem_euclid(TAU);
+                Self {
+                    shape: CourseShape::Ellipse { center, axes },
+                    range: [begin, begin + (to - from)],
+                }
+            }
+            CurveShape::Hyperbola { center, a, b } => {
+                // cosh t a + sinh t b = cosh(t - turn) p + sinh(t - turn) q.
+                let squares = a.length_squared() + b.length_squared();
+                let turn = 0.5 * elementary::atanh(-2.0 * a.dot(b) / squares);
+                let (sinh, cosh) = (elementary::sinh(turn), elementary::cosh(turn));
+                Self {
+                    shape: CourseShape::Hyperbola {
+                        center,
+                        a: cosh * a + sinh * b,
+                        b: sinh * a + cosh * b,
+                    },
+                    range: [from - turn, to - turn],
+                }
+            }
+            // The vertex is where t is 0.
+            CurveShape::Conic { point, a, b, l, k } if l == 0.0 && k == 0.0 => {
+                let length = a.length();
+                Self {
+                    shape: CourseShape::Parabola {
+                        point,
+                        a: a / length,
+                        b: b / (length * length),
+                    },
+                    range: [from * length, to * length],
+                }
+            }
+            CurveShape::Conic { .. } => {
+                whole(CourseShape::Rational(conic::control(&curve, [from, to])?))
+            }
+            _ => whole(CourseShape::Quintic(quartic(edge, tolerance)?)),
+        })
+    }
+
+    /// The point at a parameter.
+    pub fn at(&self, t: f64) -> DVec3 {
+        match &self.shape {
+            CourseShape::Line { point, direction } => point + t * direction,
+            CourseShape::Ellipse { center, axes } => {
+                let (sin, cos) = elementary::sin_cos(t);
+                center + cos * axes.long + sin * axes.short
+            }
+            CourseShape::Hyperbola { center, a, b } => {
+                center + elementary::cosh(t) * a + elementary::sinh(t) * b
+            }
+            CourseShape::Parabola { point, a, b } => point + t * a + t * t * b,
+            CourseShape::Rational([from, middle, to]) => {
+                let point = from.lerp(*middle, t).lerp(middle.lerp(*to, t), t);
+                point.truncate() / point.w
+            }
+            CourseShape::Quintic(spline) => spline.at(t),
         }
-        CurveShape::Ellipse { center, .. } => {
-            let axes = curve.half_axes()?;
-            let (long, short) = (axes.long.length(), axes.short.length());
-            let placement = placed(to, center, axes.long, axes.short);
-            if axes.is_circle {
-                let radius = Real(0.5 * (long + short));
-                to.share(format_args!("CIRCLE('',{placement},{radius})"))
-            } else {
-                let (long, short) = (Real(long), Real(short));
-                to.share(format_args!("ELLIPSE('',{placement},{long},{short})"))
+    }
+
+    /// Writes the curve.
+    pub fn write(&self, to: &mut Entities) -> Id {
+        match &self.shape {
+            CourseShape::Line { point, direction } => {
+                let point = to.point(*point);
+                let direction = to.direction(*direction);
+                let vector = to.share(format_args!("VECTOR('',{direction},1.)"));
+                to.share(format_args!("LINE('',{point},{vector})"))
+            }
+            CourseShape::Ellipse { center, axes } => {
+                let (long, short) = (axes.long.length(), axes.short.length());
+                let placement = placed(to, *center, axes.long, axes.short);
+                if axes.is_circle {
+                    let radius = Real(0.5 * (long + short));
+                    to.share(format_args!("CIRCLE('',{placement},{radius})"))
+                } else {
+                    let (long, short) = (Real(long), Real(short));
+                    to.share(format_args!("ELLIPSE('',{placement},{long},{short})"))
+                }
+            }
+            CourseShape::Hyperbola { center, a, b } => {
+                let placement = placed(to, *center, *a, *b);
+                let [a, b] = [a, b].map(|half| Real(half.length()));
+                to.share(format_args!("HYPERBOLA('',{placement},{a},{b})"))
+            }
+            CourseShape::Parabola { point, a, b } => {
+                let placement = placed(to, *point, *b, *a);
+                let focus = Real(0.25 / b.length());
+                to.share(format_args!("PARABOLA('',{placement},{focus})"))
+            }
+            CourseShape::Rational(control) => rational(to, control),
+            CourseShape::Quintic(spline) => {
+                let points = spline.points.iter().map(|&point| to.point(point));
+                let points: Vec<Id> = points.collect();
+                quintic(to, &points, &spline.knots)
             }
         }
-        CurveShape::Hyperbola { center, a, b } => {
-            // cosh t a + sinh t b = cosh(t - turn) p + sinh(t - turn) q.
-            let squares = a.length_squared() + b.length_squared();
-            let turn = 0.5 * elementary::atanh(-2.0 * a.dot(b) / squares);
-            let (sinh, cosh) = (elementary::sinh(turn), elementary::cosh(turn));
-            let [p, q] = [cosh * a + sinh * b, sinh * a + cosh * b];
-            let placement = placed(to, center, p, q);
-            let [p, q] = [p, q].map(|half| Real(half.length()));
-            to.share(format_args!("HYPERBOLA('',{placement},{p},{q})"))
-        }
-        // The vertex is where t is 0.
-        CurveShape::Conic { point, a, b, l, k } if l == 0.0 && k == 0.0 => {
-            let placement = placed(to, point, b, a);
-            let focus = Real(0.25 * a.length_squared() / b.length());
-            to.share(format_args!("PARABOLA('',{placement},{focus})"))
-        }
-        CurveShape::Conic { .. } => rational(to, &conic::control(&curve, edge.range())?),
-        _ => quintic(to, &quartic(edge, tolerance)?),
-    })
+    }
 }
 
 /// A curve of degree four from vertex to vertex.
@@ -83,13 +187,12 @@ fn rational(to: &mut Entities, control: &[DVec4; 3]) -> Id {
     ))
 }
 
-fn quintic(to: &mut Entities, spline: &Spline) -> Id {
-    let points: Vec<Id> = spline.points.iter().map(|&point| to.point(point)).collect();
-    let mut multiplicities = vec![3; spline.knots.len()];
+/// A curve of degree five by its points: knots inside are there three times.
+pub(super) fn quintic(to: &mut Entities, points: &[Id], knots: &[f64]) -> Id {
+    let mut multiplicities = vec![3; knots.len()];
     multiplicities[0] = 6;
-    multiplicities[spline.knots.len() - 1] = 6;
-    let (points, multiplicities) = (List(&points), List(&multiplicities));
-    let knots = Reals(&spline.knots);
+    multiplicities[knots.len() - 1] = 6;
+    let (points, multiplicities, knots) = (List(points), List(&multiplicities), Reals(knots));
     to.add(format_args!(
         "B_SPLINE_CURVE_WITH_KNOTS('',5,{points},.UNSPECIFIED.,.F.,.F.,\
          {multiplicities},{knots},.UNSPECIFIED.)"
@@ -127,7 +230,7 @@ mod tests {
                 let [from, to] = edge.range();
                 for step in 0..=777 {
                     let u = f64::from(step) / 777.0;
-                    let point = spline::tests::value(&spline, u);
+                    let point = spline.at(u);
                     let off = point.distance(edge.at(from + u * (to - from)));
                     assert!(off < 1.5 * tolerance, "{k}: {off} at {u}");
                     for face in edge.faces() {

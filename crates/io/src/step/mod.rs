@@ -6,6 +6,11 @@
 //! rational B-splines, which have the same points. Curves of degree four, in which two of them meet,
 //! are B-splines that stray from both by no more than [`StepOptions::tolerance`].
 //!
+//! Edges that are no lines have their images on the surfaces beside them, as curves of the surfaces'
+//! parameters, which stray by no more than that either: other programs take areas and volumes within
+//! them, and without them lay some through a few points. They are left out where a reader finds them
+//! without error, as of circles around an axis, and on surfaces of revolution.
+//!
 //! Faces are those of a boundary that was cut at seams
 //! ([`csg::BoundaryOptions::cut_at_seams`]): those of cylinders and cones at one line, whole
 //! spheres at one meridian, others so that none closes on itself, and none has a pole inside. A
@@ -17,7 +22,9 @@
 //! Where a shell touches itself its vertices at one place are one in the file.
 
 mod cap;
+mod chart;
 mod curves;
+mod image;
 mod product;
 mod spheroid;
 mod surfaces;
@@ -63,7 +70,8 @@ pub struct StepOptions {
     pub unit: LengthUnit,
     /// The schema.
     pub schema: StepSchema,
-    /// How far B-splines may stray from curves of degree four, in the model's unit:
+    /// How far B-splines may stray from curves of degree four, and images of edges from the edges,
+    /// in the model's unit:
     /// 1e-9 of the diagonal of a box around the solid unless given.
     pub tolerance: Option<f64>,
 }
@@ -109,7 +117,7 @@ impl StepOptions {
     }
 }
 
-/// How far B-splines stray from curves unless said otherwise, of the solid's size.
+/// How far B-splines and images stray from curves unless said otherwise, of the solid's size.
 const TOLERANCE: f64 = 1e-9;
 
 /// Writes a boundary that was cut at seams: one solid for each body, with the

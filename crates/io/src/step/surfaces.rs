@@ -5,17 +5,20 @@
 
 use std::f64::consts::TAU;
 
-use csg::brep::{CurveShape, Edge, Face};
+use csg::brep::{Edge, Face};
 use csg::elementary;
 use csg::{Placement, SurfaceShape};
 use glam::{DVec2, DVec3, DVec4};
 
+use super::chart::{self, Bezier, Chart, Frame, Parameters, Profile};
 use super::text::{Entities, Flag, Id, List, Real, Reals};
 
 /// A surface, and whether its normal points out of the solid.
 pub(super) struct Written {
     pub surface: Id,
     pub is_outward: bool,
+    /// Its parameters, where images of edges are written on it.
+    pub chart: Option<Chart>,
 }
 
 /// Writes the surface of a face; none if there is no way to.
@@ -28,23 +31,35 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             Written {
                 surface: to.share(format_args!("PLANE('',{placement})")),
                 is_outward: true,
+                chart: None,
             }
         }
         SurfaceShape::Sphere { center, radius } => {
             let meridian = face.meridian();
             let axes = meridian.unwrap_or_else(|| [view.any_orthonormal_vector(), -view]);
-            sphere(to, face, (center, radius), axes)
+            let mut written = sphere(to, face, (center, radius), axes);
+            if meridian.is_none() {
+                let frame = Frame::new(center, axes);
+                written.chart = Some(Chart::Sphere { frame, radius });
+            }
+            written
         }
         SurfaceShape::Cylinder {
             point,
             axis,
             radius,
         } => {
-            let placement = to.placement(point, [axis, seam(face, point, axis)]);
-            let radius = Real(radius);
+            let axes = [axis, seam(face, point, axis)];
+            let placement = to.placement(point, axes);
+            let length = Real(radius);
             Written {
-                surface: to.share(format_args!("CYLINDRICAL_SURFACE('',{placement},{radius})")),
+                surface: to.share(format_args!("CYLINDRICAL_SURFACE('',{placement},{length})")),
                 is_outward: is_away(face, |p| (p - point).reject_from(axis)),
+                chart: Some(Chart::Turned {
+                    frame: Frame::new(point, axes),
+                    radius,
+                    slope: 0.0,
+                }),
             }
         }
         SurfaceShape::Cone {
@@ -68,19 +83,25 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 origin -= 2.0 * radius / slope * axis;
                 radius = -radius;
             }
-            let placement = to.placement(origin, [axis, seam(face, point, axis)]);
-            let (radius, angle) = (Real(radius), Real(elementary::atan(slope)));
+            let axes = [axis, seam(face, point, axis)];
+            let placement = to.placement(origin, axes);
+            let (length, angle) = (Real(radius), Real(elementary::atan(slope)));
             Written {
                 surface: to.share(format_args!(
-                    "CONICAL_SURFACE('',{placement},{radius},{angle})"
+                    "CONICAL_SURFACE('',{placement},{length},{angle})"
                 )),
                 is_outward: is_away(face, |p| (p - point).reject_from(axis)),
+                chart: Some(Chart::Turned {
+                    frame: Frame::new(origin, axes),
+                    radius,
+                    slope,
+                }),
             }
         }
         SurfaceShape::Ellipsoid { placement, radii } => stereographic(
             to,
             face,
-            &Scaled {
+            Scaled {
                 placement,
                 scales: radii,
             },
@@ -93,17 +114,17 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 placement,
                 scales: [1.0; 3],
             };
-            paraboloid(to, face, &scaled, bends)
+            paraboloid(to, face, scaled, bends)
         }
         SurfaceShape::HyperbolicParaboloid {
             placement,
             bends: [a, b],
-        } if has_plain_edges(face) => {
+        } => {
             let scaled = Scaled {
                 placement,
                 scales: [1.0; 3],
             };
-            paraboloid(to, face, &scaled, [a, -b])
+            paraboloid(to, face, scaled, [a, -b])
         }
         SurfaceShape::EllipticCylinder { placement, radii } => {
             extruded(to, face, &placement, radii)
@@ -115,6 +136,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             let focus = Real(0.25 / bend);
             let placement = to.placement(origin, [axis, up]);
             let parabola = to.share(format_args!("PARABOLA('',{placement},{focus})"));
+            // (Open CASCADE counts along parabolas by another measure than the standard.)
             linear_extrusion(to, face, (parabola, axis), |_| up)
         }
         SurfaceShape::HyperbolicCylinder {
@@ -127,9 +149,19 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             let ahead = face.points().into_iter().map(|p| (p - origin).dot(x));
             let x = ahead.sum::<f64>().signum() * x;
             let placement = to.placement(origin, [axis, x]);
-            let [a, b] = [a, b].map(Real);
-            let branch = to.share(format_args!("HYPERBOLA('',{placement},{a},{b})"));
-            linear_extrusion(to, face, (branch, axis), |_| x)
+            let lengths = [a, b].map(Real);
+            let branch = to.share(format_args!(
+                "HYPERBOLA('',{placement},{},{})",
+                lengths[0], lengths[1]
+            ));
+            let written = linear_extrusion(to, face, (branch, axis), |_| x);
+            Written {
+                chart: Some(Chart::Branch {
+                    frame: Frame::new(origin, [axis, x]),
+                    radii: [a, b],
+                }),
+                ..written
+            }
         }
         SurfaceShape::EllipticCone {
             placement,
@@ -146,8 +178,8 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             } else {
                 [high.min(0.0), low]
             };
-            let profile = [near, far].map(|z| [z.abs(), z, 1.0]);
-            revolved(to, face, &scaled, &profile)
+            let net = [near, far].map(|z| [z.abs(), z, 1.0]);
+            revolved(to, face, scaled, (&net, Profile::Line([near, far])))
         }
         SurfaceShape::HyperboloidOneSheet {
             placement,
@@ -166,7 +198,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             let [low, high] = scaled.range(face, |p| elementary::asinh(p.z));
             let [half, middle] = [0.5 * (high - low), 0.5 * (low + high)];
-            let profile = [
+            let net = [
                 [elementary::cosh(low), elementary::sinh(low), 1.0],
                 [
                     elementary::cosh(middle),
@@ -175,7 +207,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 ],
                 [elementary::cosh(high), elementary::sinh(high), 1.0],
             ];
-            revolved(to, face, &scaled, &profile)
+            revolved(to, face, scaled, (&net, Profile::Beside([low, high])))
         }
         SurfaceShape::HyperboloidTwoSheets { placement, radii }
             if is_round([radii[0], radii[1]]) =>
@@ -189,7 +221,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             };
             let sign = scaled.range(face, |p| p.z).iter().sum::<f64>().signum();
             let [_, high] = scaled.range(face, |p| elementary::acosh(p.z.abs().max(1.0)));
-            let profile = [
+            let net = [
                 [0.0, sign, 1.0],
                 [
                     elementary::sinh(0.5 * high),
@@ -198,7 +230,7 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
                 ],
                 [elementary::sinh(high), sign * elementary::cosh(high), 1.0],
             ];
-            revolved(to, face, &scaled, &profile)
+            revolved(to, face, scaled, (&net, Profile::Across([0.0, high])))
         }
         _ => return None,
     })
@@ -225,6 +257,7 @@ fn sphere(
     Written {
         surface: to.share(format_args!("SPHERICAL_SURFACE('',{placement},{radius})")),
         is_outward: is_away(face, |p| p - center),
+        chart: None,
     }
 }
 
@@ -293,16 +326,6 @@ fn hyperboloid_of_revolution(
     turned.half(to, &faces[0], branch, (a * elementary::sinh(high), ends))
 }
 
-/// Whether all edges of a saddle's face are lines, but for those at which it was cut: between others Open
-/// CASCADE 8.0 takes it for another one.
-fn has_plain_edges(face: &Face<'_>) -> bool {
-    let is_plain = |edge: Edge<'_>| {
-        let [one, other] = edge.faces().map(|face| face.surface_index());
-        one == other || matches!(edge.curve(), CurveShape::Line { .. })
-    };
-    face.edges().all(is_plain)
-}
-
 /// Whether both scales of a section across an axis are one, to rounding.
 pub(super) fn is_round([a, b]: [f64; 2]) -> bool {
     (a - b).abs() <= ROUND * a.abs()
@@ -357,6 +380,7 @@ impl Turned {
         Written {
             surface: to.add(format_args!("SURFACE_OF_REVOLUTION('',{curve},{axis})")),
             is_outward: is_away(face, |p| (p - self.origin).reject_from(self.axis)),
+            chart: None,
         }
     }
 
@@ -392,12 +416,23 @@ fn extruded(to: &mut Entities, face: &Face<'_>, placement: &Placement, radii: [f
     if face.view().dot(long) > 0.0 {
         long = -long;
     }
+    let frame = Frame::new(origin, [axis, long]);
     let placement = to.placement(origin, [axis, long]);
-    let [most, least] = [most, least].map(Real);
-    let ellipse = to.share(format_args!("ELLIPSE('',{placement},{most},{least})"));
-    linear_extrusion(to, face, (ellipse, axis), |p| {
+    let lengths = [most, least].map(Real);
+    let ellipse = to.share(format_args!(
+        "ELLIPSE('',{placement},{},{})",
+        lengths[0], lengths[1]
+    ));
+    let written = linear_extrusion(to, face, (ellipse, axis), |p| {
         (p - origin).reject_from(axis)
-    })
+    });
+    Written {
+        chart: Some(Chart::Extruded {
+            frame,
+            radii: [most, least],
+        }),
+        ..written
+    }
 }
 
 /// A curve along a direction. On its right, seen against that, are the vectors at points.
@@ -414,6 +449,7 @@ fn linear_extrusion(
             "SURFACE_OF_LINEAR_EXTRUSION('',{curve},{vector})"
         )),
         is_outward: is_away(face, right),
+        chart: None,
     }
 }
 
@@ -470,13 +506,14 @@ fn is_away(face: &Face<'_>, vector: impl Fn(DVec3) -> DVec3) -> bool {
 }
 
 /// Coordinates about a placement in which a surface has unit radii.
-struct Scaled {
+#[derive(Clone, Debug)]
+pub(super) struct Scaled {
     placement: Placement,
     scales: [f64; 3],
 }
 
 impl Scaled {
-    fn point(&self, p: DVec3) -> DVec3 {
+    pub fn point(&self, p: DVec3) -> DVec3 {
         let axes = self
             .placement
             .axes
@@ -487,7 +524,7 @@ impl Scaled {
         self.placement.origin + off
     }
 
-    fn coordinates(&self, point: DVec3) -> DVec3 {
+    pub fn coordinates(&self, point: DVec3) -> DVec3 {
         let off = point - self.placement.origin;
         let [x, y, z] = self.placement.axes;
         DVec3::new(off.dot(x), off.dot(y), off.dot(z)) / DVec3::from(self.scales)
@@ -560,29 +597,36 @@ fn arc([from, to]: [f64; 2]) -> [[f64; 3]; 3] {
 }
 
 /// A profile, by radius, height and weight, turned around the axis as far as the face goes.
-fn revolved(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, profile: &[[f64; 3]]) -> Written {
-    let arc = arc(scaled.sector(face));
+fn revolved(
+    to: &mut Entities,
+    face: &Face<'_>,
+    scaled: Scaled,
+    (points, profile): (&[[f64; 3]], Profile),
+) -> Written {
+    let angles = scaled.sector(face);
+    let arc = arc(angles);
     let net: Vec<Vec<DVec4>> = arc
         .iter()
         .map(|[cos, sin, weight]| {
-            let row = profile.iter().map(|[radius, height, w]| {
+            let row = points.iter().map(|[radius, height, w]| {
                 DVec4::new(radius * cos, radius * sin, height * weight, w * weight)
             });
             row.collect()
         })
         .collect();
-    bezier(to, face, scaled, &net)
+    let parameters = Parameters::Revolved { angles, profile };
+    bezier(to, face, scaled, (net, parameters))
 }
 
 /// A part of a unit sphere, seen from the point opposite of the face's middle.
-fn stereographic(to: &mut Entities, face: &Face<'_>, scaled: &Scaled) -> Written {
+fn stereographic(to: &mut Entities, face: &Face<'_>, scaled: Scaled) -> Written {
     let view = scaled
         .coordinates(scaled.placement.origin + face.view())
         .normalize_or_zero();
     let (u, v) = view.any_orthonormal_pair();
-    let flat = |p: DVec3, axis: DVec3| p.dot(axis) / (1.0 + p.dot(view));
-    let [x0, x1] = scaled.range(face, |p| flat(p, u));
-    let [y0, y1] = scaled.range(face, |p| flat(p, v));
+    let flat = |p: DVec3| chart::stereographic(p, view, [u, v]);
+    let [x0, x1] = scaled.range(face, |p| flat(p).x);
+    let [y0, y1] = scaled.range(face, |p| flat(p).y);
     // Polar values of 2x u + 2y v + (1 - x² - y²) view over 1 + x² + y².
     let net: Vec<Vec<DVec4>> = steps(x0, x1)
         .iter()
@@ -595,11 +639,17 @@ fn stereographic(to: &mut Entities, face: &Face<'_>, scaled: &Scaled) -> Written
             row.collect()
         })
         .collect();
-    bezier(to, face, scaled, &net)
+    let parameters = Parameters::Stereographic {
+        view,
+        axes: [u, v],
+        x: [x0, x1],
+        y: [y0, y1],
+    };
+    bezier(to, face, scaled, (net, parameters))
 }
 
 /// z = a x² + b y², whose x and y are its parameters; a saddle if the signs differ.
-fn paraboloid(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, [a, b]: [f64; 2]) -> Written {
+fn paraboloid(to: &mut Entities, face: &Face<'_>, scaled: Scaled, [a, b]: [f64; 2]) -> Written {
     let [x0, x1] = scaled.range(face, |p| p.x);
     let [y0, y1] = scaled.range(face, |p| p.y);
     let net: Vec<Vec<DVec4>> = steps(x0, x1)
@@ -612,7 +662,11 @@ fn paraboloid(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, [a, b]: [f64;
             row.collect()
         })
         .collect();
-    bezier(to, face, scaled, &net)
+    let parameters = Parameters::Plain {
+        x: [x0, x1],
+        y: [y0, y1],
+    };
+    bezier(to, face, scaled, (net, parameters))
 }
 
 /// The polar values of x and x² between two places.
@@ -625,7 +679,12 @@ fn steps(from: f64, to: f64) -> [(f64, f64); 3] {
 }
 
 /// A rational polynomial surface, by points times weights, and weights.
-fn bezier(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, net: &[Vec<DVec4>]) -> Written {
+fn bezier(
+    to: &mut Entities,
+    face: &Face<'_>,
+    scaled: Scaled,
+    (net, parameters): (Vec<Vec<DVec4>>, Parameters),
+) -> Written {
     let place = |p: &DVec4| scaled.point(p.truncate() / p.w);
     let at: Vec<Vec<DVec3>> = net
         .iter()
@@ -661,5 +720,10 @@ fn bezier(to: &mut Entities, face: &Face<'_>, scaled: &Scaled, net: &[Vec<DVec4>
     Written {
         surface,
         is_outward: normal.dot(face.normal(last)) > 0.0,
+        chart: Some(Chart::Bezier(Box::new(Bezier {
+            scaled,
+            net,
+            parameters,
+        }))),
     }
 }

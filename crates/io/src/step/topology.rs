@@ -1,14 +1,16 @@
 //! Shells, faces, loops, edges and vertices.
 
 use csg::LengthUnit;
-use csg::brep::{Coedge, Face, Shell};
+use csg::brep::{Coedge, Edge, Face, Shell};
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::chart::Chart;
+use super::curves::Course;
 use super::surfaces::Written;
 use super::telling::{self, Telling};
 use super::text::{Entities, Flag, Id, List, Quoted};
-use super::{cap, curves, spheroid, surfaces, zone};
+use super::{cap, image, spheroid, surfaces, zone};
 use crate::Error;
 
 /// What was written of a boundary so far.
@@ -17,6 +19,8 @@ pub(super) struct Topology {
     /// By the number of the edge or face; the parts of an edge in its order.
     edges: FxHashMap<usize, Vec<Id>>,
     pub faces: FxHashMap<usize, Id>,
+    /// Of the shell that is being written the surfaces of faces on which edges have images.
+    charts: FxHashMap<usize, (Id, Chart)>,
     /// Of the shell that is being written those at each place: where it touches itself there are
     /// several in one.
     vertices: FxHashMap<[u64; 3], Id>,
@@ -26,6 +30,14 @@ pub(super) struct Topology {
     first_face: Option<Id>,
     /// A millimetre in the model's unit.
     millimetre: f64,
+}
+
+/// Faces that are one in the file.
+struct Part<'a> {
+    faces: Vec<Face<'a>>,
+    surface: Id,
+    is_outward: bool,
+    loops: Vec<Vec<Coedge<'a>>>,
 }
 
 impl Topology {
@@ -54,32 +66,14 @@ impl Topology {
                 continue;
             }
             self.vertices.clear();
+            self.charts.clear();
             let is_void = index > 0;
             self.telling = is_void.then(|| telling::edge(shell, &shells[0])).flatten();
             self.first_face = None;
-            for cap in cap::caps(shell, self.millimetre) {
-                let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
-                let id = self.face(to, &cap.faces[0], surface, &cap.loops, tolerance)?;
-                let all = cap.faces.iter().map(|face| (face.id().index(), id));
+            for part in self.parts(to, shell)? {
+                let id = self.face(to, &part, tolerance)?;
+                let all = part.faces.iter().map(|face| (face.id().index(), id));
                 self.faces.extend(all);
-                faces.push(id);
-            }
-            for zone in zone::zones(shell, self.millimetre) {
-                let surface = surfaces::write_zone(to, &zone.faces[0], zone.axis);
-                let id = self.face(to, &zone.faces[0], surface, &zone.loops, tolerance)?;
-                let all = zone.faces.iter().map(|face| (face.id().index(), id));
-                self.faces.extend(all);
-                faces.push(id);
-            }
-            for face in shell.faces() {
-                if self.faces.contains_key(&face.id().index()) {
-                    continue;
-                }
-                let surface = surfaces::write(to, &face);
-                let loops = face.loops().map(|around| around.coedges().collect());
-                let loops: Vec<Vec<Coedge<'_>>> = loops.collect();
-                let id = self.face(to, &face, surface, &loops, tolerance)?;
-                self.faces.insert(face.id().index(), id);
                 faces.push(id);
             }
             if let Some(first) = self.first_face {
@@ -100,22 +94,56 @@ impl Topology {
         Ok(to.add(format_args!("BREP_WITH_VOIDS({name},{outer},{voids})")))
     }
 
+    /// The faces of a shell as they are in the file, and their surfaces: those on both sides of
+    /// an edge are known before it is written.
+    fn parts<'a>(&mut self, to: &mut Entities, shell: &Shell<'a>) -> Result<Vec<Part<'a>>, Error> {
+        let mut found: Vec<(Vec<Face<'a>>, Option<Written>, Vec<Vec<Coedge<'a>>>)> = Vec::new();
+        for cap in cap::caps(shell, self.millimetre) {
+            let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
+            found.push((cap.faces, surface, cap.loops));
+        }
+        for zone in zone::zones(shell, self.millimetre) {
+            let surface = surfaces::write_zone(to, &zone.faces[0], zone.axis);
+            found.push((zone.faces, surface, zone.loops));
+        }
+        let known = found.iter().flat_map(|(faces, ..)| faces);
+        let known: FxHashSet<usize> = known.map(|face| face.id().index()).collect();
+        for face in shell.faces() {
+            if !known.contains(&face.id().index()) {
+                let surface = surfaces::write(to, &face);
+                let loops = face.loops().map(|around| around.coedges().collect());
+                found.push((vec![face], surface, loops.collect()));
+            }
+        }
+        let parts = found.into_iter().map(|(faces, surface, loops)| {
+            let face = faces[0];
+            let Written {
+                surface,
+                is_outward,
+                chart,
+            } = surface.ok_or_else(|| Error::NotInStep {
+                problem: format!(
+                    "no way to write the surface {} is known; it comes from {}",
+                    face.surface(),
+                    face.origin().kind
+                ),
+            })?;
+            if let Some(chart) = chart {
+                self.charts.insert(face.id().index(), (surface, chart));
+            }
+            Ok(Part {
+                faces,
+                surface,
+                is_outward,
+                loops,
+            })
+        });
+        parts.collect()
+    }
+
     /// A face on a surface, within loops.
-    fn face(
-        &mut self,
-        to: &mut Entities,
-        face: &Face<'_>,
-        surface: Option<Written>,
-        loops: &[Vec<Coedge<'_>>],
-        tolerance: f64,
-    ) -> Result<Id, Error> {
-        let surface = surface.ok_or_else(|| Error::NotInStep {
-            problem: format!(
-                "no way to write the surface {} is known; it comes from {}",
-                face.surface(),
-                face.origin().kind
-            ),
-        })?;
+    fn face(&mut self, to: &mut Entities, part: &Part<'_>, tolerance: f64) -> Result<Id, Error> {
+        let (face, loops) = (&part.faces[0], &part.loops);
         let tells = |side: &Coedge<'_>| {
             let edge = side.edge().id().index();
             self.telling.is_some_and(|telling| telling.edge == edge)
@@ -145,7 +173,7 @@ impl Topology {
             bounds.push(to.add(format_args!("{kind}('',{around},.T.)")));
         }
         let name = Quoted(face.origin().name.as_deref().unwrap_or_default()).to_string();
-        let (bounds, surface, same) = (List(&bounds), surface.surface, Flag(surface.is_outward));
+        let (bounds, surface, same) = (List(&bounds), part.surface, Flag(part.is_outward));
         let id = to.add(format_args!(
             "ADVANCED_FACE({name},{bounds},{surface},{same})"
         ));
@@ -167,7 +195,7 @@ impl Topology {
         }
         let [from, until] = edge.range();
         let middle = edge.at(0.5 * (from + until));
-        let curve = curves::write(to, &edge, tolerance).ok_or_else(|| Error::NotInStep {
+        let course = Course::of(&edge, tolerance).ok_or_else(|| Error::NotInStep {
             problem: format!(
                 "no B-spline within {tolerance} of the edge around {middle} was found: \
                  allow a larger tolerance"
@@ -182,7 +210,14 @@ impl Topology {
         };
         let mut ends: Vec<Id> = vec![from, until];
         let index = edge.id().index();
-        if self.telling.is_some_and(|t| t.edge == index && t.is_parted) {
+        // (Of a part of the edge others may begin to count elsewhere.)
+        let is_parted = self.telling.is_some_and(|t| t.edge == index && t.is_parted);
+        let curve = if is_parted {
+            course.write(to)
+        } else {
+            image::write(to, &course, &self.charts(&edge), tolerance)
+        };
+        if is_parted {
             ends.insert(1, self.vertex(to, middle));
         }
         let part = |ends: &[Id]| {
@@ -192,6 +227,19 @@ impl Topology {
         let parts: Vec<Id> = ends.windows(2).map(part).collect();
         self.edges.insert(edge.id().index(), parts.clone());
         Ok(parts)
+    }
+
+    /// The surfaces on both sides of an edge that images are written on: none that are one, on which
+    /// others could not tell them apart.
+    fn charts(&self, edge: &Edge<'_>) -> Vec<(Id, &Chart)> {
+        let charts = edge.faces().map(|face| self.charts.get(&face.id().index()));
+        if let [Some((one, _)), Some((other, _))] = charts
+            && one == other
+        {
+            return Vec::new();
+        }
+        let known = charts.into_iter().flatten();
+        known.map(|(surface, chart)| (*surface, chart)).collect()
     }
 
     fn vertex(&mut self, to: &mut Entities, at: DVec3) -> Id {
