@@ -23,6 +23,7 @@ mod scene_shapes;
 mod scene_text;
 mod scene_write;
 mod shards;
+mod step_written;
 mod svg_files;
 mod threemf;
 mod untrusted_files;
