@@ -15,7 +15,7 @@ use crate::environment::python;
 use crate::random::Random;
 use crate::sweeps::one_in;
 use stereotomy::csg::brep::{CurveShape, Face, Shell};
-use stereotomy::csg::glam::{DVec3, dvec3};
+use stereotomy::csg::glam::{DAffine3, DMat3, DVec3, EulerRot, dvec3};
 use stereotomy::csg::{
     BoundaryOptions, Brep, Color, LengthUnit, Limits, Profile, Program, Solid, SurfaceShape,
 };
@@ -33,10 +33,12 @@ const NOT_VALID: [(&str, &str); 1] = [(
 /// Those whose volumes are off by more, of it. Two frusta meet in a curve that
 /// bends by a radius of a thousandth: what is read back has 9e-6 less volume with images through ten
 /// times as many points (by a quadrature of its own the solid has 0.0726931382). Of bellows a hundred
-/// times as large all digits are read back.
-const NOT_SO_EXACT: [(&str, f64); 2] = [
+/// times as large all digits are read back. On the needle, 2,900 times as long as it is wide, a
+/// rounding of coordinates moves the point that has them by as many.
+const NOT_SO_EXACT: [(&str, f64); 3] = [
     ("bellows-a-hair-off", 1e-9),
     ("shaft-beside-a-collar", 2e-7),
+    ("slice-of-a-needle", 2e-8),
 ];
 
 fn start() -> Lent {
@@ -142,9 +144,9 @@ impl Tally {
         );
         let measure = brep.measure();
         let volume = measure.volume.value;
-        let is_quartic = |shape: CurveShape| matches!(shape, CurveShape::Quartic);
-        let has_quartics = brep.edges().any(|edge| is_quartic(edge.curve()));
-        // B-splines stray from curves by 1e-9 of the solid's size at most.
+        let is_bent = |shape: CurveShape| !matches!(shape, CurveShape::Line { .. });
+        let has_images = brep.edges().any(|edge| is_bent(edge.curve()));
+        // B-splines, of curves and of their images, stray by 1e-9 of the solid's size at most.
         let points = || brep.vertices().map(|vertex| vertex.point());
         let low = points().reduce(DVec3::min).expect("a vertex");
         let high = points().reduce(DVec3::max).expect("a vertex");
@@ -152,14 +154,13 @@ impl Tally {
         let off = (found.volume - volume).abs();
         let known = NOT_SO_EXACT.iter().find(|(of, _)| name.starts_with(of));
         let digits = known.map_or(0.0, |&(_, digits)| digits);
-        let allowed =
-            (1e-9 + self.slack + digits) * volume + if has_quartics { stray } else { 0.0 };
+        let allowed = (1e-9 + self.slack + digits) * volume + if has_images { stray } else { 0.0 };
         hold(
             off <= allowed,
             format!("volume {volume}, read back {}: {off:e} off", found.volume),
         );
         println!(
-            "{name:40} faces {:5} valid {:5} quartics {has_quartics:5} volume off by {:.1e} of \
+            "{name:40} faces {:5} valid {:5} bent edges {has_images:5} volume off by {:.1e} of \
              it, {:.1} s",
             faces.0,
             found.is_valid,
@@ -515,18 +516,79 @@ fn units_are_read_back() {
     }
 }
 
-/// Saddles in conics are not written: Open CASCADE reads them with other volumes.
+/// Cut ellipsoids and spheroids, and balls turned in six digits, in several units: images of their edges
+/// are those of the file, and so are volumes. What Open CASCADE lays through a few points of an edge
+/// made 2e-6 of the first.
 #[test]
-fn saddles_between_conics_are_refused() {
-    let square = Profile::regular_polygon(4, 1.0).rotate(0.3);
-    let saddles = Solid::extrude_scaled(&square, 0.0..3.0, [1.5, 0.6]);
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("part.step");
-    write_step_file(&path, &boundary(&saddles), &StepOptions::default()).expect("written");
-    std::fs::remove_file(&path).expect("there");
-    let cut = saddles & Solid::half_space([0.3, 0.2, 1.0], 1.0);
-    let error = write_step_file(&path, &boundary(&cut), &StepOptions::default());
-    let error = error.expect_err("conics on saddles").to_string();
-    assert!(error.contains("no way to write the surface"), "{error}");
-    assert!(!path.exists());
+fn cut_ellipsoids_are_read_back() {
+    let mut script = start();
+    let mut tally = Tally::default();
+    let ball = Solid::sphere;
+    let dent = ball(5.0).scale_xyz([1.0, 1.0, 0.9]);
+    let mut solids = vec![Solid::cylinder(1.5, 0.0..2.0) - dent.translate([0.0, 0.0, 6.0])];
+    let mut random = Random::new(22);
+    for k in 0..11 {
+        let turn = [(); 3].map(|()| random.between(-3.0, 3.0));
+        let turn = DMat3::from_euler(EulerRot::XYZ, turn[0], turn[1], turn[2]);
+        let digits = turn.to_cols_array().map(|x| (1e6 * x).round() * 1e-6);
+        let turn = DAffine3::from_mat3(DMat3::from_cols_array(&digits));
+        let [x, y, z] = [(); 3].map(|()| random.between(0.5, 2.0));
+        let radii = [DVec3::splat(x), dvec3(x, x, z), dvec3(x, y, z)][k % 3];
+        let body = ball(1.0).scale_xyz(radii).affine(turn);
+        let other = match k % 4 {
+            0 => Solid::cube(1.5),
+            1 => Solid::cylinder(0.4, -3.0..3.0),
+            2 => ball(0.9).scale_xyz([1.0, 0.6, 1.2]),
+            _ => Solid::half_space([0.3, 0.4, 0.5], 0.1),
+        };
+        let other = other.translate([(); 3].map(|()| random.between(-0.4, 0.4)));
+        solids.push(if k % 2 == 0 {
+            body & other
+        } else {
+            body - other
+        });
+    }
+    let units = [LengthUnit::Millimetre, LengthUnit::Inch, LengthUnit::Metre];
+    for (k, solid) in solids.iter().enumerate() {
+        let brep = boundary(solid);
+        tally.check_boundary(&mut script, &format!("ellipsoid {k}"), &brep);
+        let unit = units[k % 3];
+        let found = read_back(&mut script, &brep, &StepOptions::default().unit(unit));
+        let volume = brep.measure().volume.value * (1e3 * unit.in_metres()).powi(3);
+        let off = (found.volume / volume - 1.0).abs();
+        assert!(found.is_valid && off < 1e-8, "{k} in {unit:?}: {off}");
+    }
+    assert_eq!(tally.finish(), solids.len());
+}
+
+/// Saddles in conics: of an edge without an image Open CASCADE took one on another saddle, and read
+/// other volumes.
+#[test]
+fn saddles_between_conics_are_read_back() {
+    let mut script = start();
+    let mut tally = Tally::default();
+    let mut random = Random::new(7);
+    for corners in 3..9 {
+        let polygon = Profile::regular_polygon(corners, 1.0).rotate(0.3);
+        let saddles = Solid::extrude_scaled(&polygon, 0.0..3.0, [1.5, 0.6]);
+        let normal = [random.between(-0.6, 0.6), random.between(-0.6, 0.6), 1.0];
+        let cut = Solid::half_space(normal, random.between(0.8, 2.0));
+        let solid = if corners % 2 == 0 {
+            saddles & cut
+        } else {
+            saddles - cut
+        };
+        let brep = boundary(&solid);
+        let is_saddle = |face: Face<'_>| {
+            let shape = face.surface().shape();
+            matches!(shape, SurfaceShape::HyperbolicParaboloid { .. })
+        };
+        let bent = brep.edges().filter(|edge| {
+            !matches!(edge.curve(), CurveShape::Line { .. })
+                && edge.faces().into_iter().any(is_saddle)
+        });
+        assert!(bent.count() >= 3);
+        tally.check_boundary(&mut script, &format!("{corners} saddles"), &brep);
+    }
+    assert_eq!(tally.finish(), 6);
 }

@@ -10,7 +10,12 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.collections import HArray1_double, HArray1_gp_Pnt2d, Sequence_TDF_Label
-from OCP.Geom import Geom_Plane
+from OCP.Geom import (
+    Geom_Parabola,
+    Geom_RectangularTrimmedSurface,
+    Geom_SurfaceOfLinearExtrusion,
+    Geom_SurfaceOfRevolution,
+)
 from OCP.Geom2dAPI import Geom2dAPI_Interpolate
 from OCP.gp import gp_Pnt2d
 from OCP.GProp import GProp_GProps
@@ -47,8 +52,9 @@ def volume(shape):
 
 
 def refine_images(shape):
-    """Lays the images of edges on curved faces through more points. Those that the reader
-    makes go through some twenty, and volumes stray with them; the file has none of them."""
+    """Lays the images of edges on surfaces of revolution, and over parabolas, through more
+    points. Those that the reader makes go through some twenty, and volumes stray with them; of
+    other surfaces they are in the file."""
     builder = BRep_Builder()
     box = Bnd_Box()
     BRepBndLib.Add_s(shape, box)
@@ -57,7 +63,11 @@ def refine_images(shape):
     for face in all_of(shape, TopAbs_FACE):
         face = TopoDS.Face(face)
         surface = BRep_Tool.Surface_s(face)
-        if isinstance(surface, Geom_Plane):
+        if isinstance(surface, Geom_RectangularTrimmedSurface):
+            surface = surface.BasisSurface()
+        is_swept = isinstance(surface, Geom_SurfaceOfLinearExtrusion)
+        is_over_parabola = is_swept and isinstance(surface.BasisCurve(), Geom_Parabola)
+        if not (isinstance(surface, Geom_SurfaceOfRevolution) or is_over_parabola):
             continue
         on = ShapeAnalysis_Surface(surface)
         for edge in all_of(face, TopAbs_EDGE):

@@ -216,6 +216,15 @@ impl Chart {
         }
     }
 
+    /// How many times as far a point moves that is found again by its parameters: across the shortest
+    /// half axis its coordinates count for more than along the longest one.
+    pub fn stretch(&self) -> f64 {
+        match self {
+            Self::Bezier(patch) => patch.scaled.stretch(),
+            _ => 1.0,
+        }
+    }
+
     /// After what the first parameter comes again.
     pub fn period(&self) -> Option<f64> {
         (!matches!(self, Self::Branch { .. } | Self::Bezier(_))).then_some(TAU)

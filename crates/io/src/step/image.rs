@@ -11,7 +11,8 @@ use super::curves::{self, Course, CourseShape};
 use super::text::{Entities, Id, List, Reals};
 use crate::spline::{self, Spline};
 
-/// Of coordinates, by how much rounding alone may lead an image astray. The second derivative at the end
+/// Of coordinates, by how much rounding alone may lead an image astray, where a surface is as long as
+/// it is wide ([`Chart::stretch`]). The second derivative at the end
 /// of a span is a sum over points whose weights are (14⁴ - 1) / 15 at most (Trefethen, *Spectral Methods
 /// in MATLAB*, 6), and a control point has a twentieth of it: 128 times the rounding of a point, and no
 /// more than eight operations make that.
@@ -59,7 +60,7 @@ fn image(course: &Course, chart: &Chart, tolerance: f64) -> Option<Spline> {
     let at = |u: f64| course.at(from + u * (to - from));
     let coordinate = [0.0, 0.5, 1.0].map(|u| at(u).abs().max_element());
     let size = coordinate.into_iter().fold(0.0, f64::max);
-    let tolerance = tolerance.max(ROUNDING * size);
+    let tolerance = tolerance.max(ROUNDING * chart.stretch() * size);
     let turns = Turns::new(&at, chart);
     let place = |u: f64| turns.place(chart, u, at(u)).extend(0.0);
     let is_near = |u: f64, image: DVec3| chart.point(image.truncate()).distance(at(u)) <= tolerance;

@@ -530,6 +530,12 @@ impl Scaled {
         DVec3::new(off.dot(x), off.dot(y), off.dot(z)) / DVec3::from(self.scales)
     }
 
+    /// How many times the shortest scale the longest one is.
+    pub fn stretch(&self) -> f64 {
+        let scales = DVec3::from(self.scales).abs();
+        scales.max_element() / scales.min_element()
+    }
+
     /// The coordinates of points around a face.
     fn samples(&self, face: &Face<'_>) -> Vec<DVec3> {
         const SAMPLES: u32 = 16;
