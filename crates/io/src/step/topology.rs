@@ -97,48 +97,55 @@ impl Topology {
     /// The faces of a shell as they are in the file, and their surfaces: those on both sides of
     /// an edge are known before it is written.
     fn parts<'a>(&mut self, to: &mut Entities, shell: &Shell<'a>) -> Result<Vec<Part<'a>>, Error> {
-        let mut found: Vec<(Vec<Face<'a>>, Option<Written>, Vec<Vec<Coedge<'a>>>)> = Vec::new();
+        let mut parts = Vec::new();
         for cap in cap::caps(shell, self.millimetre) {
             let surface = surfaces::write_cap(to, &cap.faces, cap.meridian);
-            found.push((cap.faces, surface, cap.loops));
+            parts.push(self.part(cap.faces, surface, cap.loops)?);
         }
         for zone in zone::zones(shell, self.millimetre) {
             let surface = surfaces::write_zone(to, &zone.faces[0], zone.axis);
-            found.push((zone.faces, surface, zone.loops));
+            parts.push(self.part(zone.faces, surface, zone.loops)?);
         }
-        let known = found.iter().flat_map(|(faces, ..)| faces);
+        let known = parts.iter().flat_map(|part| &part.faces);
         let known: FxHashSet<usize> = known.map(|face| face.id().index()).collect();
         for face in shell.faces() {
             if !known.contains(&face.id().index()) {
                 let surface = surfaces::write(to, &face);
                 let loops = face.loops().map(|around| around.coedges().collect());
-                found.push((vec![face], surface, loops.collect()));
+                parts.push(self.part(vec![face], surface, loops.collect())?);
             }
         }
-        let parts = found.into_iter().map(|(faces, surface, loops)| {
-            let face = faces[0];
-            let Written {
-                surface,
-                is_outward,
-                chart,
-            } = surface.ok_or_else(|| Error::NotInStep {
-                problem: format!(
-                    "no way to write the surface {} is known; it comes from {}",
-                    face.surface(),
-                    face.origin().kind
-                ),
-            })?;
-            if let Some(chart) = chart {
-                self.charts.insert(face.id().index(), (surface, chart));
-            }
-            Ok(Part {
-                faces,
-                surface,
-                is_outward,
-                loops,
-            })
-        });
-        parts.collect()
+        Ok(parts)
+    }
+
+    /// Faces that are one, on a surface if there is a way to write it, within loops.
+    fn part<'a>(
+        &mut self,
+        faces: Vec<Face<'a>>,
+        surface: Option<Written>,
+        loops: Vec<Vec<Coedge<'a>>>,
+    ) -> Result<Part<'a>, Error> {
+        let face = faces[0];
+        let Written {
+            surface,
+            is_outward,
+            chart,
+        } = surface.ok_or_else(|| Error::NotInStep {
+            problem: format!(
+                "no way to write the surface {} is known; it comes from {}",
+                face.surface(),
+                face.origin().kind
+            ),
+        })?;
+        if let Some(chart) = chart {
+            self.charts.insert(face.id().index(), (surface, chart));
+        }
+        Ok(Part {
+            faces,
+            surface,
+            is_outward,
+            loops,
+        })
     }
 
     /// A face on a surface, within loops.
