@@ -14,7 +14,7 @@ use crate::ROOT;
 use crate::environment::python;
 use crate::random::Random;
 use crate::sweeps::one_in;
-use stereotomy::csg::brep::{CurveShape, Face, Shell};
+use stereotomy::csg::brep::{CurveShape, Edge, Face, Shell};
 use stereotomy::csg::glam::{DAffine3, DMat3, DVec3, EulerRot, dvec3};
 use stereotomy::csg::{
     BoundaryOptions, Brep, Color, LengthUnit, Limits, Profile, Program, Solid, SurfaceShape,
@@ -147,9 +147,13 @@ impl Tally {
         let is_bent = |shape: CurveShape| !matches!(shape, CurveShape::Line { .. });
         let has_images = brep.edges().any(|edge| is_bent(edge.curve()));
         // B-splines, of curves and of their images, stray by 1e-9 of the solid's size at most.
-        let points = || brep.vertices().map(|vertex| vertex.point());
-        let low = points().reduce(DVec3::min).expect("a vertex");
-        let high = points().reduce(DVec3::max).expect("a vertex");
+        let of_edge = |edge: Edge<'_>| {
+            let [from, to] = edge.range();
+            [0.0, 0.5, 1.0].map(|share| edge.at(from + share * (to - from)))
+        };
+        let points = || brep.edges().flat_map(of_edge);
+        let low = points().reduce(DVec3::min).expect("an edge");
+        let high = points().reduce(DVec3::max).expect("an edge");
         let stray = 1e-9 * low.distance(high) * measure.area.value;
         let off = (found.volume - volume).abs();
         let known = NOT_SO_EXACT.iter().find(|(of, _)| name.starts_with(of));

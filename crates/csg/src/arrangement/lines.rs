@@ -10,8 +10,9 @@ use super::ids::Position;
 use super::line::Line;
 use super::piece::{CurveId, Piece};
 use super::regions::{Candidate, Finder, merge};
-use super::scene::Scene;
+use super::scene::{Plane, Scene};
 use super::sectors::{HalfPlane, Sectors, Wedges, emit};
+use super::triple::crossing_blur;
 use crate::program::{Ends, Given, SurfaceId};
 use crate::undecided::{Stop, Why};
 
@@ -29,7 +30,7 @@ pub(super) struct Tracer {
 
 /// In blocks of no more planes every pair of them is traced: it takes less time
 /// than finding out which pairs meet on the boundary. Tunes speed only.
-const ALL_PAIRS: usize = 16;
+const ALL_PAIRS: usize = 32;
 
 /// Where planes of faces beside each other cross lines at smaller sines, the places are
 /// found by the given edges. Less than half a digit is lost without.
@@ -360,7 +361,11 @@ impl Tracer {
         self.sectors
             .crossings
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if scene.given.is_none() || self.others.is_empty() {
+        if scene.given.is_none() {
+            self.put_in_order(scene, block, line, pair);
+            return true;
+        }
+        if self.others.is_empty() {
             return true;
         }
         // Of several planes through a line the first two that are looked at trace it, and a
@@ -373,6 +378,43 @@ impl Tracer {
         match first {
             Some((a, b)) => [through[a], through[b]] == pair,
             None => true,
+        }
+    }
+
+    /// Puts crossings that rounding may have exchanged in the order in which they are.
+    fn put_in_order(&mut self, scene: &Scene<'_>, block: &Block, line: &Line, pair: [Position; 2]) {
+        let own = pair.map(|position| scene.plane(block.id(position)));
+        let sine = own[0].normal.cross(own[1].normal).length();
+        let crossings = &mut self.sectors.crossings;
+        let plane = |position: Option<Position>| position.map(|p| scene.plane(block.id(p)));
+        let blur = |&(_, position): &(f64, Option<Position>)| {
+            plane(position).map_or(0.0, |plane| {
+                let slope = plane.normal.dot(line.direction);
+                crossing_blur(scene.rounding, sine * slope)
+            })
+        };
+        let mut blurs: SmallVec<[f64; 32]> = crossings.iter().map(blur).collect();
+        let mut is_changed = false;
+        for first in 1..crossings.len() {
+            for k in (1..=first).rev() {
+                let [before, after] = [crossings[k - 1], crossings[k]];
+                let may_be_exchanged = (after.0 - before.0).abs() <= blurs[k - 1] + blurs[k];
+                let planes = plane(before.1).zip(plane(after.1));
+                let planes = planes.filter(|_| may_be_exchanged);
+                if !planes.is_some_and(|(p, q)| Plane::order_along(own, [p, q]).is_gt()) {
+                    break;
+                }
+                crossings.swap(k - 1, k);
+                blurs.swap(k - 1, k);
+                is_changed = true;
+            }
+        }
+        if is_changed {
+            let mut last = f64::NEG_INFINITY;
+            for (at, _) in crossings {
+                *at = at.max(last);
+                last = *at;
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! What all blocks have in common.
 
+use std::cmp::Ordering;
+
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
@@ -8,6 +10,7 @@ use super::intersection::Nearness;
 use super::piece::Side;
 use super::relations::Relations;
 use crate::control::Control;
+use crate::numeric::exact::{sign_of_3, sign_of_4};
 use crate::numeric::tolerance::{BLURRED_REACH, NEAR, SAME_BEND, TOUCHING_REACH};
 use crate::program::{Given, Surface, SurfaceId};
 use crate::surface::solve;
@@ -30,6 +33,22 @@ impl Plane {
 
     pub fn value(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
+    }
+
+    /// Which of two planes the line that two others have in common comes to first, along the cross
+    /// product of their normals, as if all coefficients were exact: the value of one where the other
+    /// one crosses is a determinant over another one.
+    pub fn order_along(own: [&Self; 2], [one, other]: [&Self; 2]) -> Ordering {
+        let rise = |plane: &Self| sign_of_3([own[0], own[1], plane].map(|p| p.normal.to_array()));
+        let value =
+            sign_of_4([own[0], own[1], one, other].map(|p| p.normal.extend(-p.offset).to_array()));
+        let signs = [value, rise(one), rise(other)];
+        let is_before = signs.iter().filter(|sign| sign.is_lt()).count() % 2 == 1;
+        match signs.contains(&Ordering::Equal) {
+            true => Ordering::Equal,
+            false if is_before => Ordering::Less,
+            false => Ordering::Greater,
+        }
     }
 }
 

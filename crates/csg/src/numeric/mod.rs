@@ -1,6 +1,7 @@
 //! Numbers alone: what knows of no surface and no solid.
 
 mod eigen;
+pub(crate) mod exact;
 mod groups;
 pub(crate) mod lanes;
 mod stretch;

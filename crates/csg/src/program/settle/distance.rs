@@ -27,9 +27,9 @@ impl Surface {
         }
         let sign = if self.is_aligned(other) { 1.0 } else { -1.0 };
         if self.is_plane() {
-            let offset = self.linear.dot(other.anchor - self.anchor).abs();
+            let [one, off] = [self, other].map(|plane| plane.linear.dot(plane.anchor));
             let turn = (self.linear - sign * other.linear).length();
-            return offset + turn * (reach + other.anchor.length());
+            return (one - sign * off).abs() + turn * reach;
         }
         let general = self.bound_by_functions(other, reach);
         let [one, other] = [self, other].map(|s| Element::of(s, reach, f64::INFINITY));
