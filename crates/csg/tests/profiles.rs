@@ -3,6 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::measured::measured;
 use crate::random::Random;
 use crate::sweeps::one_in;
 use csg::glam::DVec2;
@@ -572,5 +573,33 @@ fn treads_level_but_for_a_hair_are_there() {
             "{corners:?}: {off} beyond {within} of {volume}"
         );
         assert!(within < 2e-5 * volume, "{corners:?}: {within}");
+    }
+}
+
+/// A disc and a bar beside it that begins tangent to it, drawn in by little on the way: cones whose
+/// apex is far away keep the digits of their radii, turned or not.
+#[test]
+fn discs_drawn_in_by_little_keep_their_digits() {
+    let bar = Profile::rectangle([2.95, 0.1]).translate([1.475, 1.05]);
+    let profile = bar | Profile::circle(1.0).translate([1.0, 1.1]);
+    let area = PI + 0.295 - (0.1 * 0.99f64.sqrt() + 0.1f64.asin());
+    for power in 1..10 {
+        for sign in [1.0, -1.0] {
+            let scale = 1.0 - sign * 10f64.powi(-power);
+            let drawn = Solid::extrude_scaled(&profile, 0.0..3.0, [scale, scale]);
+            let wanted = area * (1.0 + scale + scale * scale);
+            for solid in [
+                drawn.clone(),
+                drawn
+                    .rotate_z(1.0)
+                    .rotate_x(0.7)
+                    .translate([5.0, -4.0, 3.0]),
+            ] {
+                let found = measured(&format!("{scale}"), &solid);
+                let off = (found.value - wanted).abs();
+                assert!(found.error < 1e-9, "{scale}: {found:?}");
+                assert!(off <= found.error, "{scale}: {found:?}, not {wanted}");
+            }
+        }
     }
 }

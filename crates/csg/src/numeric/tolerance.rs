@@ -177,8 +177,8 @@ pub(crate) const DEPENDENT_IN_CELL: f64 = 1e-9;
 /// by ten coefficients depends on it.
 pub(crate) const NO_VALUE: f64 = 1e-12;
 
-/// Is a quadric's centre or vertex so far from the origin, by squares of distances of what its
-/// coefficients tell, that it is kept as it was given?
+/// Is a quadric's centre, vertex or apex so far away, by squares of distances in sizes of the part that
+/// is there, that it is kept about that part?
 ///
 /// Decree: f about a point so far away loses two digits that the coefficients have.
 pub(crate) const FAR_CENTRE: f64 = 100.0;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use crate::error::NodeFault;
-use crate::numeric::tolerance::{COORDINATE, IN_PROFILE, WHOLE_TURN};
+use crate::numeric::tolerance::{COORDINATE, FAR_CENTRE, IN_PROFILE, WHOLE_TURN};
 use crate::solid::polyhedron::FEW_FACES;
 use crate::solid::{Plane, Polyhedron, Primitive};
 use crate::surface::{Kind, Surface, from_coefficients};
@@ -254,11 +254,12 @@ fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFa
     // The apex, where the radius comes to 0, if it is near enough to keep the
     // digits of the radii; exactly the end where the radius is given as 0.
     let apex_above_bottom = -bottom / slope;
+    let size = height + widest;
     let wall = if bottom == 0.0 {
         cone(DVec3::new(0.0, 0.0, z.start), slope.abs())
     } else if top == 0.0 {
         cone(DVec3::new(0.0, 0.0, z.end), slope.abs())
-    } else if apex_above_bottom.abs() < 16.0 * (height + widest) {
+    } else if apex_above_bottom * apex_above_bottom <= FAR_CENTRE * size * size {
         cone(
             DVec3::new(0.0, 0.0, z.start + apex_above_bottom),
             slope.abs(),

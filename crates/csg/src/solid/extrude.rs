@@ -5,14 +5,14 @@
 
 use std::ops::Range;
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
 use super::polyhedron::FEW_FACES;
 use super::profile::{Leaf, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
 use super::twist::{even_twist, extent, prism};
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
+use crate::numeric::tolerance::{FAR_CENTRE, IN_PROFILE, PROFILE_CHORD};
 
 /// Solids from profiles, in the xy plane.
 impl Solid {
@@ -186,14 +186,14 @@ impl Column<'_> {
         match *leaf {
             Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
             Leaf::Disc(map) if self.is_even() && scale.x != 1.0 => {
-                let apex = z.start + height / (1.0 - scale.x);
-                cone(
-                    map.matrix2.x_axis,
-                    map.matrix2.y_axis,
-                    map.translation,
-                    z.start,
-                    apex,
-                )
+                let beyond = height / (1.0 - scale.x);
+                let DMat2 { x_axis, y_axis } = map.matrix2;
+                let [radii, center] = [x_axis.length() + y_axis.length(), map.translation.length()];
+                let size = height.max(radii + center);
+                if beyond * beyond > FAR_CENTRE * size * size {
+                    return far_cone(map, z.start, -1.0 / beyond);
+                }
+                cone(x_axis, y_axis, map.translation, z.start, z.start + beyond)
             }
             Leaf::Disc(map) => {
                 let map = DAffine3 {
@@ -260,6 +260,30 @@ fn cone(x: DVec2, y: DVec2, center: DVec2, base: f64, apex: f64) -> Solid {
         translation: apex * DVec3::Z,
     };
     double_cone().affine(map)
+}
+
+/// The same by its coefficients at the height of the ellipse, as its tip is so far away that about
+/// that digits would be lost: of a disc that grows by that share along a unit of length.
+fn far_cone(disc: DAffine2, base: f64, growth: f64) -> Solid {
+    // |q| <= k, for q = a p - k c where a maps the disc to one of radius 1 and c is its centre there.
+    let a = disc.matrix2.inverse();
+    let c = a * disc.translation;
+    let form = a.transpose() * a;
+    let linear = -2.0 * (a.transpose() * c);
+    let rest = c.length_squared() - 1.0;
+    let coefficients = [
+        form.x_axis.x,
+        form.y_axis.y,
+        growth * growth * rest,
+        2.0 * form.x_axis.y,
+        growth * linear.y,
+        growth * linear.x,
+        linear.x,
+        linear.y,
+        2.0 * growth * rest,
+        rest,
+    ];
+    Solid::quadric(coefficients).translate(base * DVec3::Z)
 }
 
 /// x² + y² <= z².

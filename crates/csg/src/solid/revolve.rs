@@ -17,7 +17,7 @@ use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::{Node, Solid};
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{IN_PROFILE, LEVEL, ON_AXIS, PROFILE_CHORD};
+use crate::numeric::tolerance::{FAR_CENTRE, IN_PROFILE, LEVEL, ON_AXIS, PROFILE_CHORD};
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;
@@ -266,11 +266,9 @@ fn flat(height: f64, up: bool) -> Solid {
 /// The inside of a cone, the nappe that has a circle of `radius` at `height`; where its apex is
 /// so far away that the cone keeps few digits about it, between two heights alone.
 fn nappe(radius: f64, slope: f64, height: f64, between: &Range<f64>) -> Solid {
-    /// Of the way between the heights. A cone loses digits about its apex with the square of the
-    /// distance: five of sixteen.
-    const FAR: f64 = 300.0;
     let beyond = -radius / slope;
-    if beyond.abs() > FAR * (between.end - between.start) {
+    let size = radius.abs() + between.end - between.start;
+    if beyond * beyond > FAR_CENTRE * size * size {
         let at = |z: f64| radius + slope * (z - height);
         return Solid::frustum(at(between.start), at(between.end), between.clone());
     }
