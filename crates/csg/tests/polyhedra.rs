@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::random::Random;
 use crate::sweeps::one_in;
-use csg::glam::{self, DQuat, DVec2, DVec3, dvec3};
+use csg::glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, EulerRot, dvec3};
 use csg::{
     BoundaryOptions, Error, Mesh, Mesher, NodeFault, PolyhedronFault, Profile, Program, Solid,
     Twist, turn,
@@ -130,7 +130,7 @@ fn hulls_of_regular_points_have_few_faces() {
         let at = move |k: u32| f64::from(k) / f64::from(n - 1);
         (0..n * n * n).map(move |k| dvec3(at(k % n), at(k / n % n), at(k / n / n)))
     };
-    let turned = glam::DAffine3::from_axis_angle(dvec3(1.0, 2.0, 3.0).normalize(), 0.7);
+    let turned = DAffine3::from_axis_angle(dvec3(1.0, 2.0, 3.0).normalize(), 0.7);
     for n in [2, 3, 6] {
         let solid = Solid::hull(grid(n).map(|p| turned.transform_point3(p) + 0.3));
         let program = Program::lower(&solid).expect("a program");
@@ -567,4 +567,41 @@ fn hulls_of_balls_are_rounded() {
             assert!(off <= 1e-3 * meshed.mesh.area(), "{what}: {off}");
         }
     }
+}
+
+/// Unit cubes beside each other, turned there and back by matrices of six digits: each is off by a
+/// millionth, and planes that are nearly one cross anywhere. What two of them have together and in
+/// common is what both have.
+#[test]
+fn cubes_turned_there_and_back_add_up() {
+    let mut random = Random(11);
+    let six_digits = |turn: DMat3| {
+        DMat3::from_cols_array(&turn.to_cols_array().map(|x| (1e6 * x).round() * 1e-6))
+    };
+    let cube = Solid::cube(1.0).translate([0.5, 0.5, 0.5]);
+    let (mut moved, cases) = (0, 60);
+    for case in 0..cases {
+        let mut part = || {
+            let [x, y, z] = [(); 3].map(|()| 6.0 * random.unit());
+            let turn = DMat3::from_euler(EulerRot::XYZ, x, y, z);
+            let [there, back] = [turn, turn.transpose()].map(six_digits);
+            let map = there * back;
+            let at = [(); 3].map(|()| (1.5 * random.unit()).round());
+            let solid = cube.affine(DAffine3::from_mat3(back));
+            let solid = solid.affine(DAffine3::from_mat3(there)).translate(at);
+            (solid, map.determinant())
+        };
+        let [(a, of_a), (b, of_b)] = [part(), part()];
+        let mut volume = |solid: &Solid| {
+            let program = Program::lower(solid).expect("valid");
+            let brep = program.boundary(&BoundaryOptions::new());
+            let brep = brep.unwrap_or_else(|e| panic!("{case}: {e}"));
+            moved += usize::from(brep.moved().is_some());
+            brep.measure().volume
+        };
+        let [both, common] = [&a | &b, &a & &b].map(|solid| volume(&solid));
+        let off = (both.value + common.value - of_a - of_b).abs();
+        assert!(off <= both.error + common.error + 1e-14, "{case}: {off:e}");
+    }
+    assert!(20 * moved <= 2 * cases, "{moved}");
 }

@@ -10,6 +10,14 @@ use super::text::{Entities, Id, List, Real, Reals};
 use crate::conic;
 use crate::spline::{self, Spline};
 
+/// How far B-splines may stray from curves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stray {
+    pub usual: f64,
+    /// From those that are not known as well: along which surfaces nearly touch.
+    pub most: f64,
+}
+
 /// A curve as it is written, and the parameters of its ends.
 #[derive(Debug)]
 pub(super) struct Course {
@@ -36,8 +44,8 @@ pub(super) enum CourseShape {
 
 impl Course {
     /// The curve of an edge, which runs the way its parameter grows; none if no B-spline is
-    /// found within the tolerance.
-    pub fn of(edge: &Edge<'_>, tolerance: f64) -> Option<Self> {
+    /// found that strays as little.
+    pub fn of(edge: &Edge<'_>, stray: Stray) -> Option<Self> {
         let curve = edge.curve();
         let [from, to] = edge.range();
         let whole = |shape| Self {
@@ -92,7 +100,7 @@ impl Course {
             CurveShape::Conic { .. } => {
                 whole(CourseShape::Rational(conic::control(&curve, [from, to])?))
             }
-            _ => whole(CourseShape::Quintic(quartic(edge, tolerance)?)),
+            _ => whole(CourseShape::Quintic(quartic(edge, stray)?)),
         })
     }
 
@@ -157,7 +165,7 @@ impl Course {
 }
 
 /// A curve of degree four from vertex to vertex.
-fn quartic(edge: &Edge<'_>, tolerance: f64) -> Option<Spline> {
+fn quartic(edge: &Edge<'_>, stray: Stray) -> Option<Spline> {
     let ends = edge.vertices().map(|ends| ends.map(|end| end.point()));
     let range = edge.range();
     let at = |t: f64| match ends {
@@ -165,7 +173,14 @@ fn quartic(edge: &Edge<'_>, tolerance: f64) -> Option<Spline> {
         Some([_, to]) if t == range[1] => to,
         _ => edge.at(t),
     };
-    spline::fit(at, range, tolerance)
+    let mut tolerance = stray.usual;
+    loop {
+        let found = spline::fit(at, range, tolerance);
+        if found.is_some() || tolerance >= stray.most {
+            return found;
+        }
+        tolerance = (10.0 * tolerance).min(stray.most);
+    }
 }
 
 /// Coordinates with x and y along half axes.
@@ -226,7 +241,11 @@ mod tests {
             let mut count = 0;
             for edge in quartics {
                 count += 1;
-                let spline = quartic(&edge, tolerance).expect("a spline");
+                let stray = Stray {
+                    usual: tolerance,
+                    most: tolerance,
+                };
+                let spline = quartic(&edge, stray).expect("a spline");
                 let [from, to] = edge.range();
                 for step in 0..=777 {
                     let u = f64::from(step) / 777.0;

@@ -42,6 +42,7 @@ use csg::{Brep, LengthUnit};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
+use self::curves::Stray;
 use self::product::{Product, Products, Styles};
 use self::text::{Entities, Id};
 use self::topology::Topology;
@@ -72,7 +73,8 @@ pub struct StepOptions {
     pub schema: StepSchema,
     /// How far B-splines may stray from curves of degree four, and images of edges from the edges,
     /// in the model's unit:
-    /// 1e-9 of the diagonal of a box around the solid unless given.
+    /// 1e-9 of the diagonal of a box around the solid unless given, and up to 1e-7 from curves that are
+    /// not known as well, along which surfaces nearly touch.
     pub tolerance: Option<f64>,
 }
 
@@ -120,6 +122,9 @@ impl StepOptions {
 /// How far B-splines and images stray from curves unless said otherwise, of the solid's size.
 const TOLERANCE: f64 = 1e-9;
 
+/// To what files say they are exact, of the solid's size.
+const ACCURACY: f64 = 1e-7;
+
 /// Writes a boundary that was cut at seams: one solid for each body, with the
 /// voids in it. Faces are named and coloured as the primitives that they come from; a body
 /// whose faces have one name around them or one colour has it, too. Where bodies differ in their
@@ -164,7 +169,12 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
     }
     let mut entities = Entities::default();
     let to = &mut entities;
-    let context = product::context(to, options.unit, tolerance.max(1e-7 * size));
+    let accuracy = tolerance.max(ACCURACY * size);
+    let context = product::context(to, options.unit, accuracy);
+    let stray = Stray {
+        usual: tolerance,
+        most: options.tolerance.unwrap_or(accuracy),
+    };
     let (mut topology, mut styles) = (Topology::new(options.unit), Styles::new());
     let mut parts: Vec<(Names<'_>, Vec<Id>)> = Vec::new();
     let mut numbers: FxHashMap<Names<'_>, usize> = FxHashMap::default();
@@ -172,7 +182,7 @@ pub fn write_step(brep: &Brep, options: &StepOptions, out: &mut impl Write) -> R
         let faces = || shells.iter().flat_map(csg::brep::Shell::faces);
         let names = common_names(faces());
         let name = names.last().copied().unwrap_or(&options.name);
-        let body = topology.body(to, (name, &shells), tolerance)?;
+        let body = topology.body(to, (name, &shells), stray)?;
         let faces: Vec<_> = faces()
             .map(|face| (topology.faces[&face.id().index()], face))
             .collect();

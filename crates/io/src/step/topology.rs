@@ -6,7 +6,7 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::chart::Chart;
-use super::curves::Course;
+use super::curves::{Course, Stray};
 use super::surfaces::Written;
 use super::telling::{self, Telling};
 use super::text::{Entities, Flag, Id, List, Quoted};
@@ -53,7 +53,7 @@ impl Topology {
         &mut self,
         to: &mut Entities,
         (name, shells): (&str, &[Shell<'_>]),
-        tolerance: f64,
+        stray: Stray,
     ) -> Result<Id, Error> {
         let mut written = Vec::new();
         for (index, shell) in shells.iter().enumerate() {
@@ -71,7 +71,7 @@ impl Topology {
             self.telling = is_void.then(|| telling::edge(shell, &shells[0])).flatten();
             self.first_face = None;
             for part in self.parts(to, shell)? {
-                let id = self.face(to, &part, tolerance)?;
+                let id = self.face(to, &part, stray)?;
                 let all = part.faces.iter().map(|face| (face.id().index(), id));
                 self.faces.extend(all);
                 faces.push(id);
@@ -149,7 +149,7 @@ impl Topology {
     }
 
     /// A face on a surface, within loops.
-    fn face(&mut self, to: &mut Entities, part: &Part<'_>, tolerance: f64) -> Result<Id, Error> {
+    fn face(&mut self, to: &mut Entities, part: &Part<'_>, stray: Stray) -> Result<Id, Error> {
         let (face, loops) = (&part.faces[0], &part.loops);
         let tells = |side: &Coedge<'_>| {
             let edge = side.edge().id().index();
@@ -163,7 +163,7 @@ impl Topology {
             let mut sides = Vec::new();
             let (after, before) = around.split_at(if index == 0 { start } else { 0 });
             for coedge in before.iter().chain(after) {
-                let mut parts = self.edge(to, coedge, tolerance)?;
+                let mut parts = self.edge(to, coedge, stray)?;
                 if !coedge.is_forward() {
                     parts.reverse();
                 }
@@ -194,7 +194,7 @@ impl Topology {
         &mut self,
         to: &mut Entities,
         side: &Coedge<'_>,
-        tolerance: f64,
+        stray: Stray,
     ) -> Result<Vec<Id>, Error> {
         let edge = side.edge();
         if let Some(parts) = self.edges.get(&edge.id().index()) {
@@ -202,10 +202,11 @@ impl Topology {
         }
         let [from, until] = edge.range();
         let middle = edge.at(0.5 * (from + until));
-        let course = Course::of(&edge, tolerance).ok_or_else(|| Error::NotInStep {
+        let course = Course::of(&edge, stray).ok_or_else(|| Error::NotInStep {
             problem: format!(
-                "no B-spline within {tolerance} of the edge around {middle} was found: \
-                 allow a larger tolerance"
+                "no B-spline within {} of the edge around {middle} was found: allow a larger \
+                 tolerance, or move what nearly touches there",
+                stray.most
             ),
         })?;
         let [from, until] = match edge.vertices() {
@@ -222,7 +223,7 @@ impl Topology {
         let curve = if is_parted {
             course.write(to)
         } else {
-            image::write(to, &course, &self.charts(&edge), tolerance)
+            image::write(to, &course, &self.charts(&edge), stray.usual)
         };
         if is_parted {
             ends.insert(1, self.vertex(to, middle));
