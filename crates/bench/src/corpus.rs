@@ -1,11 +1,14 @@
-//! What the exact boundary tells of each tree of the corpus, beside two other kernels: a page.
+//! What the exact boundary tells of each tree of the corpus, beside two other kernels: a page, and a
+//! picture of each.
 
+use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use csg::{BoundaryOptions, Limits, Mesher, Program, Solid};
+use csg::{BoundaryOptions, Color, Limits, Mesher, Program, Solid};
+use raster::{RenderOptions, Scene};
 use stereotomy::io::scene::{ReadOptions, read_file};
 
 use crate::timing::Passes;
@@ -14,7 +17,7 @@ use crate::timing::Passes;
 pub struct Options {
     /// The folder of the corpus [default: that which STEREOTOMY_CORPUS names]
     folder: Option<PathBuf>,
-    /// Where to write the page
+    /// Where to write the page; the pictures are written to a folder of that name beside it
     #[arg(short, long, default_value = "tests/corpus.md")]
     output: PathBuf,
     /// Seconds after which a boundary is given up
@@ -124,6 +127,7 @@ struct Told {
     volume: f64,
     is_exact: bool,
     seconds: f64,
+    solid: Solid,
 }
 
 fn told(path: &Path, faceted: bool, patience: u64) -> Result<Told, String> {
@@ -150,7 +154,32 @@ fn told(path: &Path, faceted: bool, patience: u64) -> Result<Told, String> {
         volume,
         is_exact,
         seconds: times.wall,
+        solid,
     })
+}
+
+/// Of a picture of a tree, in pixels.
+const SIZE: [u32; 2] = [120, 90];
+
+/// Pictures are drawn so many times as large, for edges that are as much thinner than a pixel: on
+/// small parts they would be all that is seen.
+const FINER: u32 = 3;
+
+/// Draws a solid from ahead and above.
+fn draw(solid: &Solid, patience: u64, path: &Path) -> Result<(), Box<dyn Error>> {
+    let program = Program::lower(solid)?;
+    let size = program.bounds()?.ok_or("there is nothing")?.size();
+    // A tenth of a pixel of what fills the picture.
+    let tolerance = 0.1 * size.max_element() / f64::from(SIZE[0]);
+    let limits = Limits::new().time(Duration::from_secs(patience));
+    let mesher = Mesher::new().normals().tolerance(tolerance).limits(limits);
+    let scene = Scene::new().add(mesher.mesh(&program)?.mesh);
+    let options = RenderOptions::presentation()
+        .size(FINER * SIZE[0], FINER * SIZE[1])
+        .background(Color::from_srgb([1.0; 3]));
+    let image = scene.render(&scene.camera(&options)?, &options)?;
+    image.shrink(FINER).save(path)?;
+    Ok(())
 }
 
 /// The first of what is said, without the path.
@@ -180,6 +209,9 @@ fn page(options: &Options) -> Result<String, String> {
     let folder = folder.or_else(|| std::env::var_os("STEREOTOMY_CORPUS").map(PathBuf::from));
     let folder = folder.ok_or("name the folder of the corpus, or set STEREOTOMY_CORPUS")?;
     let trees = trees(&folder)?;
+    let pictures = options.output.with_extension("");
+    fs::create_dir_all(&pictures).map_err(|e| format!("{}: {e}", pictures.display()))?;
+    let shown = pictures.file_name().unwrap_or_default().display();
     let mut rows = String::new();
     let (mut same, mut told_all) = (0, 0);
     let mut differ = Vec::new();
@@ -187,7 +219,9 @@ fn page(options: &Options) -> Result<String, String> {
         let path = folder.join("csg").join(&tree.file);
         let name = tree.file.trim_end_matches(".csg").replace("__", "/");
         let number = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.9}"));
+        let picture = Path::new(&tree.file).with_extension("png");
         let mut cells = [
+            String::new(),
             name.clone(),
             tree.nodes.clone(),
             number(tree.cgal),
@@ -212,7 +246,11 @@ fn page(options: &Options) -> Result<String, String> {
                 };
                 same += usize::from(near_cgal && (near_manifold || tree.manifold.is_none()));
                 if !near_cgal || (tree.manifold.is_some() && !near_manifold) {
-                    differ.push((name, verdict));
+                    differ.push((name.clone(), verdict));
+                }
+                match draw(&told.solid, options.patience, &pictures.join(&picture)) {
+                    Ok(()) => cells[0] = format!("![{name}]({shown}/{})", picture.display()),
+                    Err(problem) => println!("{name}: no picture: {problem}"),
                 }
                 let mark = if told.is_exact { "" } else { " (mesh)" };
                 cells.extend([
@@ -248,11 +286,12 @@ fn page(options: &Options) -> Result<String, String> {
          (from a file of six digits) and of manifold3d in doubles, how far the one told is off the second of them (or \
          the first, where that is all there is), and with which it agrees (to 2e-5 and 1e-9); the \
          seconds that lowering, boundary and measures take, the best of three or more{build}; and the volume with \
-         true circles, and how far that is off one with 256 corners in their place, which cut off some 1e-4.\n\n\
+         true circles, and how far that is off one with 256 corners in their place, which cut off some 1e-4. Pictures are drawn \
+         with facets, by this project's rasteriser.\n\n\
          Written by `cargo run -p bench --release -- corpus`. Of {} trees {told_all} are told, and {same} agree with all \
          references there are.\n\n\
-         | tree | nodes | OpenSCAD | manifold3d | told | off | agrees with | seconds | with circles | off |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+         | | tree | nodes | OpenSCAD | manifold3d | told | off | agrees with | seconds | with circles | off |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
         trees.len(),
     );
     page += &rows;
