@@ -1,13 +1,13 @@
 //! Quadrics by their coefficients: those whose centres, apexes or vertices are far from what is kept
 //! of them, and cylinders over parabolas and hyperbolas.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use crate::measured::measured;
 use crate::random::Random;
 use crate::sweeps::one_in;
 use csg::glam::{DMat3, DQuat, DVec3, EulerRot, dvec3};
-use csg::{Mesher, Program, Solid};
+use csg::{BoundaryOptions, Mesher, Program, Solid};
 
 /// The coefficients of Σ squares + Σ linear + constant, turned and moved.
 fn turned(squares: DVec3, linear: DVec3, constant: f64, (turn, by): (DMat3, DVec3)) -> [f64; 10] {
@@ -191,23 +191,23 @@ fn cylinders_over_parabolas_and_hyperbolas_are_cut_exactly() {
 /// evenly near nothing as farther off.
 #[test]
 fn apexes_beside_surfaces_are_as_far_off_as_they_are() {
-    let cone = Solid::cone(0.25, -1.75..0.0).rotate_y(std::f64::consts::FRAC_PI_2);
+    let cone = Solid::cone(0.25, -1.75..0.0).rotate_y(FRAC_PI_2);
     // All touch the plane z = 0 at the origin from above.
     let others: [(&str, Solid); 5] = [
         (
             "cylinder along",
-            Solid::cylinder(1.25, -0.25..0.25).rotate_y(std::f64::consts::FRAC_PI_2),
+            Solid::cylinder(1.25, -0.25..0.25).rotate_y(FRAC_PI_2),
         ),
         (
             "cylinder across",
-            Solid::cylinder(1.25, -1.0..1.0).rotate_x(std::f64::consts::FRAC_PI_2),
+            Solid::cylinder(1.25, -1.0..1.0).rotate_x(FRAC_PI_2),
         ),
         ("ball", Solid::sphere(1.25)),
         ("ellipsoid", Solid::ellipsoid([0.8, 0.6, 1.25])),
         (
             "cone",
             Solid::cone(2.0, -2.75..1.25)
-                .rotate_x(std::f64::consts::FRAC_PI_2 + 0.5f64.atan())
+                .rotate_x(FRAC_PI_2 + 0.5f64.atan())
                 .rotate_z(0.4),
         ),
     ];
@@ -236,6 +236,55 @@ fn apexes_beside_surfaces_are_as_far_off_as_they_are() {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Cones the sum of whose half angles is the angle between their axes, as of countersinks at right angles,
+/// touch each other at infinity, wherever they are.
+#[test]
+fn cones_that_touch_at_infinity_add_up() {
+    let mut random = Random(5);
+    for case in (0..240).step_by(one_in(5)) {
+        let mut number = |low: f64, high: f64| low + (high - low) * random.unit();
+        let half = [FRAC_PI_4, FRAC_PI_4, number(0.3, 1.0)][case % 3];
+        let height = number(0.8, 1.5);
+        let a = Solid::cone(half.tan() * height, -height..0.0);
+        let other = FRAC_PI_2 - half;
+        let radius = other.tan() * height;
+        let b = Solid::cone(radius, -height..0.0).rotate_x(FRAC_PI_2);
+        // On a grid in every other case.
+        let step = [0.0, 0.25][case % 2];
+        let b = b.translate([(); 3].map(|()| match number(-0.5, 0.5) {
+            off if step > 0.0 => (off / step).round() * step,
+            off => off,
+        }));
+        let [of_a, of_b] = [half, other].map(|angle| {
+            let radius = angle.tan() * height;
+            PI / 3.0 * radius * radius * height
+        });
+        let sixth = (DMat3::from_rotation_z(PI / 3.0), DVec3::ZERO);
+        for pose in poses().into_iter().chain([sixth]) {
+            let [a, b] = [&a, &b].map(|solid| placed(solid, pose));
+            let [both, common] = [&a | &b, &a & &b].map(|solid| {
+                let program = Program::lower(&solid).expect("valid");
+                let boundary = program.boundary(&BoundaryOptions::new());
+                let boundary = boundary.unwrap_or_else(|e| panic!("{case}: {e}"));
+                assert_eq!(boundary.moved(), None, "{case}");
+                boundary.measure().volume
+            });
+            let off = (both.value + common.value - of_a - of_b).abs();
+            let error = both.error + common.error;
+            assert!(error < 1e-12 * (of_a + of_b), "{case}: {both:?} {common:?}");
+            assert!(off <= error, "{case}: {off:e} of {error:e}");
+            let program = Program::lower(&(a - b)).expect("valid");
+            let meshed = Mesher::new()
+                .tolerance(0.01)
+                .mesh(&program)
+                .expect("a mesh");
+            let report = &meshed.report;
+            assert!(report.is_proven() && report.moved.is_none(), "{case}");
+            assert_eq!(meshed.mesh.self_intersections().len(), 0, "{case}");
         }
     }
 }

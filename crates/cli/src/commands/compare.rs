@@ -219,7 +219,7 @@ fn finer((found, fineness): &(Distance, Fineness), options: &Options) -> Option<
     /// Of the distance, and then of the tolerance before.
     const SHARE: f64 = 0.01;
     const STEP: f64 = 0.2;
-    const MOST_TRIANGLES: f64 = 3e5;
+    const MOST_TRIANGLES: f64 = 1e5;
     let upper = found.upper?;
     let open = upper - found.lower;
     let is_open = match options.within {

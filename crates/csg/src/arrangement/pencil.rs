@@ -142,6 +142,13 @@ impl<'a> Pencil<'a> {
                 return known;
             }
         }
+        // Those whose apex is a contact, at infinity: in others these are found before.
+        for &angle in &multiple {
+            let (sin, cos) = elementary::sin_cos(angle);
+            if let Some(known) = consider([cos, sin]) {
+                return known;
+            }
+        }
         angles.sort_by(f64::total_cmp);
         let first = angles.first().copied().unwrap_or(0.0);
         angles.push(first + 0.5 * TAU);
