@@ -7,10 +7,10 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use crate::error::NodeFault;
-use crate::numeric::tolerance::{COORDINATE, FAR_CENTRE, IN_PROFILE, WHOLE_TURN};
+use crate::numeric::tolerance::{COORDINATE, IN_PROFILE, WHOLE_TURN};
 use crate::solid::polyhedron::FEW_FACES;
 use crate::solid::{Plane, Polyhedron, Primitive};
-use crate::surface::{Kind, Surface, from_coefficients};
+use crate::surface::{Kind, Surface, from_coefficients, is_far};
 
 /// A primitive as half-spaces: all must hold; none at all is all of space.
 pub(super) enum LocalShape {
@@ -259,7 +259,7 @@ fn frustum(bottom: f64, top: f64, z: &Range<f64>) -> Result<Vec<Surface>, NodeFa
         cone(DVec3::new(0.0, 0.0, z.start), slope.abs())
     } else if top == 0.0 {
         cone(DVec3::new(0.0, 0.0, z.end), slope.abs())
-    } else if apex_above_bottom * apex_above_bottom <= FAR_CENTRE * size * size {
+    } else if !is_far(apex_above_bottom, size) {
         cone(
             DVec3::new(0.0, 0.0, z.start + apex_above_bottom),
             slope.abs(),

@@ -12,7 +12,8 @@ use super::profile::{Leaf, Profile, Sagitta, plane_set};
 use super::tree::{Made, Node, Solid};
 use super::twist::{even_twist, extent, prism};
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{FAR_CENTRE, IN_PROFILE, PROFILE_CHORD};
+use crate::numeric::tolerance::{IN_PROFILE, PROFILE_CHORD};
+use crate::surface::is_far;
 
 /// Solids from profiles, in the xy plane.
 impl Solid {
@@ -190,7 +191,7 @@ impl Column<'_> {
                 let DMat2 { x_axis, y_axis } = map.matrix2;
                 let [radii, center] = [x_axis.length() + y_axis.length(), map.translation.length()];
                 let size = height.max(radii + center);
-                if beyond * beyond > FAR_CENTRE * size * size {
+                if is_far(beyond, size) {
                     return far_cone(map, z.start, -1.0 / beyond);
                 }
                 cone(x_axis, y_axis, map.translation, z.start, z.start + beyond)

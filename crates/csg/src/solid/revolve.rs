@@ -17,7 +17,8 @@ use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
 use super::tree::{Node, Solid};
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
-use crate::numeric::tolerance::{FAR_CENTRE, IN_PROFILE, LEVEL, ON_AXIS, PROFILE_CHORD};
+use crate::numeric::tolerance::{IN_PROFILE, LEVEL, ON_AXIS, PROFILE_CHORD};
+use crate::surface::is_far;
 
 /// Chords stray at most so much of an arc's radius.
 const BESIDE_AXIS: f64 = 5e-3;
@@ -268,7 +269,7 @@ fn flat(height: f64, up: bool) -> Solid {
 fn nappe(radius: f64, slope: f64, height: f64, between: &Range<f64>) -> Solid {
     let beyond = -radius / slope;
     let size = radius.abs() + between.end - between.start;
-    if beyond * beyond > FAR_CENTRE * size * size {
+    if is_far(beyond, size) {
         let at = |z: f64| radius + slope * (z - height);
         return Solid::frustum(at(between.start), at(between.end), between.clone());
     }

@@ -20,7 +20,7 @@ pub use self::bounds::Bounds;
 pub(crate) use self::bounds::half_space_bounds;
 pub(crate) use self::id::SurfaceId;
 pub(crate) use self::kind::Kind;
-pub(crate) use self::quadric::from_coefficients;
+pub(crate) use self::quadric::{from_coefficients, is_far};
 pub use self::shape::{Placement, SurfaceShape};
 pub(crate) use self::standard_form::StandardForm;
 use crate::numeric::tolerance::VALUE;

@@ -49,6 +49,12 @@ pub(crate) fn kind_of(
     anchored(surface).map(|surface| surface.kind)
 }
 
+/// Whether a centre, vertex or apex is so far from a part of some size that a surface is kept about
+/// that part.
+pub(crate) fn is_far(distance: f64, size: f64) -> bool {
+    distance * distance > FAR_CENTRE * size * size
+}
+
 /// The same surface anchored at its centre, axis or vertex, and its kind: the only place
 /// where that is asked of coefficients.
 fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
@@ -102,9 +108,9 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
         at_center
     };
     let kind = Kind::of_signature((positive, negative), has_slope, at_center)?;
-    let near = linear.length_squared() / (4.0 * largest);
+    let size = (linear.length_squared() / (4.0 * largest)).max(constant.abs());
     // Kept about the origin, as given.
-    if largest * center.length_squared() > FAR_CENTRE * near.max(constant.abs()) {
+    if is_far(largest.sqrt() * center.length(), size.sqrt()) {
         return Ok(Surface { kind, ..surface });
     }
     let (linear, constant) = if has_slope {

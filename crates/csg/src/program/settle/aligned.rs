@@ -132,7 +132,7 @@ impl Assembly {
     fn straightened(mut elements: Vec<Element>, reach: f64, within: f64) -> Self {
         let within = within / reach;
         let mut known: Vec<DVec3> = Vec::new();
-        for index in by_popularity(&elements) {
+        for index in most_common_first(&elements) {
             let element = &mut elements[index];
             let axis = element.axis;
             let same = known.iter().position(|k| k.cross(axis).length() <= within);
@@ -274,7 +274,7 @@ impl Assembly {
 }
 
 /// The elements with an axis, those first whose direction most of them have.
-fn by_popularity(elements: &[Element]) -> Vec<usize> {
+fn most_common_first(elements: &[Element]) -> Vec<usize> {
     let with_axis = || elements.iter().enumerate().filter(|(_, e)| e.has_axis());
     let count = |axis: DVec3| {
         with_axis()
