@@ -11,7 +11,7 @@ use std::mem::take;
 use std::ops::Range;
 
 use glam::DVec3;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 use self::event::{Cutting, Event};
 use super::arc::{Arc, Ends};
@@ -345,15 +345,14 @@ impl ArcTracer {
         let direction = arc.curve.direction(middle).normalize_or_zero();
         let id = |half_plane: HalfPlane| block.id(half_plane.position);
         let towards = |half_plane: HalfPlane| arc.towards(half_plane, at, direction);
-        // How far a surface bends from there, counter-clockwise.
-        let bend = |half_plane: HalfPlane| {
+        // How a surface bends from there, counter-clockwise.
+        let bends = |half_plane: HalfPlane| {
+            let towards = towards(half_plane);
             let surface = scene.surface(id(half_plane));
-            let (gradient, towards) = (surface.gradient(at), towards(half_plane));
-            let off = -0.5 * surface.curvature_along(towards) / gradient.length_squared();
-            off * gradient.dot(direction.cross(towards))
+            surface.bends(at, towards, direction.cross(towards))
         };
         let is_clear = self.sectors.is_in_order()
-            || self.sort_around(towards, bend, direction, scene.same_bend());
+            || self.sort_around(towards, bends, direction, scene.same_bends());
         if self.sectors.around.len() > 64 {
             return Err(Why::Order);
         }
@@ -376,9 +375,9 @@ impl ArcTracer {
     fn sort_around(
         &mut self,
         towards: impl Fn(HalfPlane) -> DVec3,
-        bend: impl Fn(HalfPlane) -> f64,
+        bends: impl Fn(HalfPlane) -> [f64; 3],
         direction: DVec3,
-        same_bend: f64,
+        same_bends: [f64; 3],
     ) -> bool {
         let [first, _] = HalfPlane::both(self.through[0]);
         let x = towards(first);
@@ -394,20 +393,38 @@ impl ArcTracer {
         let in_order =
             |a: &(f64, HalfPlane), b: &(f64, HalfPlane)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         half_planes.sort_unstable_by(in_order);
-        let mut is_clear = true;
-        for same in half_planes.chunk_by_mut(|a, b| b.0 - a.0 <= SAME_DIRECTION) {
-            if same.len() > 1 {
+        // Those that agree to one power of the distance from the curve by the next one.
+        let mut same: SmallVec<[Range<usize>; 2]> = smallvec![0..half_planes.len()];
+        let mut least = SAME_DIRECTION;
+        for power in 0..=same_bends.len() {
+            let is_told = |a: &(f64, HalfPlane), b: &(f64, HalfPlane)| b.0 - a.0 > least;
+            let mut still_same = SmallVec::new();
+            for range in same {
+                let mut start = range.start;
+                for chunk in half_planes[range].chunk_by(|a, b| !is_told(a, b)) {
+                    if chunk.len() > 1 {
+                        still_same.push(start..start + chunk.len());
+                    }
+                    start += chunk.len();
+                }
+            }
+            same = still_same;
+            let Some(&next) = same_bends.get(power) else {
+                break;
+            };
+            least = next;
+            for range in &same {
+                let same = &mut half_planes[range.clone()];
                 for (key, half_plane) in same.iter_mut() {
-                    *key = bend(*half_plane);
+                    *key = bends(*half_plane)[power];
                 }
                 same.sort_unstable_by(in_order);
-                is_clear &= same.windows(2).all(|w| w[1].0 - w[0].0 > same_bend);
             }
         }
         let around = half_planes.into_iter().map(|(_, half_plane)| half_plane);
         self.sectors.around.clear();
         self.sectors.around.extend(around);
-        is_clear
+        same.is_empty()
     }
 
     /// The events at the same place as one: other edges may touch the curve there

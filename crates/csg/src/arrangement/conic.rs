@@ -9,6 +9,7 @@ use super::intersection::{Nearness, Unknown};
 use super::trig::BEGIN;
 use crate::numeric::tolerance::{CANCELLED, NO_VALUE};
 use crate::program::Surface;
+use crate::surface::is_far;
 
 /// The curves in which a plane cuts a quadric, where they are known.
 pub(crate) fn conics(plane: &Surface, quadric: &Surface, near: f64) -> SmallVec<[Curve; 2]> {
@@ -77,29 +78,59 @@ fn near_lines(
     if off.is_nan() {
         return Some(SmallVec::new());
     }
-    let part = |off: f64| {
-        let point = middle + off * u;
-        // In the plane: across the conic, and along it.
+    let part = |off: f64| part_about(quadric, middle + off * u, [u, v], scene);
+    [off, -off].into_iter().map(part).collect()
+}
+
+/// The part about one of its points, all that is near a scene of that size around the origin, of the
+/// conic in which a quadric is 0 in the plane of two directions: if it hardly bends there.
+fn part_about(quadric: &Surface, point: DVec3, [u, v]: [DVec3; 2], scene: f64) -> Option<Curve> {
+    // In the plane: across the conic, and along it.
+    let gradient = quadric.gradient(point);
+    let across = gradient.dot(u) * u + gradient.dot(v) * v;
+    let steep = across.length();
+    let across = across / steep;
+    let along = across.dot(u) * v - across.dot(v) * u;
+    // bend d² + mixed d e + other e² + steep e = 0, d along and e across.
+    let [bend, other] = [along, across].map(|d| 0.5 * quadric.curvature_along(d));
+    let mixed = 2.0 * polar(quadric, along, across);
+    let (l, k) = (-mixed / steep, bend * other / (steep * steep));
+    let most = point.length() + scene;
+    // There a half of the conic goes on and on.
+    (16.0 * (l.abs() + k.abs() * most) * most <= 1.0).then(|| Curve::Parabola {
+        point,
+        a: along,
+        b: -bend / steep * across,
+        l,
+        k,
+    })
+}
+
+/// The half of a parabola that is near a scene of that size around the origin, in the plane of two
+/// directions through a point on its axis, if that passes by far from there: seen from the vertex
+/// digits would be lost.
+fn half_parabola(
+    quadric: &Surface,
+    on_axis: DVec3,
+    [u, v]: [DVec3; 2],
+    scene: f64,
+) -> Option<Curve> {
+    const STEPS: u32 = 8;
+    let axis_off = on_axis.dot(u).abs();
+    if !is_far(axis_off, scene) {
+        return None;
+    }
+    // From the foot of the origin to the curve, which is nearly straight there.
+    let mut point = on_axis - on_axis.dot(u) * u - on_axis.dot(v) * v;
+    for _ in 0..STEPS {
         let gradient = quadric.gradient(point);
         let across = gradient.dot(u) * u + gradient.dot(v) * v;
-        let steep = across.length();
-        let across = across / steep;
-        let along = across.dot(u) * v - across.dot(v) * u;
-        // bend d² + mixed d e + other e² + steep e = 0, d along and e across.
-        let [bend, other] = [along, across].map(|d| 0.5 * quadric.curvature_along(d));
-        let mixed = 2.0 * polar(quadric, along, across);
-        let (l, k) = (-mixed / steep, bend * other / (steep * steep));
-        let most = point.length() + scene;
-        // There a half of the conic goes on and on.
-        (16.0 * (l.abs() + k.abs() * most) * most <= 1.0).then(|| Curve::Parabola {
-            point,
-            a: along,
-            b: -bend / steep * across,
-            l,
-            k,
-        })
-    };
-    [off, -off].into_iter().map(part).collect()
+        point -= quadric.value(point) / across.length_squared() * across;
+    }
+    if point.length() > 2.0 * scene {
+        return None;
+    }
+    part_about(quadric, point, [u, v], scene)
 }
 
 /// The line in which a plane of that normal cuts a quadric that is linear in it, by a point of the plane
@@ -232,6 +263,10 @@ pub(super) fn conic(
     }
     let rest = quadric.value(center);
     if !is_ruled {
+        if let Some(half) = half_parabola(quadric, center, [u, v], scene) {
+            branches.push(Branch::new(half));
+            return Ok(branches);
+        }
         // first x² + y y + rest = 0.
         branches.push(Branch::new(Curve::Parabola {
             point: center - rest / y * v,
@@ -252,10 +287,19 @@ pub(super) fn conic(
         return Ok(branches);
     }
     if square > 0.0 {
-        for offset in [square.sqrt(), -square.sqrt()] {
+        // From the foot to the line that is farther off, and from the product of both to the nearer
+        // one: where the plane is nearly along the axis of a parabola the middle is far away.
+        let to_center = -x / (2.0 * first);
+        let farther = to_center + square.sqrt().copysign(to_center);
+        let nearer = quadric.value(foot) / (first * farther);
+        for offset in [farther, nearer] {
+            let point = foot + offset * u;
+            let gradient = quadric.gradient(point);
+            let across = gradient - gradient.dot(plane.linear) * plane.linear;
+            let along = plane.linear.cross(across).normalize_or(v);
             branches.push(Branch::new(Curve::Line {
-                point: center + offset * u,
-                direction: v,
+                point,
+                direction: if along.dot(v) < 0.0 { -along } else { along },
             }));
         }
     }

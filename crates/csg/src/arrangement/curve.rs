@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::{Roots, Tolerance, bend_within};
+use super::roots::{Roots, Tolerance, bend_within, multiple_near};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
 use crate::numeric::tolerance::{POLYNOMIAL, VALUE};
@@ -468,8 +468,31 @@ impl Curve {
                     let high = square.abs() + t * (cube.abs() + t * fourth.abs());
                     c.abs() + t * (once.abs() + t * high)
                 };
+                let before = [roots.simple.len(), roots.touching.len()];
                 let value = (value, terms);
-                self.find(surface, [start, end], [on, near], value, bend, roots)
+                let meets = self.find(surface, [start, end], [on, near], value, bend, roots);
+                let derivative = |order: usize, t: f64| match order {
+                    1 => once + t * (2.0 * square + t * (3.0 * cube + t * 4.0 * fourth)),
+                    2 => 2.0 * square + t * (6.0 * cube + t * 12.0 * fourth),
+                    3 => 6.0 * cube + t * 24.0 * fourth,
+                    _ => 24.0 * fourth,
+                };
+                let Roots {
+                    simple, touching, ..
+                } = roots;
+                for place in &mut touching[before[1]..] {
+                    /// How far places are off at most, of the range.
+                    const MOST_OFF: f64 = 1e-3;
+                    let nothing = near * surface.gradient(self.at(*place)).length();
+                    let off = [nothing, MOST_OFF * (end - start)];
+                    let told = multiple_near(*place, off, derivative);
+                    let same = simple[before[0]..].iter_mut().find(|root| *root == place);
+                    if let Some(root) = same {
+                        *root = told;
+                    }
+                    *place = told;
+                }
+                meets
             }
             Self::Rulings(rulings) => {
                 if self.lies_in(surface, [start, end], on) {

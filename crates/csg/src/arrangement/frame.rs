@@ -11,7 +11,11 @@ use glam::{DMat3, DVec2, DVec3};
 use smallvec::SmallVec;
 
 use crate::program::{Kind, StandardForm, Surface};
+use crate::surface::is_far;
 use crate::surface::round::{Round, like_cylinder};
+
+/// Of the reach of a scene, near its middle, but where no models are placed.
+const BESIDE_ORIGIN: DVec3 = DVec3::new(0.012_34, 0.035_71, 0.021_13);
 
 /// How a quadric is cut into patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +98,10 @@ impl Frame {
                 }
                 Kind::EllipticParaboloid | Kind::HyperbolicParaboloid | Kind::ParabolicCylinder => {
                     facing = [slope.signum(); 2];
+                    if surface.kind == Kind::ParabolicCylinder && is_far(center.length(), reach) {
+                        // Seen along its axis it is a graph about any place.
+                        center = BESIDE_ORIGIN * reach;
+                    }
                     Shape::Graph
                 }
                 Kind::Plane | Kind::ParallelPlanes => return None,

@@ -60,6 +60,7 @@ mod intersection;
 mod line;
 mod lines;
 mod pairs;
+mod parallel;
 mod pencil;
 mod picture;
 #[cfg(test)]

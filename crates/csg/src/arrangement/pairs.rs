@@ -4,13 +4,14 @@ use super::coaxial::circles;
 use super::conic::conic;
 use super::curve::{Branch, Branches, Curve};
 use super::intersection::{Nearness, Unknown, line};
-use super::pencil;
+use super::{parallel, pencil};
 use crate::numeric::tolerance::{CANCELLED, NEAR};
 use crate::program::{Kind, Surface};
 
 /// The curves common to two surfaces: two planes meet in a line, a plane and a
 /// quadric in conics, and two quadrics in curves of degree four (see
-/// [`pencil`]) or, if their quadratic parts agree, in a plane; of one axis, in circles. Surfaces that
+/// [`pencil`]) or, if their quadratic parts agree, in a plane; of one axis, in circles, and
+/// cylinders along one direction in lines. Surfaces that
 /// come nearer to each other than `near` without crossing touch.
 pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Branches, Unknown> {
     if a.is_plane() && b.is_plane() {
@@ -27,6 +28,9 @@ pub(super) fn curves(a: &Surface, b: &Surface, nearness: Nearness) -> Result<Bra
     }
     if let Some(circles) = circles(a, b, nearness) {
         return Ok(circles);
+    }
+    if let Some(lines) = parallel::lines(a, b, nearness) {
+        return Ok(lines);
     }
     let branches = pencil::curves(a, b, nearness)?;
     // Those of degree four pass at infinity where the lines of a saddle are, or where planes that a

@@ -270,8 +270,7 @@ impl<'a> Pencil<'a> {
         let Carrier::Cone(lines) = carrier(&self.matrices[0], NO_VALUE) else {
             return None;
         };
-        let form = lines.form(&self.matrices[1]);
-        Some(self.through_vertex(&lines, &form.a))
+        Some(self.through_vertex(&lines, &self.matrices[1]))
     }
 
     /// The curves of two cones or cylinders that touch each other along a line: then all
@@ -320,10 +319,7 @@ impl<'a> Pencil<'a> {
         let vertex = lines.q[0];
         let polar = *other * vertex;
         let at_vertex = vertex.dot(polar);
-        let size = other
-            .to_cols_array()
-            .iter()
-            .fold(0.0f64, |m, v| m.max(v.abs()));
+        let size = largest_entry(other);
         let is_finite = vertex.w.abs() > AT_INFINITY;
         // Half the gradient, and how far the vertex is from the other surface.
         let slope = polar.truncate().length();
@@ -341,7 +337,7 @@ impl<'a> Pencil<'a> {
         }
         let form = lines.form(other);
         if form.b.magnitude() <= CANCELLED * size {
-            return Ok(self.through_vertex(lines, &form.a));
+            return Ok(self.through_vertex(lines, other));
         }
         let mut branches = Branches::new();
         for (lines, until) in spread(lines, |_| true) {
@@ -382,16 +378,37 @@ impl<'a> Pencil<'a> {
     }
 
     /// The lines that two cones or cylinders of one vertex have in common.
-    fn through_vertex(&self, lines: &Lines, a: &Trig) -> Branches {
+    fn through_vertex(&self, lines: &Lines, other: &DMat4) -> Branches {
         let vertex = lines.q[0];
+        let is_finite = vertex.w.abs() > AT_INFINITY;
+        // How near the other one is where it touches; apexes may be near each other alone.
+        let touch = if is_finite {
+            self.nearness.near
+        } else {
+            self.nearness.touch
+        };
+        let size = largest_entry(other);
+        // Where a point p is off by a distance, its value is off by that times w |(M p)'|, twice.
+        let off = |weight: f64, slope: f64, length: f64| {
+            2.0 * touch / self.unit * weight * slope + POLYNOMIAL * size * length * length
+        };
+        let longest: f64 = lines.p.iter().map(|v| v.length()).sum();
+        let tolerance = Tolerance {
+            at: |angle: f64| {
+                let point = lines.point(angle);
+                let slope = (*other * point).truncate().length();
+                off(point.w.abs(), slope, point.length())
+            },
+            most: off(longest, 4.0 * size * longest, longest),
+        };
         let mut roots = Roots::default();
-        a.roots(self.nearness.near / self.unit * a.magnitude(), &mut roots);
+        lines.form(other).a.roots_within(&tolerance, &mut roots);
         // Where they touch, along one line.
         roots.simple.retain(|t| !roots.touching.contains(t));
         let mut branches = Branches::new();
         for angle in roots.simple.iter().chain(&roots.touching) {
             let point = lines.point(*angle);
-            if vertex.w.abs() > AT_INFINITY {
+            if is_finite {
                 let away = point - point.w / vertex.w * vertex;
                 branches.push(Branch {
                     curve: Curve::Line {
@@ -450,6 +467,13 @@ fn within(angles: &[f64], between: Option<(f64, f64)>) -> SmallVec<[f64; 2]> {
         .iter()
         .map(|angle| from + (angle - from).rem_euclid(TAU));
     places.filter(|&place| place < to).collect()
+}
+
+fn largest_entry(matrix: &DMat4) -> f64 {
+    let entries = matrix.to_cols_array();
+    entries
+        .iter()
+        .fold(0.0, |most, entry| most.max(entry.abs()))
 }
 
 /// What is at right angles to three vectors.

@@ -7,6 +7,7 @@
 
 use smallvec::SmallVec;
 
+use crate::elementary;
 use crate::numeric::tolerance::{NEAR, TOUCHING};
 
 /// A place and the function's value there.
@@ -307,6 +308,36 @@ impl Roots {
         }
         self.touching.push(extremum([a, b], at_a.signum(), value));
     }
+}
+
+/// The place near `start` at which a function is 0 more than once, as far as values below `nothing`
+/// tell, by Newton's method: a root of its first derivative; or of the second or third one, if
+/// more of what keeps it so near to 0 is of a root of multiplicity three or four, as of that
+/// derivative alone it is a simple one. If steps are longer than `far`, the start itself.
+pub(super) fn multiple_near(
+    start: f64,
+    [nothing, far]: [f64; 2],
+    derivative: impl Fn(usize, f64) -> f64,
+) -> f64 {
+    const STEPS: u32 = 4;
+    // How far around it the function is next to nothing, if all but one derivative were 0.
+    let mut factorial = 1.0;
+    let reaches = [2usize, 3, 4].map(|order| {
+        factorial *= order as f64;
+        let term = derivative(order, start).abs() / factorial;
+        (elementary::pow(nothing / term, 1.0 / order as f64), order)
+    });
+    let least = reaches.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let order = least.map_or(2, |(_, order)| order);
+    let mut t = start;
+    for _ in 0..STEPS {
+        let step = derivative(order - 1, t) / derivative(order, t);
+        if step.is_nan() || step.abs() >= far {
+            return start;
+        }
+        t -= step;
+    }
+    t
 }
 
 /// Where a function of a sign is nearest to 0, or farthest beyond, by golden sections.

@@ -110,7 +110,13 @@ impl<'a> Scene<'a> {
     /// Curvatures that differ by less are the same: those of curves that over the
     /// length of the scene part by less than what is near.
     pub fn same_bend(&self) -> f64 {
-        SAME_BEND * NEAR / self.near
+        self.same_bends()[0]
+    }
+
+    /// The same of the factors of s², s³ and s⁴ in how far surfaces part at a distance s.
+    pub fn same_bends(&self) -> [f64; 3] {
+        let size = self.near / NEAR;
+        [1, 2, 3].map(|power| SAME_BEND / size.powi(power))
     }
 
     /// Next to where surfaces touch, points nearer to each other may not be told apart:

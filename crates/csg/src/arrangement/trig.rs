@@ -3,11 +3,14 @@
 use crate::elementary;
 use std::f64::consts::TAU;
 
-use super::roots::{Roots, Tolerance, bend_within};
+use super::roots::{Roots, Tolerance, bend_within, multiple_near};
 
 /// Closed curves begin so far from the axes of symmetry, in radians, that they
 /// begin on no other surface of a symmetric model.
 pub(super) const BEGIN: f64 = 0.777_312_5;
+
+/// How far places where a polynomial comes near 0 are off at most, in radians.
+const MOST_OFF: f64 = 1e-2;
 
 /// The highest degree there is.
 const DEGREE: usize = 8;
@@ -168,26 +171,15 @@ impl Trig {
         }
     }
 
-    /// Where the derivative is 0, by Newton's method.
-    fn extremum_near(&self, start: f64) -> f64 {
-        const STEPS: u32 = 4;
-        let mut t = start;
-        for _ in 0..STEPS {
-            let (mut first, mut second) = (0.0, 0.0);
-            for (k, [c, s]) in self.terms[..=self.degree].iter().enumerate() {
-                let k = k as f64;
-                let (sin, cos) = elementary::sin_cos(k * t);
-                first += k * (s * cos - c * sin);
-                second -= k * k * (c * cos + s * sin);
-            }
-            let step = first / second;
-            if step.abs() < 1e-3 {
-                t -= step;
-            } else {
-                return start;
-            }
-        }
-        t
+    fn derivative_at(&self, order: usize, t: f64) -> f64 {
+        let terms = self.terms[..=self.degree].iter().enumerate();
+        let terms = terms.map(|(k, [c, s])| {
+            let (sin, cos) = elementary::sin_cos(k as f64 * t);
+            let (own, next) = (c * cos + s * sin, s * cos - c * sin);
+            let turned = [own, next, -own, -next][order % 4];
+            (k as f64).powi(order as i32) * turned
+        });
+        terms.sum()
     }
 
     /// A place that is no root, nor near one, so that a search all around from there
@@ -245,11 +237,16 @@ impl Trig {
             let Roots {
                 simple, touching, ..
             } = roots;
-            // Where the sign changes, too, there is no extremum.
             for place in &mut touching[before[1]..] {
-                if !simple[before[0]..].contains(place) {
-                    *place = self.extremum_near(*place);
+                let nothing = (tolerance.at)(*place);
+                let derivative = |order: usize, t: f64| self.derivative_at(order, t);
+                let told = multiple_near(*place, [nothing, MOST_OFF], derivative);
+                // Where the sign changes, too, it is both.
+                let same = simple[before[0]..].iter_mut().find(|root| *root == place);
+                if let Some(root) = same {
+                    *root = told;
                 }
+                *place = told;
             }
             let found = [
                 &mut roots.simple[before[0]..],

@@ -145,6 +145,21 @@ impl Surface {
             + (zz * d.z + zx * d.x) * d.z)
     }
 
+    /// How the surface parts from its tangent plane at one of its points, in the plane of two unit
+    /// vectors, `along` in the tangent plane and `up` across it: the factors of s², s³ and s⁴ in its
+    /// height above the point so far along.
+    pub(crate) fn bends(&self, at: DVec3, along: DVec3, up: DVec3) -> [f64; 3] {
+        // f(s along + h up) = g h + a s² + 2 b s h + c h² = 0, power by power.
+        let slope = self.gradient(at).dot(up);
+        let half = |d: DVec3| 0.5 * self.curvature_along(d);
+        let (a, c) = (half(along), half(up));
+        let b = 0.5 * (half(along + up) - a - c);
+        let second = -a / slope;
+        let third = -2.0 * b * second / slope;
+        let fourth = -(2.0 * b * third + c * second * second) / slope;
+        [second, third, fourth]
+    }
+
     /// The sizes of the terms of half of [`Self::curvature_along`]: so much of them is rounding.
     pub(crate) fn terms_along(&self, d: DVec3) -> f64 {
         let [xx, yy, zz, xy, yz, zx] = self.quadratic.map(f64::abs);

@@ -10,7 +10,8 @@ use crate::numeric::eigen_symmetric;
 use crate::numeric::tolerance::{FAR_CENTRE, NO_VALUE};
 
 /// The surface f = 0 of f = c0 x² + c1 y² + c2 z² + c3 xy + c4 yz + c5 zx +
-/// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex.
+/// c6 x + c7 y + c8 z + c9, anchored at its centre, axis or vertex; a parabolic cylinder, and what
+/// has that far away, at the origin.
 pub(crate) fn from_coefficients(coefficients: [f64; 10]) -> Result<Surface, NodeFault> {
     if coefficients.iter().any(|c| !c.is_finite()) {
         return Err(NodeFault::NotFinite {
@@ -109,8 +110,9 @@ fn anchored(surface: Surface) -> Result<Surface, NodeFault> {
     };
     let kind = Kind::of_signature((positive, negative), has_slope, at_center)?;
     let size = (linear.length_squared() / (4.0 * largest)).max(constant.abs());
-    // Kept about the origin, as given.
-    if is_far(largest.sqrt() * center.length(), size.sqrt()) {
+    // Kept about the origin, as given. So are parabolic cylinders: the vertex of one that is nearly
+    // straight is far from the part that is meant, whose coefficients do not tell where that is.
+    if kind == Kind::ParabolicCylinder || is_far(largest.sqrt() * center.length(), size.sqrt()) {
         return Ok(Surface { kind, ..surface });
     }
     let (linear, constant) = if has_slope {

@@ -31,6 +31,9 @@
 //!   ([`circles`][arrangement/coaxial.rs]): each is α ρ² + β t² + γ t + δ = 0 at the distance ρ from the
 //!   axis, and α' f - α f' = 0 is an equation of degree two in t, about the middle between its roots,
 //!   however flat or steep the two are. Where they nearly touch there, or in the axis, the pencil tells.
+//! - Cylinders along one direction meet in lines ([`lines`][arrangement/parallel.rs]): through the
+//!   points where the conic of one, across that direction, meets the other. Pieces of letters are
+//!   nearly straight, with vertices hundreds of sizes away: the pencil's coordinates are of that size.
 //!
 //! # Members with lines
 //! det M(φ) is of degree four in cos φ and sin φ, and the same at φ + π: in 2 φ it is a
