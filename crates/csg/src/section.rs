@@ -12,7 +12,7 @@ use crate::mesher::Mesher;
 use crate::numeric::tolerance::{MAPPED, NEAR, ON_FACE};
 use crate::program::Program;
 use crate::solid::Solid;
-use crate::solid::profile::{Contour, Corner, FillRule, Profile};
+use crate::solid::profile::{Contour, Corner, FillRule, Profile, corner_on_parabola};
 use crate::surface::SurfaceShape;
 use trace::{Looked, Rounding};
 
@@ -220,7 +220,8 @@ impl Face<'_> {
     }
 }
 
-/// A face in the plane z = 0, if its edges are lines, circles and whole ellipses.
+/// A face in the plane z = 0, if its edges are lines, circles, parabolas and whole
+/// ellipses.
 fn flat(face: &Face<'_>) -> Option<Profile> {
     let faces_up = face.normal(DVec3::ZERO).z > 0.0;
     let (mut contours, mut outer, mut holes) = (Vec::new(), None, Vec::new());
@@ -255,25 +256,30 @@ fn ellipse(around: &Loop<'_>) -> Option<(Profile, bool)> {
     Some((disc, (axes.determinant() > 0.0) == coedge.is_forward()))
 }
 
-/// A loop of lines and circles.
+/// A loop of lines, circles and parabolas.
 fn contour(around: &Loop<'_>) -> Option<Contour> {
     let corner = |coedge: Coedge<'_>| {
         let edge = coedge.edge();
-        let [from, _] = coedge.vertices()?;
         let curve = edge.curve();
-        let sweep = match (curve, curve.half_axes()) {
-            (CurveShape::Line { .. }, _) => 0.0,
+        let [from, to] = coedge.vertices()?.map(|vertex| vertex.point().truncate());
+        let [start, end] = edge.range();
+        match (curve, curve.half_axes()) {
+            (CurveShape::Line { .. }, _) => Some(Corner::straight(from)),
             (_, Some(axes)) if axes.is_circle => {
-                let [start, end] = edge.range();
                 let turn = axes.long.truncate().perp_dot(axes.short.truncate());
-                (end - start).copysign(if coedge.is_forward() { turn } else { -turn })
+                let sweep = (end - start).copysign(if coedge.is_forward() { turn } else { -turn });
+                Some(Corner::arc(from, elementary::tan(0.25 * sweep)))
             }
-            _ => return None,
-        };
-        Some(Corner {
-            point: from.point().truncate(),
-            bulge: elementary::tan(0.25 * sweep),
-        })
+            (CurveShape::Conic { point, a, b, l, k }, _) => {
+                // Of the product of both parameters and of their mean (the blossom of the curve).
+                let (mean, product) = (0.5 * (start + end), start * end);
+                let weight = 1.0 + mean * l + product * k;
+                let control = point + (mean * a + product * b) / weight;
+                let middle = edge.at(mean).truncate();
+                corner_on_parabola([from, control.truncate(), to], middle)
+            }
+            _ => None,
+        }
     };
     around.coedges().map(corner).collect()
 }

@@ -14,6 +14,7 @@ mod mesh_check;
 mod mesh_intersect;
 mod mesh_measure;
 mod mesh_sheets;
+mod parabolas;
 mod polyhedra;
 mod profiles;
 mod program;

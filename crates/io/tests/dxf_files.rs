@@ -51,11 +51,14 @@ fn entities_have_their_areas() {
     );
     assert_area(&below, 2.25 * PI, "below");
     assert_bounds(&below.profile, [-8.0, 5.0], [-5.0, 8.0]);
+    let parabola = dxf(
+        "0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 1 10 0 20 0 10 5 20 10 10 10 20 0 0 LINE 10 0 20 0 11 10 21 0",
+    );
+    assert_area(&parabola, 100.0 / 3.0, "a parabola");
     for (entities, wanted) in [
         ("0 ELLIPSE 10 5 20 5 11 3 21 4 40 0.5 41 0 42 3.141592653589793 0 LINE 10 8 20 9 11 2 21 1", 6.25 * PI),
         ("0 ELLIPSE 10 5 20 5 11 4 21 0 40 0.5 41 0 42 3.141592653589793 0 LINE 10 1 20 5 11 9 21 5", 4.0 * PI),
-        // A parabola, and half a circle as a rational spline.
-        ("0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 1 10 0 20 0 10 5 20 10 10 10 20 0 0 LINE 10 0 20 0 11 10 21 0", 100.0 / 3.0),
+        // Half a circle as a rational spline.
         ("0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 2 40 2 40 2 41 1 41 0.70710678118654757 41 1 41 0.70710678118654757 41 1
             10 5 20 0 10 5 20 5 10 0 20 5 10 -5 20 5 10 -5 20 0 0 LINE 10 5 20 0 11 -5 21 0", 12.5 * PI),
         // Two cubic spans with a knot between; the area is that of Cox and de Boor's basis.

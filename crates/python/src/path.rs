@@ -53,10 +53,9 @@ impl PyPath {
         Self(self.path().arc_through(middle, end))
     }
 
-    /// A quadratic Bézier curve, as chords that stray at most `tolerance`.
-    #[pyo3(signature = (control, end, *, tolerance=1e-3))]
-    fn quadratic_to(&self, control: [f64; 2], end: [f64; 2], tolerance: f64) -> Self {
-        Self(self.path().quadratic_to(control, end, tolerance))
+    /// A quadratic Bézier curve: a piece of a parabola, and kept as such.
+    fn quadratic_to(&self, control: [f64; 2], end: [f64; 2]) -> Self {
+        Self(self.path().quadratic_to(control, end))
     }
 
     /// A cubic Bézier curve, as chords that stray at most `tolerance`.

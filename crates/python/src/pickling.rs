@@ -113,6 +113,7 @@ fn rebuilt(records: Vec<Record>) -> Option<Solid> {
                 within,
                 spanning,
                 strays,
+                with_chords: None,
             }),
             Record::Named(name, operand) => get(operand)?.named(name),
             Record::Colored(color, operand) => get(operand)?.colored(color),

@@ -197,8 +197,8 @@ fn knurled(radius: f64, notches: usize) -> PyResult<PyProfile> {
 /// an installed font ("Liberation Sans:style=Bold"), `font_file` a file of one.
 /// `horizontal` is "left", "center" or "right", `vertical` "baseline", "bottom", "center" or
 /// "top"; `direction` "ltr", "rtl", "ttb" or "btt"; `language` and `script` are tags such as
-/// "en" and "Latn". Curves become chords within a thousandth of the size. A warning names
-/// characters that the font has no glyph for.
+/// "en" and "Latn". Curves of TrueType fonts stay such; those of others become chords within a
+/// thousandth of the size. A warning names characters that the font has no glyph for.
 ///
 /// >>> import stereotomy as st
 /// >>> sign = st.text("st", size=10, horizontal="center").extrude(2)

@@ -5,6 +5,8 @@ use std::sync::OnceLock;
 
 use fontdb::{Database, Family, Query, Style, Weight};
 use harfrust::font::Blob;
+use skrifa::FontRef;
+use skrifa::outline::{OutlineGlyphCollection, OutlineGlyphFormat};
 
 /// The family that is meant where none is named.
 const DEFAULT_FAMILY: &str = "Liberation Sans";
@@ -63,6 +65,16 @@ impl Font {
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, FontError> {
         let path = path.as_ref();
         Self::of_bytes(read(path)?, 0, &path.display().to_string())
+    }
+
+    /// Whether its outlines have cubic curves, as those of PostScript have: TrueType's are quadratic.
+    #[must_use]
+    pub fn has_cubic_curves(&self) -> bool {
+        let reference = FontRef::from_index(&self.bytes, self.index);
+        let format = reference
+            .ok()
+            .and_then(|font| OutlineGlyphCollection::new(&font).format());
+        !matches!(format, None | Some(OutlineGlyphFormat::Glyf))
     }
 
     fn of_bytes(bytes: Vec<u8>, index: u32, name: &str) -> Result<Self, FontError> {

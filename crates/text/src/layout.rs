@@ -36,9 +36,12 @@ pub enum VerticalAlign {
     Top,
 }
 
-/// How the curves of outlines become chords.
+/// What becomes of the curves of outlines: those of TrueType fonts are quadratic, others cubic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Curves {
+    /// Quadratic ones stay what they are, parabolas; cubic ones become chords that stray at most by
+    /// this from them, as a share of the size.
+    Exact(f64),
     /// Chords that stray at most by this from the curve, as a share of the size.
     Within(f64),
     /// So many chords of equal parameter for every curve, at least 1.
@@ -51,7 +54,7 @@ impl Curves {
     pub(crate) fn chords(self, bend: f64) -> usize {
         match self {
             Self::Chords(count) => count.clamp(1, MOST_CHORDS),
-            Self::Within(share) => {
+            Self::Exact(share) | Self::Within(share) => {
                 let count = (0.25 * bend / share).sqrt().ceil();
                 (count as usize).clamp(1, MOST_CHORDS)
             }
@@ -115,7 +118,7 @@ impl Text {
             direction: None,
             language: "en".to_owned(),
             script: None,
-            curves: Curves::Within(1e-3),
+            curves: Curves::Exact(1e-3),
         }
     }
 
@@ -178,8 +181,8 @@ impl Text {
         self
     }
 
-    /// How curves become chords: within a thousandth of the size where nothing is
-    /// said.
+    /// What becomes of curves: where nothing is said quadratic ones stay, and cubic ones are chords within
+    /// a thousandth of the size.
     #[must_use]
     pub fn curves(mut self, curves: Curves) -> Self {
         self.curves = curves;
@@ -201,7 +204,7 @@ impl Text {
                 return Err(TextError::NotPositive { what, value });
             }
         }
-        if let Curves::Within(share) = self.curves
+        if let Curves::Exact(share) | Curves::Within(share) = self.curves
             && !(share > 0.0 && share.is_finite())
         {
             return Err(TextError::NotPositive {
@@ -210,15 +213,11 @@ impl Text {
             });
         }
         let glyphs = self.placed(font)?;
-        let contours = glyphs.into_iter().flat_map(|(outline, at)| {
-            let contours = outline.contours.into_iter();
-            contours.map(move |contour| {
-                let points = contour.into_iter();
-                points.map(|point| self.size * (point + at)).collect()
-            })
+        let paths = glyphs.iter().flat_map(|(outline, at)| {
+            let contours = outline.contours.iter();
+            contours.filter_map(|contour| contour.path(|point| self.size * (point + *at)))
         });
-        let contours: Vec<Vec<DVec2>> = contours.filter(|c: &Vec<_>| c.len() > 2).collect();
-        Ok(Profile::polygons_of(contours, FillRule::NonZero))
+        Ok(Profile::paths(paths, FillRule::NonZero))
     }
 
     /// Characters that the font has no glyph for, each once, in the order of the text: boxes

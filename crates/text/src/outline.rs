@@ -1,5 +1,6 @@
-//! Outlines of glyphs, with curves cut into chords.
+//! Outlines of glyphs.
 
+use csg::Path;
 use csg::glam::DVec2;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{
@@ -32,8 +33,35 @@ pub(crate) struct Glyphs<'a> {
 /// in pixels.
 #[derive(Default)]
 pub(crate) struct Outline {
-    pub contours: Vec<Vec<DVec2>>,
+    pub contours: Vec<Contour>,
     pub control_box: Option<[DVec2; 2]>,
+}
+
+/// A closed contour, from its start by sides to points, some of which are parabolas with that control
+/// point.
+#[derive(Default)]
+pub(crate) struct Contour {
+    start: DVec2,
+    sides: Vec<(Option<DVec2>, DVec2)>,
+}
+
+impl Contour {
+    /// The image under a map; none of a point.
+    pub(crate) fn path(&self, map: impl Fn(DVec2) -> DVec2) -> Option<Path> {
+        let path = self
+            .sides
+            .iter()
+            .fold(
+                Path::from(map(self.start)),
+                |path, &(control, end)| match control {
+                    Some(control) => path.quadratic_to(map(control), map(end)),
+                    None => path.line_to(map(end)),
+                },
+            );
+        let is_curved = self.sides.iter().any(|(control, _)| control.is_some());
+        let sides = self.sides.iter().filter(|(_, end)| *end != self.start);
+        (sides.count() > if is_curved { 0 } else { 1 }).then_some(path)
+    }
 }
 
 impl<'a> Glyphs<'a> {
@@ -94,37 +122,43 @@ impl Pen {
 
     fn start(&self) -> DVec2 {
         let last = self.outline.contours.last();
-        last.and_then(|contour| contour.last())
-            .copied()
-            .unwrap_or_default()
+        last.map_or(DVec2::ZERO, |contour| {
+            contour.sides.last().map_or(contour.start, |&(_, end)| end)
+        })
     }
 
-    fn push(&mut self, point: DVec2) {
+    fn push(&mut self, control: Option<DVec2>, end: DVec2) {
         if let Some(contour) = self.outline.contours.last_mut() {
-            contour.push(point);
+            contour.sides.push((control, end));
         }
     }
 }
 
 impl OutlinePen for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        let point = self.point(x, y);
-        self.outline.contours.push(vec![point]);
+        let start = self.point(x, y);
+        self.outline.contours.push(Contour {
+            start,
+            ..Contour::default()
+        });
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let point = self.point(x, y);
-        self.push(point);
+        let end = self.point(x, y);
+        self.push(None, end);
     }
 
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
         let (start, control, end) = (self.start(), self.point(cx, cy), self.point(x, y));
+        if let Curves::Exact(_) = self.curves {
+            return self.push(Some(control), end);
+        }
         let bend = (start - 2.0 * control + end).length();
         let chords = self.curves.chords(bend);
         for k in 1..=chords {
             let t = k as f64 / chords as f64;
             let s = 1.0 - t;
-            self.push(s * s * start + 2.0 * s * t * control + t * t * end);
+            self.push(None, s * s * start + 2.0 * s * t * control + t * t * end);
         }
     }
 
@@ -139,7 +173,7 @@ impl OutlinePen for Pen {
             let t = k as f64 / chords as f64;
             let s = 1.0 - t;
             let inner = 3.0 * s * t * (s * a + t * b);
-            self.push(s * s * s * start + inner + t * t * t * end);
+            self.push(None, s * s * s * start + inner + t * t * t * end);
         }
     }
 

@@ -3,6 +3,7 @@
 //! SVG with six digits.
 
 use csg::glam::DVec2;
+use csg::{BoundaryOptions, Program, Solid};
 use text::{Curves, Font, HorizontalAlign, Text, TextError, VerticalAlign};
 
 /// Area, and the least and greatest coordinates.
@@ -106,13 +107,43 @@ fn finer_chords_come_nearer_by_the_square() {
 
 #[test]
 fn size_and_metrics_scale_what_they_say() {
-    let [area, min_x, _, max_x, _] = measure(&Text::new("Text"), "");
-    let [double, low, _, high, _] = measure(&Text::new("Text").size(20.0), "");
+    let text = || Text::new("Text").curves(Curves::Within(1e-3));
+    let [area, min_x, _, max_x, _] = measure(&text(), "");
+    let [double, low, _, high, _] = measure(&text().size(20.0), "");
     assert!((double / area - 4.0).abs() < 1e-12);
     assert!(((high - low) / (max_x - min_x) - 2.0).abs() < 1e-12);
     // Letters keep their size, only their distance grows.
-    let [same, low, _, high, _] = measure(&Text::new("Text").metrics(1.5), "");
+    let [same, low, _, high, _] = measure(&text().metrics(1.5), "");
     assert!((same / area - 1.0).abs() < 1e-12 && high - low > 1.2 * (max_x - min_x));
+}
+
+/// Most joints of letters are tangent, many of them to the second order; strokes of some overlap, and
+/// many a curve is nearly straight.
+#[test]
+fn letters_are_solids_within_parabolic_cylinders() {
+    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
+    let written = ('!'..='~').chain("äçéñßØÅęþ½µΩαζбж€@".chars());
+    let written: Vec<char> = written.collect();
+    for letters in written.chunks(3) {
+        let letters: String = letters.iter().collect();
+        let text = Text::new(letters.as_str());
+        let profile = text
+            .profile(&font)
+            .unwrap_or_else(|e| panic!("{letters}: {e}"));
+        let solid = Solid::extrude(&profile, 0.0..2.0);
+        assert_eq!(solid.strays(), None, "{letters}");
+        let solid = solid.rotate_x(0.3).rotate_z(1.1);
+        let program = Program::lower(&solid).unwrap_or_else(|e| panic!("{letters}: {e}"));
+        let boundary = program.boundary(&BoundaryOptions::default());
+        let boundary = boundary.unwrap_or_else(|e| panic!("{letters}: {e}"));
+        assert_eq!(boundary.moved(), None, "{letters}");
+        let volume = boundary.measure().volume;
+        assert!(volume.error < 1e-6, "{letters}: {volume:?}");
+        // Chords cut off, or add, no more than their distance times what they are beside.
+        let area = profile.area(1e-6).expect("an area");
+        let off = (volume.value - 2.0 * area).abs();
+        assert!(off < 1e-4, "{letters}: {volume:?}, not {}", 2.0 * area);
+    }
 }
 
 #[test]

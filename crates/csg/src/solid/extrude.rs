@@ -1,14 +1,14 @@
 //! Extrusion: a profile moved along z, straight or to a scale.
 //!
-//! Sides become planes and discs cylinders or cones, one surface each, in the
-//! profile's own formula: at every height the cross-section is the profile.
+//! Sides become planes, discs cylinders or cones and parabolas parabolic
+//! cylinders or cones, one surface each, in the profile's own formula: at every height the cross-section is the profile.
 
 use std::ops::Range;
 
 use glam::{DAffine2, DAffine3, DMat2, DMat3, DVec2, DVec3};
 
 use super::polyhedron::FEW_FACES;
-use super::profile::{Leaf, Profile, Sagitta, plane_set};
+use super::profile::{Formula, Leaf, Profile, Sagitta, Segmented, formula, segmented};
 use super::tree::{Made, Node, Solid};
 use super::twist::{even_twist, extent, prism};
 use crate::error::{NodeFault, ProfileFault};
@@ -32,6 +32,7 @@ impl Solid {
             within,
             spanning: Vec::new(),
             strays: None,
+            with_chords: None,
         }))
     }
 
@@ -52,31 +53,34 @@ impl Solid {
             within: least.zip(greatest).map(<[DVec3; 2]>::from),
             spanning,
             strays: None,
+            with_chords: None,
         }))
     }
 
     /// The profile moved along z, from `z.start` to `z.end`. Lines become
-    /// planes, circles and arcs cylinders. Of more than 48 lines and nothing else it is a
+    /// planes, circles and arcs cylinders, parabolas parabolic cylinders (where contours with
+    /// parabolas cross, these are chords within 1e-4 of the profile's size: see
+    /// [`Solid::strays`]). Of more than 48 lines and nothing else it is a
     /// polyhedron ([`Solid::polyhedron`]), whose cost is that of the faces near a cut.
     #[must_use]
     pub fn extrude(profile: &Profile, z: Range<f64>) -> Self {
-        Self::made("extrude", extruded(profile, &z, DVec2::ONE))
+        made_of("extrude", extruded(profile, &z, DVec2::ONE))
     }
 
     /// The profile moved along z and scaled about the z axis on the way, by 1
     /// at `z.start` to `scale` along x and y at `z.end`; a scale of 0 along both
     /// ends in a point.
     ///
-    /// Lines become planes, circles and arcs cones. Where the scales differ, a
+    /// Lines become planes, circles, arcs and parabolas cones. Where the scales differ, a
     /// line becomes a hyperbolic paraboloid (a plane if it is along x or y); of a profile with
-    /// circles or arcs all is in flat faces, as [`Solid::extrude_twisted`] has them.
+    /// circles, arcs or parabolas all is in flat faces, as [`Solid::extrude_twisted`] has them.
     #[must_use]
     pub fn extrude_scaled(profile: &Profile, z: Range<f64>, scale: impl Into<DVec2>) -> Self {
         let scale = scale.into();
         if scale.x != scale.y && !profile.is_straight() {
             return even_twist("extrude_scaled", profile, &z, (0.0, scale), None);
         }
-        Self::made("extrude_scaled", extruded(profile, &z, scale))
+        made_of("extrude_scaled", extruded(profile, &z, scale))
     }
 
     /// The profile at `z.start`, drawn together to the point above `apex` at
@@ -85,19 +89,50 @@ impl Solid {
     pub fn extrude_to_point(profile: &Profile, z: Range<f64>, apex: impl Into<DVec2>) -> Self {
         let apex = apex.into();
         let centred = profile.translate(-apex);
-        let solid = extruded(&centred, &z, DVec2::ZERO).map(|(solid, within)| {
+        let solid = extruded(&centred, &z, DVec2::ZERO).map(|made| {
             let apex = apex.extend(0.0);
-            (solid.translate(apex), within.map(|corner| corner + apex))
+            Extruded {
+                solid: made.solid.translate(apex),
+                with_chords: made.with_chords.map(|solid| solid.translate(apex)),
+                within: made.within.map(|corner| corner + apex),
+                ..made
+            }
         });
-        Self::made("extrude_to_point", solid)
+        made_of("extrude_to_point", solid)
     }
 }
 
-fn extruded(
-    profile: &Profile,
-    z: &Range<f64>,
-    scale: DVec2,
-) -> Result<(Solid, [DVec3; 2]), NodeFault> {
+struct Extruded {
+    solid: Solid,
+    /// Corners of a box around it.
+    within: [DVec3; 2],
+    /// How far chords that stand for something stray from that.
+    strays: Option<f64>,
+    /// The same with chords for parabolas.
+    with_chords: Option<Solid>,
+}
+
+fn made_of(function: &'static str, extruded: Result<Extruded, NodeFault>) -> Solid {
+    let made = match extruded {
+        Ok(Extruded {
+            solid,
+            within,
+            strays,
+            with_chords,
+        }) => Made {
+            function,
+            solid: Ok(solid),
+            within: Some(within),
+            spanning: Vec::new(),
+            strays,
+            with_chords,
+        },
+        Err(fault) => return Solid::made(function, Err(fault)),
+    };
+    Solid::from_node(Node::Made(made))
+}
+
+fn extruded(profile: &Profile, z: &Range<f64>, scale: DVec2) -> Result<Extruded, NodeFault> {
     extent(z)?;
     for scale in scale.to_array() {
         if !(scale >= 0.0 && scale.is_finite()) {
@@ -109,22 +144,47 @@ fn extruded(
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
     let Some((min, max)) = profile.reach()? else {
-        return Ok((Solid::empty(), [DVec3::ZERO; 2]));
+        return Ok(Extruded {
+            solid: Solid::empty(),
+            within: [DVec3::ZERO; 2],
+            strays: None,
+            with_chords: None,
+        });
     };
     let within = [
         (min.min(scale * min) - tolerance).extend(z.start),
         (max.max(scale * max) + tolerance).extend(z.end),
     ];
-    let column = Column {
+    let mut column = Column {
         z,
         scale,
         tolerance,
+        has_chords: false,
     };
-    let solid = match column.prism(profile)? {
-        Some(prism) => prism,
-        None => between(z, column.of(profile)?),
-    };
-    Ok((solid, within))
+    let crosses =
+        |known: &Result<Solid, ProfileFault>| matches!(known, Err(ProfileFault::Crossing { .. }));
+    let mut solid = column.whole(profile);
+    if crosses(&solid)
+        && let Some(strokes) = profile.strokes()
+    {
+        solid = column.whole(&strokes);
+    }
+    let chords = profile.without_parabolas(tolerance);
+    let with_chords = chords.and_then(|chords| column.whole(&chords).ok());
+    Ok(match (solid, with_chords) {
+        (Err(ProfileFault::Crossing { .. }), Some(solid)) => Extruded {
+            solid,
+            within,
+            strays: Some(tolerance),
+            with_chords: None,
+        },
+        (solid, with_chords) => Extruded {
+            solid: solid?,
+            within,
+            strays: column.has_chords.then_some(tolerance),
+            with_chords,
+        },
+    })
 }
 
 /// What profiles become that are moved along z and scaled on the way, also beyond both ends.
@@ -133,9 +193,18 @@ struct Column<'a> {
     scale: DVec2,
     /// For chords, a length.
     tolerance: f64,
+    /// Whether there are such, in place of what is bent.
+    has_chords: bool,
 }
 
 impl Column<'_> {
+    fn whole(&mut self, profile: &Profile) -> Result<Solid, ProfileFault> {
+        Ok(match self.prism(profile)? {
+            Some(prism) => prism,
+            None => between(self.z, self.of(profile)?),
+        })
+    }
+
     /// A polyhedron between both ends, if the profile is of many lines and nothing else.
     fn prism(&self, profile: &Profile) -> Result<Option<Solid>, ProfileFault> {
         if !(self.is_even() && profile.is_straight()) {
@@ -155,18 +224,21 @@ impl Column<'_> {
     /// Shapes of many lines as prisms, if there are such and they are not scaled, and else one
     /// formula of half-spaces: cones and planes that are scaled have one apex in common, and corners
     /// tell planes to rounding only.
-    fn of(&self, profile: &Profile) -> Result<Solid, ProfileFault> {
+    fn of(&mut self, profile: &Profile) -> Result<Solid, ProfileFault> {
         if self.scale != DVec2::ONE {
             return self.of_half_spaces(profile);
         }
         let mut has_prisms = false;
         let by_shapes = profile.by_shapes(|shape| {
-            let prism = self.prism(shape)?;
-            has_prisms |= prism.is_some();
-            Ok(match prism {
-                Some(prism) => prism,
-                None => self.of_half_spaces(shape)?,
-            })
+            let known = match self.prism(shape)? {
+                Some(prism) => Some(prism),
+                None => self.segmented(shape)?,
+            };
+            has_prisms |= known.is_some();
+            match known {
+                Some(known) => Ok(known),
+                None => self.of_half_spaces(shape),
+            }
         })?;
         if has_prisms {
             Ok(by_shapes)
@@ -175,9 +247,33 @@ impl Column<'_> {
         }
     }
 
-    fn of_half_spaces(&self, profile: &Profile) -> Result<Solid, ProfileFault> {
+    /// A polyhedron with segments of curves added and taken away, of shapes of many sides.
+    fn segmented(&self, shape: &Profile) -> Result<Option<Solid>, ProfileFault> {
+        let Some(Segmented { polygons, steps }) = segmented(shape)? else {
+            return Ok(None);
+        };
+        if polygons.iter().map(Vec::len).sum::<usize>() <= FEW_FACES {
+            return Ok(None);
+        }
+        let lines = shape.lines(&polygons);
+        let prism = prism(&polygons, &lines, self.z, self.scale);
+        Ok(prism.map(|prism| {
+            steps.iter().fold(prism, |solid, (is_added, set)| {
+                let segments = set.solid(|leaf| self.of_leaf(leaf));
+                if *is_added {
+                    solid | segments
+                } else {
+                    solid - segments
+                }
+            })
+        }))
+    }
+
+    fn of_half_spaces(&mut self, profile: &Profile) -> Result<Solid, ProfileFault> {
         let is_even = self.is_even();
-        let set = plane_set(profile, Sagitta::of_length(self.tolerance), &|_| is_even)?;
+        let sagitta = Sagitta::of_length(self.tolerance);
+        let Formula { set, has_chords } = formula(profile, sagitta, &|_| is_even)?;
+        self.has_chords |= has_chords;
         Ok(set.solid(|leaf| self.of_leaf(leaf)))
     }
 
@@ -207,6 +303,7 @@ impl Column<'_> {
                 };
                 Solid::infinite_cylinder(1.0).affine(map)
             }
+            Leaf::Parabola(map) => parabolic(map, z.start, (scale.x - 1.0) / height),
         }
     }
 }
@@ -285,6 +382,31 @@ fn far_cone(disc: DAffine2, base: f64, growth: f64) -> Solid {
         rest,
     ];
     Solid::quadric(coefficients).translate(base * DVec3::Z)
+}
+
+/// The inner side of the parabola that is the image of y = x² at height `base`, which grows by a share
+/// along a unit of length: a parabolic cylinder, or a cone.
+fn parabolic(map: DAffine2, base: f64, growth: f64) -> Solid {
+    // v k >= u² for (u, v) = a (p - k c) where a maps to y = x², and c to its origin.
+    let a = map.matrix2.inverse();
+    let [u, v] = [a.row(0), a.row(1)];
+    let c = map.translation;
+    // About c at that height: k = 1 + growth z, p - k c = (x, y) - growth z c.
+    let across = u.extend(-growth * u.dot(c));
+    let along = v.extend(-growth * v.dot(c));
+    let coefficients = [
+        across.x * across.x,
+        across.y * across.y,
+        across.z * across.z - growth * along.z,
+        2.0 * across.x * across.y,
+        2.0 * across.y * across.z - growth * along.y,
+        2.0 * across.z * across.x - growth * along.x,
+        -along.x,
+        -along.y,
+        -along.z,
+        0.0,
+    ];
+    Solid::quadric(coefficients).translate(c.extend(base))
 }
 
 /// x² + y² <= z².

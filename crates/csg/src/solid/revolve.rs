@@ -13,7 +13,7 @@ use glam::{DAffine2, DVec2, DVec3};
 
 use super::extrude::double_cone;
 use super::primitive::Plane;
-use super::profile::{Leaf, PlaneSet, Profile, Sagitta, plane_set, turn};
+use super::profile::{Formula, Leaf, PlaneSet, Profile, Sagitta, formula, turn};
 use super::tree::{Node, Solid};
 use super::twist::cap;
 use crate::error::{NodeFault, ProfileFault};
@@ -69,11 +69,6 @@ type Boxed = (Solid, [DVec3; 2]);
 
 fn turned(function: &'static str, profile: &Profile, radians: f64, within: Option<f64>) -> Solid {
     let (has_chords, levelled) = (Cell::new(false), Cell::new(0.0));
-    let keeps = |map: &DAffine2| {
-        let keeps = is_on_axis(map);
-        has_chords.set(has_chords.get() || !keeps);
-        keeps
-    };
     let tolerance = match within {
         Some(within) if within > 0.0 && within.is_finite() => Ok(within),
         Some(value) => Err(NodeFault::NotPositive {
@@ -83,7 +78,7 @@ fn turned(function: &'static str, profile: &Profile, radians: f64, within: Optio
         None => profile.tolerance_of(PROFILE_CHORD).map_err(NodeFault::from),
     };
     let made = tolerance.and_then(|tolerance| {
-        let whole = round(profile, tolerance, &keeps, &levelled)?;
+        let whole = round(profile, tolerance, &has_chords, &levelled)?;
         Ok((within_angle(whole, radians)?, tolerance))
     });
     let chords = match made {
@@ -99,15 +94,28 @@ fn turned(function: &'static str, profile: &Profile, radians: f64, within: Optio
     }
 }
 
-/// The profile turned about the axis; sides that are made level stray by no more than `levelled`
-/// comes to.
+/// The profile turned about the axis, and whether it has chords; sides that are made level stray by
+/// no more than `levelled` comes to.
 fn round(
     profile: &Profile,
     tolerance: f64,
-    keeps: &dyn Fn(&DAffine2) -> bool,
+    has_chords: &Cell<bool>,
     levelled: &Cell<f64>,
 ) -> Result<Boxed, NodeFault> {
-    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, keeps)?;
+    let keeps = |leaf: &Leaf| match leaf {
+        Leaf::Disc(map) => is_on_axis(map),
+        Leaf::HalfPlane { .. } => true,
+        Leaf::Parabola(_) => false,
+    };
+    let Turned {
+        formula: Formula {
+            set,
+            has_chords: has,
+        },
+        corners,
+        axis,
+    } = half_plane_formula(profile, tolerance, &keeps)?;
+    has_chords.set(has);
     let [low, high] = corners.map(|corner| corner.z);
     let beside = high - low;
     // Steep cones end beyond it, and so does all before these do.
@@ -144,6 +152,8 @@ fn round(
             let radii = DVec2::new(elementary::hypot(x.x, y.x), elementary::hypot(x.y, y.y));
             Solid::ellipsoid([radii.x, radii.x, radii.y]).translate(map.translation.y * DVec3::Z)
         }
+        // Not kept.
+        Leaf::Parabola(_) => Solid::empty(),
     });
     let solid = if has_ends.get() { solid & ends } else { solid };
     Ok((solid, corners))
@@ -151,7 +161,7 @@ fn round(
 
 /// A profile to be turned.
 struct Turned {
-    set: PlaneSet,
+    formula: Formula,
     /// Of a box around its revolution.
     corners: [DVec3; 2],
     axis: Axis,
@@ -171,14 +181,17 @@ impl Axis {
     }
 }
 
-fn half_plane_set(
+fn half_plane_formula(
     profile: &Profile,
     tolerance: f64,
-    keeps: &dyn Fn(&DAffine2) -> bool,
+    keeps: &dyn Fn(&Leaf) -> bool,
 ) -> Result<Turned, NodeFault> {
     let Some((min, max)) = profile.bounds(tolerance)? else {
         return Ok(Turned {
-            set: PlaneSet::EMPTY,
+            formula: Formula {
+                set: PlaneSet::EMPTY,
+                has_chords: false,
+            },
             corners: [DVec3::ZERO; 2],
             axis: Axis(0.0),
         });
@@ -191,12 +204,12 @@ fn half_plane_set(
         length: tolerance,
         of_radius: BESIDE_AXIS,
     };
-    let set = plane_set(profile, sagitta, keeps)?;
+    let formula = formula(profile, sagitta, keeps)?;
     let corner = |radius: f64, height: f64| DVec3::new(radius, radius, height);
     let (min, max) = profile.reach()?.unwrap_or((min, max));
     let (radius, below, above) = (max.x + tolerance, min.y - tolerance, max.y + tolerance);
     Ok(Turned {
-        set,
+        formula,
         corners: [corner(-radius, below), corner(radius, above)],
         axis,
     })
@@ -354,7 +367,11 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
         return Err(NodeFault::TooFewSteps { steps });
     }
     let tolerance = profile.tolerance_of(PROFILE_CHORD)?;
-    let Turned { set, corners, axis } = half_plane_set(profile, tolerance, &|_| false)?;
+    let Turned {
+        formula: Formula { set, .. },
+        corners,
+        axis,
+    } = half_plane_formula(profile, tolerance, &|_| false)?;
     if let Some(solid) = polyhedron(&profile.contours(tolerance)?, axis, radians, steps) {
         return Ok((solid, corners));
     }
@@ -389,7 +406,8 @@ fn stepped(profile: &Profile, radians: f64, steps: usize) -> Result<Boxed, NodeF
             Side::Everything(true) => Solid::space(),
             Side::Everything(false) => Solid::empty(),
         },
-        Leaf::Disc(_) => Solid::empty(),
+        // Not kept.
+        Leaf::Disc(_) | Leaf::Parabola(_) => Solid::empty(),
     });
     within_angle((solid, corners), radians)
 }

@@ -68,6 +68,9 @@ pub struct Made {
     /// How far its boundary strays at most from that of what was asked for, if it stands for
     /// something curved that there are no surfaces for.
     pub strays: Option<f64>,
+    /// The same with chords for parabolas, within 1e-4 of the profile's size, if it has such: for
+    /// programs that do not know them.
+    pub with_chords: Option<Solid>,
 }
 
 impl Node {
@@ -147,6 +150,7 @@ impl Solid {
             within: None,
             spanning: Vec::new(),
             strays: None,
+            with_chords: None,
         }))
     }
 

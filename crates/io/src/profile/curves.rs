@@ -1,4 +1,4 @@
-//! Contours of lines, arcs and curves, and what becomes of them: lines and arcs of circles.
+//! Contours of lines, arcs and curves, and what becomes of them: lines, arcs of circles and parabolas.
 
 use csg::elementary;
 use std::f64::consts::{PI, TAU};
@@ -301,8 +301,17 @@ fn on_ellipse(center: DVec2, [a, b]: [DVec2; 2], t: f64) -> DVec2 {
     center + direction.x * a + direction.y * b
 }
 
-/// A corner, and the bulge of the side to the next.
-pub(super) type Loop = Vec<(DVec2, f64)>;
+/// A corner, and how the side to the next one bends.
+pub(super) type Loop = Vec<(DVec2, Bend)>;
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Bend {
+    Straight,
+    /// An arc, by its bulge.
+    Arc(f64),
+    /// A quadratic Bézier curve, by its control point.
+    Quadratic(DVec2),
+}
 
 /// How curves are cut into chords.
 #[derive(Clone, Copy)]
@@ -332,28 +341,34 @@ impl Cutting {
     pub(super) fn chords_of(&mut self, outline: &Outline) -> Option<Vec<DVec2>> {
         let corners = self.contour(outline)?.unwrap_or_default();
         let mut points = Vec::with_capacity(corners.len());
-        for (k, &(point, bulge)) in corners.iter().enumerate() {
+        for (k, &(point, bend)) in corners.iter().enumerate() {
             let mut chords = Loop::new();
-            if bulge == 0.0 {
-                chords.push((point, 0.0));
-            } else {
-                let end = corners[(k + 1) % corners.len()].0;
-                let center = arc_center(point, end, bulge);
-                let axis = point - center;
-                let sweep = 4.0 * elementary::atan(bulge);
-                self.chords(
-                    point,
-                    (center, [axis, axis.perp()]),
-                    [0.0, sweep],
-                    &mut chords,
-                );
+            let end = corners[(k + 1) % corners.len()].0;
+            match bend {
+                Bend::Straight => chords.push((point, Bend::Straight)),
+                Bend::Arc(bulge) => {
+                    let center = arc_center(point, end, bulge);
+                    let axis = point - center;
+                    let sweep = 4.0 * elementary::atan(bulge);
+                    self.chords(
+                        point,
+                        (center, [axis, axis.perp()]),
+                        [0.0, sweep],
+                        &mut chords,
+                    );
+                }
+                Bend::Quadratic(control) => {
+                    let controls = [point, control, end].map(|point| point.extend(1.0));
+                    chords.push((point, Bend::Straight));
+                    self.halve(&controls, DEEPEST, &mut chords);
+                }
             }
             points.extend(chords.into_iter().map(|(point, _)| point));
         }
         Some(points)
     }
 
-    /// The outline as lines and arcs, closed; none where it encloses nothing. `None` if there
+    /// The outline as lines, arcs and parabolas, closed; none where it encloses nothing. `None` if there
     /// are too many sides.
     pub(super) fn contour(&mut self, outline: &Outline) -> Option<Option<Loop>> {
         let mut corners: Loop = Vec::with_capacity(outline.sides.len());
@@ -366,7 +381,7 @@ impl Cutting {
             at = *end;
         }
         if at != outline.start {
-            corners.push((at, 0.0));
+            corners.push((at, Bend::Straight));
         }
         // Sides without a length.
         let count = corners.len();
@@ -376,8 +391,8 @@ impl Cutting {
             .map(|k| corners[k])
             .collect();
         self.sides += kept.len();
-        let has_arc = kept.iter().any(|(_, bulge)| *bulge != 0.0);
-        let least = if has_arc { 2 } else { 3 };
+        let is_bent = kept.iter().any(|(_, bend)| *bend != Bend::Straight);
+        let least = if is_bent { 2 } else { 3 };
         Some((kept.len() >= least).then_some(kept))
     }
 
@@ -401,7 +416,7 @@ impl Cutting {
             } else {
                 csg::turn(k, count)
             };
-            (map.transform_point2(turn), 0.0)
+            (map.transform_point2(turn), Bend::Straight)
         };
         Some((0..count).map(corner).collect())
     }
@@ -409,15 +424,15 @@ impl Cutting {
     /// Adds corners from the side's start on, without its end.
     fn side(&mut self, start: DVec2, side: &Side, end: DVec2, corners: &mut Loop) {
         match side {
-            Side::Line => corners.push((start, 0.0)),
-            Side::Arc { bulge } if *bulge == 0.0 => corners.push((start, 0.0)),
+            Side::Line => corners.push((start, Bend::Straight)),
+            Side::Arc { bulge } if *bulge == 0.0 => corners.push((start, Bend::Straight)),
             Side::Arc { bulge } if self.fineness.is_some() => {
                 let center = arc_center(start, end, *bulge);
                 let axis = start - center;
                 let sweep = 4.0 * elementary::atan(*bulge);
                 self.chords(start, (center, [axis, axis.perp()]), [0.0, sweep], corners);
             }
-            Side::Arc { bulge } => corners.push((start, *bulge)),
+            Side::Arc { bulge } => corners.push((start, Bend::Arc(*bulge))),
             Side::Ellipse {
                 center,
                 axes: [a, b],
@@ -434,7 +449,7 @@ impl Cutting {
                                 0 => start,
                                 _ => on_ellipse(*center, axes, from + part * f64::from(k)),
                             };
-                            corners.push((at, turn * elementary::tan(0.25 * part)));
+                            corners.push((at, Bend::Arc(turn * elementary::tan(0.25 * part))));
                         }
                     }
                     _ => self.chords(start, (*center, axes), [*from, *sweep], corners),
@@ -443,13 +458,18 @@ impl Cutting {
             Side::Bezier(controls) => match self.fineness {
                 Some(fineness) => {
                     let count = bounded(fineness.number.max(20.0));
-                    corners.push((start, 0.0));
+                    corners.push((start, Bend::Straight));
                     let inner = (1..count).map(|k| k as f64 / count as f64);
-                    corners.extend(inner.map(|t| (halves(controls, t).2, 0.0)));
+                    corners.extend(inner.map(|t| (halves(controls, t).2, Bend::Straight)));
+                }
+                None if quadratic(controls).is_some() => {
+                    corners.extend(
+                        quadratic(controls).map(|control| (start, Bend::Quadratic(control))),
+                    );
                 }
                 None => {
                     let chords = corners.len();
-                    corners.push((start, 0.0));
+                    corners.push((start, Bend::Straight));
                     self.halve(controls, DEEPEST, corners);
                     self.has_cut |= corners.len() > chords + 1;
                 }
@@ -483,9 +503,9 @@ impl Cutting {
             }
         };
         let count = bounded(count);
-        corners.push((start, 0.0));
+        corners.push((start, Bend::Straight));
         let inner = (1..count).map(|k| from + sweep * (k as f64 / count as f64));
-        corners.extend(inner.map(|t| (on_ellipse(center, axes, t), 0.0)));
+        corners.extend(inner.map(|t| (on_ellipse(center, axes, t), Bend::Straight)));
     }
 
     /// Adds the inner corners of chords: the curve is in the hull of its control points, and so no
@@ -512,7 +532,7 @@ impl Cutting {
         }
         let (left, right, middle) = halves(controls, 0.5);
         self.halve(&left, depth - 1, corners);
-        corners.push((middle, 0.0));
+        corners.push((middle, Bend::Straight));
         self.halve(&right, depth - 1, corners);
     }
 }
@@ -572,28 +592,50 @@ fn bounded(count: f64) -> usize {
     count.clamp(1.0, 1e5) as usize
 }
 
+/// The control point of a quadratic curve without weights.
+fn quadratic(controls: &[DVec3]) -> Option<DVec2> {
+    match controls {
+        [first, control, last] if first.z == control.z && control.z == last.z => {
+            Some(control.truncate() / control.z)
+        }
+        _ => None,
+    }
+}
+
 /// Points whose bounds are those of a contour.
 pub(super) fn loop_bounds(corners: &Loop) -> Vec<DVec2> {
     let mut points = Vec::with_capacity(corners.len());
-    for (k, &(point, bulge)) in corners.iter().enumerate() {
+    for (k, &(point, bend)) in corners.iter().enumerate() {
+        let end = corners[(k + 1) % corners.len()].0;
         points.push(point);
-        if bulge != 0.0 {
-            points.extend(arc_extremes(
-                point,
-                corners[(k + 1) % corners.len()].0,
-                bulge,
-            ));
+        match bend {
+            Bend::Straight => {}
+            Bend::Arc(bulge) => points.extend(arc_extremes(point, end, bulge)),
+            Bend::Quadratic(control) => points.extend(quadratic_extremes(point, control, end)),
         }
     }
     points
 }
 
+/// Where a quadratic curve turns back in x or y.
+fn quadratic_extremes(start: DVec2, control: DVec2, end: DVec2) -> impl Iterator<Item = DVec2> {
+    // The derivative is (1 - t) (control - start) + t (end - control), twice.
+    let (first, last) = (control - start, end - control);
+    let turns = (first / (first - last)).to_array().into_iter();
+    let turns = turns.filter(|t| *t > 0.0 && *t < 1.0);
+    turns.map(move |t| start.lerp(control, t).lerp(control.lerp(end, t), t))
+}
+
 pub(super) fn loop_path(corners: &Loop) -> Path {
     let first = corners.first().map_or(DVec2::ZERO, |(point, _)| *point);
     let mut path = Path::from(first);
-    for (k, &(_, bulge)) in corners.iter().enumerate() {
+    for (k, &(_, bend)) in corners.iter().enumerate() {
         let next = corners[(k + 1) % corners.len()].0;
-        path = path.bulge_to(next, bulge);
+        path = match bend {
+            Bend::Straight => path.line_to(next),
+            Bend::Arc(bulge) => path.bulge_to(next, bulge),
+            Bend::Quadratic(control) => path.quadratic_to(control, next),
+        };
     }
     path
 }

@@ -1,11 +1,12 @@
 //! Flat shapes from drawings: SVG and DXF files as a [`Profile`].
 //!
 //! Lines stay lines and arcs arcs: circles, round corners, `A` commands with equal radii, bulges,
-//! `ARC`s. Whole ellipses are such, too, where they cross no other contour of their element, or of the
+//! `ARC`s. Quadratic Bézier's curves stay parabolas. Whole ellipses are such, too, where they cross no other contour of their element, or of the
 //! drawing in DXF: also circles under maps that scale unevenly, and arcs that close an ellipse. Other
-//! curves (Bézier's, arcs of an ellipse beside other sides, which a [`Profile`] does not hold, and splines)
-//! become chords within [`ProfileOptions::tolerance`], which a warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that
-//! a scene means the same:
+//! curves (cubic ones, arcs of an ellipse beside other sides, which a [`Profile`] does not hold, and
+//! splines but quadratic ones without weights) become chords within [`ProfileOptions::tolerance`], which
+//! a warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that a
+//! scene means the same:
 //!
 //! # SVG
 //! - Read are `path`, `rect`, `circle`, `ellipse`, `polygon`, `polyline`, `g`, `a`, `switch`, `use`,
@@ -91,7 +92,7 @@ pub struct ProfileOptions {
     pub scale: f64,
     /// Whether the middle of the shape's bounds becomes the origin.
     pub center: bool,
-    /// How far chords may stray from curves that are not arcs, in the result's unit: 1e-4 of the
+    /// How far chords may stray from curves that are neither arcs nor parabolas, in the result's unit: 1e-4 of the
     /// longer side of what is drawn unless given.
     pub tolerance: Option<f64>,
     /// All arcs and curves as OpenSCAD's chords.
@@ -172,7 +173,8 @@ pub struct ReadProfile {
     pub profile: Profile,
     /// What was left out, taken for something else or mended, each with where it is first.
     pub warnings: Vec<String>,
-    /// How far chords stray from curves that are not arcs of circles, if there are such.
+    /// How far chords stray from curves that are neither arcs of circles nor parabolas, if there are
+    /// such.
     pub strays: Option<f64>,
     /// How many sides it has.
     pub(crate) sides: usize,
@@ -379,8 +381,9 @@ fn finished(
     } = making;
     let strays = (cutting.has_cut && cutting.fineness.is_none()).then_some(cutting.tolerance);
     if let Some(within) = strays {
-        let problem =
-            format!("curves that are not arcs of circles are taken for chords within {within:.1e}");
+        let problem = format!(
+            "curves that are neither arcs of circles nor parabolas are taken for chords within {within:.1e}"
+        );
         warnings.add(whole, problem);
     }
     if let Some([low, high]) = bounds.0.filter(|_| options.center) {
@@ -474,7 +477,7 @@ impl Making<'_> {
         ))
     }
 
-    /// Outlines as lines and arcs, and chords for other curves.
+    /// Outlines as lines, arcs and parabolas, and chords for other curves.
     fn loops(&self, outlines: &[Outline], cutting: &mut Cutting) -> Result<Vec<Loop>, Error> {
         let mut loops: Vec<Loop> = Vec::with_capacity(outlines.len());
         for outline in outlines {

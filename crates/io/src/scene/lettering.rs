@@ -78,9 +78,7 @@ impl Builder<'_> {
             let fragments = fineness.fragments(size);
             Curves::Chords(((fragments / 8.0).floor() as usize + 1).max(2))
         } else {
-            let share = self.within().map_or(1e-3, |within| within / size);
-            self.strayed(share * size);
-            Curves::Within(share)
+            Curves::Exact(self.within().map_or(1e-3, |within| within / size))
         };
         let horizontal = match halign.as_str() {
             "center" => HorizontalAlign::Center,
@@ -104,6 +102,11 @@ impl Builder<'_> {
             }
         };
         let font = self.font(node, &font)?;
+        if let Curves::Exact(share) = curves
+            && font.has_cubic_curves()
+        {
+            self.strayed(share * size);
+        }
         let text = Text::new(written)
             .size(size)
             .spacing(spacing)

@@ -214,6 +214,19 @@ impl Writer<'_> {
             }) => {
                 return Err(self.fault(fault.to_string()));
             }
+            // (OpenSCAD has no parabolas.)
+            Node::Made(csg::Made {
+                with_chords: Some(solid),
+                ..
+            }) => {
+                steps.push(Step::Enter {
+                    solid,
+                    color,
+                    operand: 0,
+                    map,
+                });
+                return Ok(());
+            }
             Node::Made(made) => {
                 if is_one_polyhedron(made)
                     && let Some(node) = self.one_polyhedron(solid)

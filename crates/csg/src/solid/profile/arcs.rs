@@ -4,8 +4,6 @@ use crate::elementary;
 
 use glam::{DAffine2, DMat2, DVec2};
 
-use super::{Contour, Corner};
-
 /// An arc from one point to another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
@@ -49,6 +47,11 @@ impl Arc {
         let outward = elementary::direction(self.sweep * share).rotate(self.from - self.center);
         (outward.perp() * self.sweep.signum()).normalize_or_zero()
     }
+
+    /// Twice the area between it and its chord, negative if it turns right.
+    pub(super) fn doubled_segment(&self) -> f64 {
+        self.radius * self.radius * (self.sweep - elementary::sin(self.sweep))
+    }
 }
 
 /// How far chords may stray from an arc: a length, and a share of its radius.
@@ -74,63 +77,6 @@ pub(super) fn chords(radius: f64, sweep: f64, sagitta: Sagitta) -> usize {
     let half = elementary::acos((1.0 - share).clamp(0.0, 1.0));
     let count = (0.5 * sweep.abs() / half).ceil();
     count.clamp(1.0, MOST) as usize
-}
-
-/// The corner after corner k, and the arc between them if there is one.
-pub(super) fn side(contour: &[Corner], k: usize) -> (DVec2, Option<Arc>) {
-    let Corner { point, bulge } = contour[k];
-    let next = contour[(k + 1) % contour.len()].point;
-    let arc = (bulge != 0.0).then(|| Arc::new(point, next, bulge));
-    (next, arc)
-}
-
-/// The contour with the arcs that `keeps` does not want cut into chords that
-/// keep so near to them under a map that stretches by `stretch`.
-pub(super) fn cut(
-    contour: &[Corner],
-    stretch: f64,
-    sagitta: Sagitta,
-    keeps: impl Fn(&Arc) -> bool,
-) -> Contour {
-    let mut corners = Vec::with_capacity(contour.len());
-    for (k, &corner) in contour.iter().enumerate() {
-        match side(contour, k).1 {
-            Some(arc) if !keeps(&arc) => {
-                let count = chords(arc.radius * stretch, arc.sweep, sagitta);
-                corners.push(Corner::straight(corner.point));
-                let inner = (1..count).map(|i| arc.at(i as f64 / count as f64));
-                corners.extend(inner.map(Corner::straight));
-            }
-            _ => corners.push(corner),
-        }
-    }
-    corners
-}
-
-/// Twice the area, arcs included: positive if counter-clockwise.
-pub(super) fn doubled_area(contour: &[Corner]) -> f64 {
-    let base = contour.first().map_or(DVec2::ZERO, |corner| corner.point);
-    (0..contour.len())
-        .map(|k| {
-            let (next, arc) = side(contour, k);
-            let chord = (contour[k].point - base).perp_dot(next - base);
-            let segment = arc.map_or(0.0, |arc| {
-                arc.radius * arc.radius * (arc.sweep - elementary::sin(arc.sweep))
-            });
-            chord + segment
-        })
-        .sum()
-}
-
-/// The same contour the other way round.
-pub(super) fn reversed(contour: &[Corner]) -> Contour {
-    let count = contour.len();
-    (0..count)
-        .map(|k| Corner {
-            point: contour[count - 1 - k].point,
-            bulge: -contour[(2 * count - 2 - k) % count].bulge,
-        })
-        .collect()
 }
 
 /// By how much a linear map stretches at most.

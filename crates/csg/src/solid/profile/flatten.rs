@@ -8,11 +8,12 @@ use i_overlay::core::overlay::{Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
-use super::arcs::{Sagitta, chords, cut, stretch};
+use super::arcs::{Sagitta, chords, stretch};
+use super::bent::{Bent, cut};
+use super::plane_set::Leaf;
 use super::polygon::{Nesting, cleaned, crossing, doubled_area, points_of};
-use super::side::sides;
 use super::turn::turn;
-use super::{Combination, Contour, Corner, FillRule, Profile, Shape};
+use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
 use crate::error::ProfileFault;
 use crate::numeric::Welder;
 use crate::numeric::tolerance::IN_PROFILE;
@@ -73,14 +74,14 @@ impl Profile {
             Ok(match shape {
                 Shape::Disc => Some(disc(map)),
                 Shape::Contours(contours, _) => {
-                    let sides = contours.iter().flat_map(|contour| sides(contour));
-                    let reaches = sides.map(|side| {
-                        let circle = side.arc.map(|arc| disc(&(*map * arc.disc())));
-                        let ends = [side.from, side.to].map(|end| map.transform_point2(end));
-                        let line = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-                        circle.map_or(line, |circle| around(circle, line))
+                    let points = contours.iter().flat_map(|contour| {
+                        (0..contour.len()).flat_map(|k| match Bent::of(contour, k) {
+                            Some(side) => side.around(),
+                            None => vec![contour[k].point],
+                        })
                     });
-                    reaches.reduce(around)
+                    let points = points.map(|point| map.transform_point2(point));
+                    points.map(|point| (point, point)).reduce(around)
                 }
             })
         };
@@ -108,6 +109,28 @@ impl Profile {
     #[must_use]
     pub fn flattened(&self, tolerance: f64) -> Self {
         Self::of(self.contours(tolerance).map(Self::of_polygons))
+    }
+
+    /// The same profile with chords instead of parabolas, straying at most `tolerance` from them;
+    /// `None` if it has no parabolas.
+    pub(crate) fn without_parabolas(&self, tolerance: f64) -> Option<Self> {
+        let mut has_parabolas = false;
+        let mut profile = self.clone();
+        for step in &mut profile.steps {
+            if let Step::Shape(Shape::Contours(contours, _), map) = step
+                && contours.iter().flatten().any(Corner::is_parabola)
+            {
+                has_parabolas = true;
+                let sagitta = Sagitta::of_length(tolerance);
+                let stretch = stretch(&map.matrix2);
+                let keeps = |leaf: Leaf| !matches!(leaf, Leaf::Parabola(_));
+                let cut = contours
+                    .iter()
+                    .map(|contour| cut(contour, stretch, sagitta, keeps));
+                *contours = cut.collect();
+            }
+        }
+        has_parabolas.then_some(profile)
     }
 
     fn of_polygons(polygons: Vec<Vec<DVec2>>) -> Self {

@@ -42,7 +42,7 @@ impl Profile {
             ));
         }
         let corners = self.outline()?.concat();
-        let is_flat = corners.iter().all(|corner| corner.bulge <= 0.0);
+        let is_flat = corners.iter().all(|corner| corner.bulge() <= 0.0);
         is_flat.then(|| Self::hull_of(corners.into_iter().map(|corner| corner.point)))
     }
 
@@ -135,7 +135,7 @@ impl Profile {
                 }
                 Step::Shape(Shape::Contours(contours, _), map) => {
                     for corner in contours.iter().flatten() {
-                        if corner.bulge != 0.0 {
+                        if !corner.is_straight() {
                             return None;
                         }
                         discs.push((map.transform_point2(corner.point), 0.0));

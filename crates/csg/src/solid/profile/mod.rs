@@ -1,13 +1,14 @@
 //! Profiles: what a user draws in a plane, to be extruded or revolved.
 //!
-//! A [`Profile`] is a Boolean combination of circles and contours of lines and
-//! arcs, held in postfix order under maps that are already applied to the
+//! A [`Profile`] is a Boolean combination of circles and contours of lines,
+//! arcs and parabolas, held in postfix order under maps that are already applied to the
 //! leaves: however many operations made it, nothing recurses. It is never
 //! turned into polygons unless an operation needs corners (offset, hull,
-//! twist); lowering makes a formula over half-planes and discs of it
-//! ([`plane_set`]), and extrusion or revolution makes surfaces of these.
+//! twist); lowering makes a formula over half-planes, discs and what
+//! parabolas enclose of it ([`formula`]), and extrusion or revolution makes surfaces of these.
 
 mod arcs;
+mod bent;
 mod contour;
 mod ears;
 mod flatten;
@@ -16,6 +17,7 @@ mod lines;
 mod monotone;
 mod offset;
 mod outline;
+mod parabola;
 mod path;
 mod plane_set;
 mod polygon;
@@ -43,8 +45,9 @@ pub use self::path::Path;
 pub use self::turn::turn;
 
 pub(crate) use self::arcs::Sagitta;
-pub(crate) use self::contour::plane_set;
+pub(crate) use self::contour::{Formula, Segmented, formula, segmented};
 pub(crate) use self::lines::Lines;
+pub(crate) use self::parabola::corner_on_parabola;
 pub(crate) use self::plane_set::{Leaf, PlaneSet};
 pub(crate) use self::polygon::doubled_area;
 use crate::numeric::tolerance::MAPPED;
@@ -74,22 +77,76 @@ impl FillRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Corner {
     pub point: DVec2,
-    /// The tangent of a quarter of the angle that the arc to the next corner
-    /// turns through, counter-clockwise positive; 0 for a straight side.
-    pub bulge: f64,
+    pub bend: Bend,
+}
+
+/// How a side goes from its corner to the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Bend {
+    Straight,
+    /// By an arc: the tangent of a quarter of the angle that it turns through, counter-clockwise
+    /// positive, and not 0.
+    Arc(f64),
+    /// By a parabola.
+    Parabola {
+        /// Where its tangents at both ends meet.
+        control: DVec2,
+        /// The control points of the curve that it is a piece of: however that is cut, its pieces
+        /// are on one parabola to the last digit.
+        of: [DVec2; 3],
+    },
+}
+
+impl Bend {
+    fn is_finite(self) -> bool {
+        match self {
+            Self::Straight => true,
+            Self::Arc(bulge) => bulge.is_finite(),
+            Self::Parabola { control, of } => {
+                control.is_finite() && of.iter().all(|point| point.is_finite())
+            }
+        }
+    }
 }
 
 impl Corner {
     pub(crate) const fn straight(point: DVec2) -> Self {
-        Self { point, bulge: 0.0 }
+        let bend = Bend::Straight;
+        Self { point, bend }
+    }
+
+    /// With an arc of a bulge to the next corner; 0 is a straight side.
+    pub(crate) fn arc(point: DVec2, bulge: f64) -> Self {
+        let bend = if bulge == 0.0 {
+            Bend::Straight
+        } else {
+            Bend::Arc(bulge)
+        };
+        Self { point, bend }
+    }
+
+    fn is_straight(&self) -> bool {
+        self.bend == Bend::Straight
+    }
+
+    fn is_parabola(&self) -> bool {
+        matches!(self.bend, Bend::Parabola { .. })
+    }
+
+    /// Of what is no arc 0.
+    fn bulge(&self) -> f64 {
+        match self.bend {
+            Bend::Arc(bulge) => bulge,
+            Bend::Straight | Bend::Parabola { .. } => 0.0,
+        }
     }
 }
 
-/// A closed contour of lines and arcs.
+/// A closed contour of lines, arcs and parabolas.
 pub(crate) type Contour = Vec<Corner>;
 
 /// A set of points in the plane: a Boolean combination of circles and
-/// contours of lines and arcs.
+/// contours of lines, arcs and parabolas.
 ///
 /// `|` (and `+`) unite, `-` subtracts, `&` intersects. Building never fails:
 /// what is wrong with an argument is found when the profile is made into a
@@ -164,13 +221,13 @@ impl Profile {
         })
     }
 
-    /// Whether it has neither circles nor arcs.
+    /// Whether it has neither circles nor arcs nor parabolas.
     #[must_use]
     pub fn is_straight(&self) -> bool {
         self.steps.iter().all(|step| match step {
             Step::Shape(Shape::Disc, _) => false,
             Step::Shape(Shape::Contours(contours, _), _) => {
-                contours.iter().flatten().all(|corner| corner.bulge == 0.0)
+                contours.iter().flatten().all(Corner::is_straight)
             }
             Step::Combine(..) | Step::Fault(_) => true,
         })

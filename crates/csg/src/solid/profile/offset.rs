@@ -11,8 +11,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::arcs::{Sagitta, cut, side, stretch};
-use super::contour::plane_set;
+use super::arcs::{Sagitta, stretch};
+use super::bent::cut;
+use super::contour::formula;
 use super::flatten;
 use super::outline::outline;
 use super::polygon::points_of;
@@ -41,7 +42,7 @@ impl Profile {
     /// The profile grown by a distance, or shrunk by a negative one, to all
     /// sides. Lines and arcs stay such, also of Boolean combinations, if rounding
     /// leaves nothing open about where they meet ([`Profile::exact_offset`]);
-    /// otherwise, and of ellipses, chords within 1e-4 of the profile's size are
+    /// otherwise, and of ellipses and parabolas, chords within 1e-4 of the profile's size are
     /// moved (for another tolerance, see [`Profile::flattened`] and
     /// [`Join::Chords`]).
     #[must_use]
@@ -51,7 +52,7 @@ impl Profile {
     }
 
     /// The profile grown by a distance, or shrunk by a negative one, of lines and arcs.
-    /// `None` if it has ellipses, or if rounding leaves open where the moved sides
+    /// `None` if it has ellipses or parabolas, or if rounding leaves open where the moved sides
     /// meet: then [`Profile::offset`] moves chords.
     #[must_use]
     pub fn exact_offset(&self, distance: f64, join: Join) -> Option<Self> {
@@ -76,7 +77,7 @@ impl Profile {
                 .map(|contour| moved_contour(contour, distance, join))
                 .collect()
         };
-        if is_straight && moved.iter().flatten().all(|corner| corner.bulge == 0.0) {
+        if is_straight && moved.iter().flatten().all(Corner::is_straight) {
             let polygons = flatten::positive(&points_of(&moved)).concat();
             return Some(Self::polygons_of(polygons, FillRule::NonZero));
         }
@@ -84,7 +85,7 @@ impl Profile {
         let (contours, _) = outline(&moved, 1, |windings| windings[0] > 0)?;
         let moved = Self::within(contours);
         // Whether a formula tells it is known to that alone.
-        let is_told = plane_set(&moved, Sagitta::of_length(1.0), &|_| true).is_ok();
+        let is_told = formula(&moved, Sagitta::of_length(1.0), &|_| true).is_ok();
         is_told.then_some(moved)
     }
 
@@ -140,7 +141,7 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join) -> Contour {
     let mut moved = Vec::with_capacity(2 * count);
     // The centre of the arc from corner k, if it is moved there.
     let center = |k: usize| {
-        let arc = side(contour, k % count).1?;
+        let arc = Side::of(contour, k % count).arc?;
         (arc.radius + distance * arc.sweep.signum() <= 0.0).then_some(arc.center)
     };
     for k in 0..count {
@@ -161,11 +162,8 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join) -> Contour {
         }
         moved.push(match center(k) {
             Some(center) => Corner::straight(center),
-            None => Corner {
-                point: to,
-                // The same angle about the same centre.
-                bulge: contour[k].bulge,
-            },
+            // The same angle about the same centre.
+            None => Corner::arc(to, contour[k].bulge()),
         });
     }
     moved
@@ -174,10 +172,7 @@ fn moved_contour(contour: &[Corner], distance: f64, join: Join) -> Contour {
 /// Adds what comes before the start of the leaving side.
 fn join_sides(moved: &mut Contour, here: DVec2, [from, to]: [DVec2; 2], angle: f64, join: Join) {
     match join {
-        Join::Round => moved.push(Corner {
-            point: from,
-            bulge: elementary::tan(angle / 4.0),
-        }),
+        Join::Round => moved.push(Corner::arc(from, elementary::tan(angle / 4.0))),
         Join::Chords(fragments) => {
             let steps = (fragments.max(3) as f64 * angle.abs() / TAU)
                 .round()

@@ -12,11 +12,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DAffine2, DVec2, DVec3};
 use smallvec::SmallVec;
 
-use super::arcs::doubled_area;
 use super::lines::Lines;
 use super::polygon::cleaned;
 use super::side::{Course, Side, find_pair, sides, slack};
-use super::{Combination, Contour, Corner, FillRule, Profile, Shape, Step};
+use super::{Bend, Combination, Contour, Corner, FillRule, Profile, Shape, Step};
 use crate::elementary;
 use crate::mesh::box_tree::{Bounds, BoxTree};
 use crate::numeric::Welder;
@@ -50,8 +49,8 @@ pub(super) fn outline(
 }
 
 impl Profile {
-    /// The contours around the profile, which lies on their left. `None` if it has ellipses,
-    /// or if rounding leaves open what meets.
+    /// The contours around the profile, which lies on their left. `None` if it has ellipses or
+    /// parabolas, or if rounding leaves open what meets.
     pub(super) fn outline(&self) -> Option<Vec<Contour>> {
         let mut contours = Vec::new();
         let mut groups = 0;
@@ -76,19 +75,8 @@ impl Profile {
         )
     }
 
-    /// The area, to rounding. `None` if it has ellipses or is faulty, or if rounding leaves open
-    /// what meets.
-    #[must_use]
-    pub fn exact_area(&self) -> Option<f64> {
-        if self.fault().is_some() {
-            return None;
-        }
-        let contours = self.outline()?;
-        Some(0.5 * contours.iter().map(|c| doubled_area(c)).sum::<f64>())
-    }
-
     /// The same profile with its Booleans carried out, lines and arcs as such, as far as rounding
-    /// leaves nothing open and there are no ellipses.
+    /// leaves nothing open and there are no ellipses or parabolas.
     pub(crate) fn resolved(self) -> Self {
         match self.outline() {
             Some(contours) => Self::within(contours),
@@ -126,10 +114,10 @@ impl Profile {
 }
 
 impl Shape {
-    /// The images of its contours under a map; `None` if these have arcs that become elliptic.
+    /// The images of its contours under a map; `None` if these have parabolas, or arcs that become elliptic.
     fn mapped(&self, map: &DAffine2) -> Option<Vec<Contour>> {
         let disc = || {
-            let corner = |point| Corner { point, bulge: 1.0 };
+            let corner = |point| Corner::arc(point, 1.0);
             vec![vec![corner(DVec2::X), corner(DVec2::NEG_X)]]
         };
         let contours = match self {
@@ -140,13 +128,17 @@ impl Shape {
         let keeps_circles = [x.perp(), -x.perp()]
             .iter()
             .any(|across| y.abs_diff_eq(*across, IN_PROFILE * x.length()));
-        if !keeps_circles && contours.iter().flatten().any(|corner| corner.bulge != 0.0) {
+        let is_told = |corner: &Corner| match corner.bend {
+            Bend::Straight => true,
+            Bend::Arc(_) => keeps_circles,
+            Bend::Parabola { .. } => false,
+        };
+        if !contours.iter().flatten().all(is_told) {
             return None;
         }
         let turn = map.matrix2.determinant().signum();
-        let mapped = |corner: &Corner| Corner {
-            point: map.transform_point2(corner.point),
-            bulge: turn * corner.bulge,
+        let mapped = |corner: &Corner| {
+            Corner::arc(map.transform_point2(corner.point), turn * corner.bulge())
         };
         let images = contours.iter().map(|contour| {
             let image: Contour = contour.iter().map(mapped).collect();
@@ -507,10 +499,7 @@ impl Pieces {
                 lines.insert([from, to], line);
             }
         }
-        let corner = |(point, sweep): (DVec2, f64)| Corner {
-            point,
-            bulge: elementary::tan(0.25 * sweep),
-        };
+        let corner = |(point, sweep)| Corner::arc(point, elementary::tan(0.25 * sweep));
         corners.into_iter().map(corner).collect()
     }
 
@@ -519,10 +508,8 @@ impl Pieces {
         let Some(arc) = &self.sides[self.pieces[step.piece].side].arc else {
             return Contour::new();
         };
-        let corner = |across: f64| Corner {
-            point: arc.center + across * arc.radius * DVec2::X,
-            bulge: sweep.signum(),
-        };
+        let corner =
+            |across: f64| Corner::arc(arc.center + across * arc.radius * DVec2::X, sweep.signum());
         vec![corner(1.0), corner(-1.0)]
     }
 }

@@ -4,11 +4,12 @@ use crate::elementary;
 use glam::{DAffine2, DVec2};
 
 use super::monotone::orient;
+use super::parabola::Parabola;
 use super::{Contour, Corner, FillRule, Profile, Shape};
 use crate::error::ProfileFault;
 use crate::numeric::tolerance::IN_PROFILE;
 
-/// A closed contour of lines and arcs, drawn side by side; the last side back
+/// A closed contour of lines, arcs and curves, drawn side by side; the last side back
 /// to the start is added where it is missing. It may cross itself: what it winds around an even
 /// number of times is outside then.
 ///
@@ -59,7 +60,7 @@ impl Path {
                 limit,
             });
         } else if let Some(last) = self.corners.last_mut() {
-            last.bulge = elementary::tan(radians / 4.0);
+            *last = Corner::arc(last.point, elementary::tan(radians / 4.0));
             self.corners.push(Corner::straight(end.into()));
         }
         self
@@ -73,7 +74,7 @@ impl Path {
             let what = "the bulge of an arc";
             self.fault.get_or_insert(ProfileFault::NotFinite { what });
         } else if let Some(last) = self.corners.last_mut() {
-            last.bulge = bulge;
+            *last = Corner::arc(last.point, bulge);
             self.corners.push(Corner::straight(end.into()));
         }
         self
@@ -95,19 +96,31 @@ impl Path {
         self.arc_to(end, 2.0 * half)
     }
 
-    /// A quadratic Bézier curve, as chords that stray at most `tolerance`.
+    /// A quadratic Bézier curve: a piece of a parabola, which stays one. Where contours with
+    /// parabolas cross, and in Booleans, offsets, hulls, twists and revolutions, it is chords, as near
+    /// as those of ellipses there.
+    ///
+    /// ```
+    /// use csg::{Path, Solid};
+    ///
+    /// // Between y = x² - 1 and the x axis.
+    /// let bowl = Path::from([-1.0, 0.0]).quadratic_to([0.0, -2.0], [1.0, 0.0]).close();
+    /// let trough = Solid::extrude(&bowl, 0.0..1.0);
+    /// let boundary = csg::Program::lower(&trough)?.boundary(&csg::BoundaryOptions::default())?;
+    /// assert!((boundary.measure().volume.value - 4.0 / 3.0).abs() < 1e-13);
+    /// # Ok::<(), csg::Error>(())
+    /// ```
     #[must_use]
-    pub fn quadratic_to(
-        self,
-        control: impl Into<DVec2>,
-        end: impl Into<DVec2>,
-        tolerance: f64,
-    ) -> Self {
-        let (start, control, end) = (self.end(), control.into(), end.into());
-        // As a cubic it is the same curve.
-        let first = start.lerp(control, 2.0 / 3.0);
-        let second = end.lerp(control, 2.0 / 3.0);
-        self.cubic_to(first, second, end, tolerance)
+    pub fn quadratic_to(mut self, control: impl Into<DVec2>, end: impl Into<DVec2>) -> Self {
+        let (control, end) = (control.into(), end.into());
+        if let Some(last) = self.corners.last_mut() {
+            let curve = Parabola::new(last.point, control, end);
+            if !curve.is_straight() {
+                last.bend = curve.bend();
+            }
+            self.corners.push(Corner::straight(end));
+        }
+        self
     }
 
     /// A cubic Bézier curve, as chords that stray at most `tolerance`: a chord
@@ -166,8 +179,8 @@ impl Path {
             self.corners.pop();
         }
         let corners = self.corners.len();
-        let has_arc = self.corners.iter().any(|corner| corner.bulge != 0.0);
-        if corners < if has_arc { 2 } else { 3 } {
+        let is_bent = !self.corners.iter().all(Corner::is_straight);
+        if corners < if is_bent { 2 } else { 3 } {
             return Err(ProfileFault::TooFewCorners { corners });
         }
         Ok(self.corners)

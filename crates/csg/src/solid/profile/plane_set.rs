@@ -1,20 +1,22 @@
-//! Sets of points of the plane as formulas over half-planes and discs.
+//! Sets of points of the plane as formulas over half-planes, discs and what parabolas enclose.
 
 use glam::{DAffine2, DVec2};
 
 use crate::solid::Solid;
 
-/// One side of a line, or an ellipse.
+/// One side of a line, an ellipse, or the inner side of a parabola.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Leaf {
     /// What lies to the left of the line, seen along it.
     HalfPlane { from: DVec2, to: DVec2 },
     /// The image of the disc of radius 1 around the origin.
     Disc(DAffine2),
+    /// The image of y >= x².
+    Parabola(DAffine2),
 }
 
 impl Leaf {
-    fn mapped(self, map: &DAffine2) -> Self {
+    pub(super) fn mapped(self, map: &DAffine2) -> Self {
         match self {
             Self::HalfPlane { from, to } => {
                 let [from, to] = [from, to].map(|point| map.transform_point2(point));
@@ -25,6 +27,7 @@ impl Leaf {
                 }
             }
             Self::Disc(own) => Self::Disc(*map * own),
+            Self::Parabola(own) => Self::Parabola(*map * own),
         }
     }
 }
@@ -157,6 +160,10 @@ impl PlaneSet {
                     (*to - *from).perp_dot(point - *from) > 0.0
                 }
                 Step::Leaf(Leaf::Disc(map)) => map.inverse().transform_point2(point).length() < 1.0,
+                Step::Leaf(Leaf::Parabola(map)) => {
+                    let own = map.inverse().transform_point2(point);
+                    own.y > own.x * own.x
+                }
                 &Step::All(count) => values.split_off(values.len() - count).iter().all(|&v| v),
                 &Step::Any(count) => values.split_off(values.len() - count).iter().any(|&v| v),
                 Step::Not => !values.pop().expect("a value"),

@@ -4,7 +4,8 @@ use std::cmp::Reverse;
 
 use glam::DVec2;
 
-use super::arcs::{self, Arc};
+use super::arcs::Arc;
+use super::bent::{self, Bent};
 use super::monotone::orient;
 use super::side::{Side, find_pair, sides, slack};
 use super::{Contour, Corner, FillRule};
@@ -15,7 +16,7 @@ use crate::error::ProfileFault;
 pub(super) fn cleaned(contour: &[Corner]) -> Result<Option<Contour>, ProfileFault> {
     if !contour
         .iter()
-        .all(|corner| corner.point.is_finite() && corner.bulge.is_finite())
+        .all(|corner| corner.point.is_finite() && corner.bend.is_finite())
     {
         return Err(ProfileFault::NotFinite {
             what: "every coordinate of a contour (if it is one: and not zero its size)",
@@ -24,16 +25,16 @@ pub(super) fn cleaned(contour: &[Corner]) -> Result<Option<Contour>, ProfileFaul
     let mut corners: Contour = contour.to_vec();
     loop {
         let count = corners.len();
-        let has_arcs = corners.iter().any(|corner| corner.bulge != 0.0);
-        if count < if has_arcs { 2 } else { 3 } {
+        let is_bent = !corners.iter().all(Corner::is_straight);
+        if count < if is_bent { 2 } else { 3 } {
             return Ok(None);
         }
         let superfluous = |k: usize| {
             let before = corners[(k + count - 1) % count];
             let (here, after) = (corners[k], corners[(k + 1) % count]);
             here.point == after.point
-                || before.bulge == 0.0
-                    && here.bulge == 0.0
+                || before.is_straight()
+                    && here.is_straight()
                     && orient(before.point, here.point, after.point) == 0.0
         };
         let keep: Vec<bool> = {
@@ -69,7 +70,7 @@ pub(super) struct Nesting {
 impl Nesting {
     /// Of contours that do not cross; they may touch in corners.
     pub(super) fn of(contours: &[Contour], rule: FillRule) -> Self {
-        let areas: Vec<f64> = contours.iter().map(|c| arcs::doubled_area(c)).collect();
+        let areas: Vec<f64> = contours.iter().map(|c| bent::doubled_area(c)).collect();
         let mut order: Vec<usize> = (0..contours.len()).collect();
         order.sort_by(|&a, &b| areas[b].abs().total_cmp(&areas[a].abs()).then(a.cmp(&b)));
         let mut nesting = Self {
@@ -112,18 +113,21 @@ pub(crate) fn doubled_area(points: &[DVec2]) -> f64 {
     sides.map(|(&a, &b)| (a - base).perp_dot(b - base)).sum()
 }
 
-/// Whether a point lies within a contour and not on its boundary: crossings
+/// Whether a point lies within a contour of lines and arcs and not on its boundary: crossings
 /// of the ray towards +x with chords, by exact predicates, and segments of discs.
 pub(super) fn encloses(contour: &[Corner], point: DVec2) -> bool {
     let mut inside = false;
     for k in 0..contour.len() {
         let a = contour[k].point;
-        let (b, arc) = arcs::side(contour, k);
+        let b = contour[(k + 1) % contour.len()].point;
         if (a.y > point.y) != (b.y > point.y) {
             let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
             inside ^= orient(low, high, point) > 0.0;
         }
-        inside ^= arc.is_some_and(|arc| is_in_segment(&arc, point));
+        inside ^= match Bent::of(contour, k) {
+            Some(Bent::Arc(arc)) => is_in_segment(&arc, point),
+            Some(Bent::Parabola(_)) | None => false,
+        };
     }
     inside
 }

@@ -81,7 +81,7 @@ impl Profile {
                 let sign = turn(2 * k + 7, 8).signum();
                 for (direction, bulge) in [(from, QUARTER), (to, 0.0)] {
                     let point = sign * inner + direction * radius;
-                    corners.push(Corner { point, bulge });
+                    corners.push(Corner::arc(point, bulge));
                 }
             }
             Ok(Self::contour(corners))

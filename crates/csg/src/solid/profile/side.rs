@@ -6,7 +6,8 @@ use glam::DVec2;
 use smallvec::SmallVec;
 
 use super::Corner;
-use super::arcs::{Arc, side};
+use super::arcs::Arc;
+use super::bent::Bent;
 use crate::elementary;
 use crate::numeric::tolerance::IN_PROFILE;
 
@@ -21,7 +22,7 @@ pub(super) struct Side {
     pub max: DVec2,
 }
 
-/// The sides of a contour that have a length.
+/// The sides of a contour of lines and arcs that have a length.
 pub(super) fn sides(contour: &[Corner]) -> impl Iterator<Item = Side> {
     let sides = (0..contour.len()).map(|k| Side::of(contour, k));
     sides.filter(|side| side.from != side.to)
@@ -92,7 +93,12 @@ type Meetings = SmallVec<[DVec2; 4]>;
 impl Side {
     /// The side from corner k.
     pub(super) fn of(contour: &[Corner], k: usize) -> Self {
-        let (to, arc) = side(contour, k);
+        let to = contour[(k + 1) % contour.len()].point;
+        let arc = match Bent::of(contour, k) {
+            Some(Bent::Arc(arc)) => Some(arc),
+            // (Whoever asks cuts parabolas to chords first, or their chords will do.)
+            Some(Bent::Parabola(_)) | None => None,
+        };
         Self::new(contour[k].point, to, arc)
     }
 

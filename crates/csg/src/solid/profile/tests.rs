@@ -11,7 +11,8 @@ use crate::sweeps::one_in;
 use crate::{BoundaryOptions, Program};
 
 fn set_of(profile: &Profile) -> PlaneSet {
-    plane_set(profile, Sagitta::of_length(1e-6), &|_| true).expect("a formula")
+    let sagitta = Sagitta::of_length(1e-6);
+    formula(profile, sagitta, &|_| true).expect("a formula").set
 }
 
 /// How often closed contours wind around a point.
@@ -270,7 +271,7 @@ fn mistakes_are_named() {
         assert!(profile.contours(1e-3).is_err(), "{profile:?}");
         let within = Profile::circle(1.0) - profile;
         assert!(
-            plane_set(&within, Sagitta::of_length(1e-3), &|_| true).is_err(),
+            formula(&within, Sagitta::of_length(1e-3), &|_| true).is_err(),
             "{within:?}"
         );
     }
