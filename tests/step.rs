@@ -21,6 +21,7 @@ use stereotomy::csg::{
 };
 use stereotomy::io::scene::{self, read_file};
 use stereotomy::io::step::{StepOptions, StepSchema, write_step_file};
+use stereotomy::text::{Font, Text};
 
 /// Shapes that Open CASCADE does not call valid, and why. All else holds of them, too.
 const NOT_VALID: [(&str, &str); 1] = [(
@@ -595,4 +596,22 @@ fn saddles_between_conics_are_read_back() {
         tally.check_boundary(&mut script, &format!("{corners} saddles"), &brep);
     }
     assert_eq!(tally.finish(), 6);
+}
+
+/// Within parabolic cylinders, narrow ones, and nearly flat ones far from their vertices.
+#[test]
+fn letters_are_read_back() {
+    let mut script = start();
+    let mut tally = Tally::default();
+    let font = Font::find("Liberation Sans").expect("fonts-liberation are installed");
+    for letters in ["Way", "S&O", "Åç8", "@tR"] {
+        let profile = Text::new(letters).profile(&font).expect("letters");
+        let solid = Solid::extrude(&profile, 0.0..2.0);
+        assert_eq!(solid.strays(), None, "{letters}");
+        tally.check(&mut script, letters, &solid);
+        let plate = Solid::cuboid([40.0, 20.0, 2.0]).translate([15.0, 4.0, 1.0]);
+        let engraved = plate.rotate_y(0.1) - solid;
+        tally.check(&mut script, &format!("{letters} engraved"), &engraved);
+    }
+    assert_eq!(tally.finish(), 8);
 }

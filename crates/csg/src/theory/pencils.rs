@@ -121,6 +121,7 @@
 //! [arrangement/conic.rs]: ../../../src/csg/arrangement/conic.rs.html
 //! [arrangement/intersection.rs]: ../../../src/csg/arrangement/intersection.rs.html
 //! [arrangement/pairs.rs]: ../../../src/csg/arrangement/pairs.rs.html
+//! [arrangement/parallel.rs]: ../../../src/csg/arrangement/parallel.rs.html
 //! [arrangement/pencil.rs]: ../../../src/csg/arrangement/pencil.rs.html
 //! [arrangement/pencil/contact.rs]: ../../../src/csg/arrangement/pencil/contact.rs.html
 //! [arrangement/pencil/cubic.rs]: ../../../src/csg/arrangement/pencil/cubic.rs.html

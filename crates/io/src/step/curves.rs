@@ -6,6 +6,7 @@ use csg::brep::{CurveShape, Edge, HalfAxes};
 use csg::elementary;
 use glam::{DVec3, DVec4};
 
+use super::surfaces::is_around_vertex;
 use super::text::{Entities, Id, List, Real, Reals};
 use crate::conic;
 use crate::spline::{self, Spline};
@@ -40,6 +41,17 @@ pub(super) enum CourseShape {
     Rational([DVec4; 3]),
     /// From 0 to 1.
     Quintic(Spline),
+}
+
+/// The control points of a parabola with weights of 1, which other ones come to but for the parameter.
+fn without_weights(control: [DVec4; 3]) -> [DVec4; 3] {
+    /// As ellipses are round.
+    const SAME: f64 = 1e-12;
+    let [a, b, c] = control.map(|point| point.w);
+    if (b * b - a * c).abs() > SAME * b * b {
+        return control;
+    }
+    control.map(|point| point / point.w)
 }
 
 impl Course {
@@ -86,7 +98,14 @@ impl Course {
                 }
             }
             // The vertex is where t is 0.
-            CurveShape::Conic { point, a, b, l, k } if l == 0.0 && k == 0.0 => {
+            CurveShape::Conic { point, a, b, l, k }
+                if l == 0.0
+                    && k == 0.0
+                    && is_around_vertex(
+                        [from, to].map(|t| t * a.length()),
+                        b.length() / a.length_squared(),
+                    ) =>
+            {
                 let length = a.length();
                 Self {
                     shape: CourseShape::Parabola {
@@ -98,7 +117,8 @@ impl Course {
                 }
             }
             CurveShape::Conic { .. } => {
-                whole(CourseShape::Rational(conic::control(&curve, [from, to])?))
+                let control = conic::control(&curve, [from, to])?;
+                whole(CourseShape::Rational(without_weights(control)))
             }
             _ => whole(CourseShape::Quintic(quartic(edge, stray)?)),
         })

@@ -54,8 +54,16 @@ fn is_plain(course: &Course, chart: &Chart) -> bool {
     }
 }
 
+/// What places on a surface a curve has.
+enum Image {
+    /// From one to another, evenly.
+    Straight([DVec2; 2]),
+    Curved(Spline),
+}
+
 /// The image of a course, whose parameters go from 0 to 1.
-fn image(course: &Course, chart: &Chart, tolerance: f64) -> Option<Spline> {
+fn image(course: &Course, chart: &Chart, tolerance: f64) -> Option<Image> {
+    const SAMPLES: u32 = 16;
     let [from, to] = course.range;
     let at = |u: f64| course.at(from + u * (to - from));
     let coordinate = [0.0, 0.5, 1.0].map(|u| at(u).abs().max_element());
@@ -64,13 +72,21 @@ fn image(course: &Course, chart: &Chart, tolerance: f64) -> Option<Spline> {
     let turns = Turns::new(&at, chart);
     let place = |u: f64| turns.place(chart, u, at(u)).extend(0.0);
     let is_near = |u: f64, image: DVec3| chart.point(image.truncate()).distance(at(u)) <= tolerance;
+    let ends = [0.0, 1.0].map(|u| place(u).truncate());
+    let is_straight = (1..SAMPLES).all(|k| {
+        let u = f64::from(k) / f64::from(SAMPLES);
+        is_near(u, ends[0].lerp(ends[1], u).extend(0.0))
+    });
+    if is_straight {
+        return Some(Image::Straight(ends));
+    }
     // A spline in space has jumps of the third derivative, and so has its image.
     let knots: &[f64] = match &course.shape {
         CourseShape::Quintic(spline) => &spline.knots,
         _ => &spline::QUARTERS,
     };
     // (None if the chart has a pole on the edge.)
-    spline::fit_as_given(place, knots, is_near)
+    spline::fit_as_given(place, knots, is_near).map(Image::Curved)
 }
 
 /// Of parameters that come again after a period those that go on and on along a curve.
@@ -122,21 +138,34 @@ fn near(value: f64, other: f64, period: f64) -> f64 {
 }
 
 /// Writes an image on a surface.
-fn parametric(to: &mut Entities, surface: Id, image: &Spline, [from, until]: [f64; 2]) -> Id {
-    let points = image.points.iter().map(|point| {
-        let at = Reals(&[point.x, point.y]).to_string();
+fn parametric(to: &mut Entities, surface: Id, image: &Image, [from, until]: [f64; 2]) -> Id {
+    let mut point = |x: f64, y: f64| {
+        let at = Reals(&[x, y]).to_string();
         to.add(format_args!("CARTESIAN_POINT('',{at})"))
-    });
-    let points: Vec<Id> = points.collect();
-    let place = |&knot: &f64| {
-        if knot == 1.0 {
-            until
-        } else {
-            from + knot * (until - from)
+    };
+    let curve = match image {
+        Image::Straight(ends) => {
+            let ends = ends.map(|end| point(end.x, end.y));
+            let (ends, knots) = (List(&ends), Reals(&[from, until]));
+            to.add(format_args!(
+                "B_SPLINE_CURVE_WITH_KNOTS('',1,{ends},.UNSPECIFIED.,.F.,.F.,(2,2),{knots},\
+                 .UNSPECIFIED.)"
+            ))
+        }
+        Image::Curved(spline) => {
+            let points = spline.points.iter().map(|p| point(p.x, p.y));
+            let points: Vec<Id> = points.collect();
+            let place = |&knot: &f64| {
+                if knot == 1.0 {
+                    until
+                } else {
+                    from + knot * (until - from)
+                }
+            };
+            let knots: Vec<f64> = spline.knots.iter().map(place).collect();
+            curves::quintic(to, &points, &knots)
         }
     };
-    let knots: Vec<f64> = image.knots.iter().map(place).collect();
-    let curve = curves::quintic(to, &points, &knots);
     let context = to.share(
         "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()\
          REPRESENTATION_CONTEXT('2D SPACE',''))",

@@ -130,6 +130,13 @@ pub(super) fn write(to: &mut Entities, face: &Face<'_>) -> Option<Written> {
             extruded(to, face, &placement, radii)
         }
         SurfaceShape::ParabolicCylinder { placement, bend } => {
+            let scaled = Scaled {
+                placement,
+                scales: [1.0; 3],
+            };
+            if !is_around_vertex(scaled.range(face, |p| p.x), bend) {
+                return Some(paraboloid(to, face, scaled, [bend, 0.0]));
+            }
             let Placement { origin, axes, .. } = placement;
             let [across, _, up] = axes;
             let axis = up.cross(across);
@@ -324,6 +331,14 @@ fn hyperboloid_of_revolution(
     let branch = to.add(format_args!("HYPERBOLA('',{placement},{long},{across})"));
     let ends = [1.0, elementary::cosh(high)].map(|height| c * height);
     turned.half(to, &faces[0], branch, (a * elementary::sinh(high), ends))
+}
+
+/// Whether a piece of the parabola y = bend x² between two places is around its vertex, and not much
+/// longer than wide. Others are told by control points, as readers lose digits along them: of an extruded
+/// parabola that begins a third of its length beside the vertex Open CASCADE is off by 1e-4.
+pub(super) fn is_around_vertex([from, to]: [f64; 2], bend: f64) -> bool {
+    const STEEPEST: f64 = 2.0;
+    from * to < 0.0 && 2.0 * bend * from.abs().max(to.abs()) <= STEEPEST
 }
 
 /// Whether both scales of a section across an axis are one, to rounding.

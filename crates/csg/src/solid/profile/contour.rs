@@ -183,13 +183,20 @@ impl Profile {
     /// at all: so letters are drawn whose strokes overlap. `None` if there are none such, or it is
     /// not the same.
     pub(crate) fn strokes(&self) -> Option<Self> {
+        /// Of the size, how near chords are by which it is told what is in what.
+        const FINE: f64 = 1e-6;
+        /// Of the square of the size, areas that are one: both are of the same chords.
+        const SAME: f64 = 1e-10;
+        let tolerance = self.tolerance_of(FINE).ok()?;
+        let size = tolerance / FINE;
         let mut strokes = Self { steps: Vec::new() };
         for step in &self.steps {
             match step {
                 Step::Shape(Shape::Contours(contours, FillRule::NonZero), map)
                     if contours.iter().flatten().any(Corner::is_parabola) =>
                 {
-                    let groups = strokes_of(contours)?;
+                    let sagitta = Sagitta::of_length(tolerance);
+                    let groups = strokes_of(contours, stretch(&map.matrix2), sagitta)?;
                     let count = groups.len();
                     let shapes = groups.into_iter().map(|group| {
                         Step::Shape(Shape::Contours(group.into(), FillRule::NonZero), *map)
@@ -200,18 +207,14 @@ impl Profile {
                 step => strokes.steps.push(step.clone()),
             }
         }
-        // So far chords tell areas, of the square of the size.
-        const SAME: f64 = 1e-6;
-        let tolerance = self.tolerance_of(SAME).ok()?;
-        let size = tolerance / SAME;
         let [own, other] = [self, &strokes].map(|profile| profile.area(tolerance));
-        let is_same = (own.ok()? - other.ok()?).abs() <= 10.0 * SAME * size * size;
+        let is_same = (own.ok()? - other.ok()?).abs() <= SAME * size * size;
         (strokes != *self && is_same).then_some(strokes)
     }
 }
 
 /// Contours that run the way round of the largest, each with those within it that run the other way.
-fn strokes_of(contours: &[Contour]) -> Option<Vec<Vec<Contour>>> {
+fn strokes_of(contours: &[Contour], stretch: f64, sagitta: Sagitta) -> Option<Vec<Vec<Contour>>> {
     let areas: Vec<f64> = contours.iter().map(|c| doubled_area(c)).collect();
     let largest = areas.iter().copied();
     let largest = largest.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
@@ -220,9 +223,13 @@ fn strokes_of(contours: &[Contour]) -> Option<Vec<Vec<Contour>>> {
     // The least around a hole is the one that it is in.
     outer.sort_by(|&a, &b| areas[a].abs().total_cmp(&areas[b].abs()));
     let mut groups: Vec<Vec<Contour>> = outer.iter().map(|&k| vec![contours[k].clone()]).collect();
+    let chords = outer
+        .iter()
+        .map(|&k| cut(&contours[k], stretch, sagitta, |_| false));
+    let chords: Vec<Contour> = chords.collect();
     for hole in holes {
         let place = contours[hole].first()?.point;
-        let around = outer.iter().position(|&k| encloses(&contours[k], place))?;
+        let around = chords.iter().position(|outer| encloses(outer, place))?;
         groups[around].push(contours[hole].clone());
     }
     Some(groups)
