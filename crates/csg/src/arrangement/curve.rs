@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::roots::{Roots, Tolerance, bend_within, multiple_near};
+use super::roots::{Roots, Tolerance, bend_within};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
 use crate::numeric::tolerance::{POLYNOMIAL, VALUE};
@@ -477,21 +477,11 @@ impl Curve {
                     3 => 6.0 * cube + t * 24.0 * fourth,
                     _ => 24.0 * fourth,
                 };
-                let Roots {
-                    simple, touching, ..
-                } = roots;
-                for place in &mut touching[before[1]..] {
-                    /// How far places are off at most, of the range.
-                    const MOST_OFF: f64 = 1e-3;
-                    let nothing = near * surface.gradient(self.at(*place)).length();
-                    let off = [nothing, MOST_OFF * (end - start)];
-                    let told = multiple_near(*place, off, derivative);
-                    let same = simple[before[0]..].iter_mut().find(|root| *root == place);
-                    if let Some(root) = same {
-                        *root = told;
-                    }
-                    *place = told;
-                }
+                /// How far places are off at most, of the range.
+                const MOST_OFF: f64 = 1e-3;
+                let nothing = |t: f64| near * surface.gradient(self.at(t)).length();
+                let off = (nothing, MOST_OFF * (end - start));
+                roots.tell_multiple(before, off, derivative);
                 meets
             }
             Self::Rulings(rulings) => {

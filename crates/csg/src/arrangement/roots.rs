@@ -74,6 +74,25 @@ impl Roots {
         self.is_lost = false;
     }
 
+    /// Puts the touching places that were found after so many simple and touching ones where the
+    /// function is 0 more than once ([`multiple_near`]), no farther off than `far` a step.
+    pub fn tell_multiple(
+        &mut self,
+        [simple, touching]: [usize; 2],
+        (nothing, far): (impl Fn(f64) -> f64, f64),
+        derivative: impl Fn(usize, f64) -> f64,
+    ) {
+        for place in &mut self.touching[touching..] {
+            let told = multiple_near(*place, [nothing(*place), far], &derivative);
+            // Where the sign changes, too, it is both.
+            let mut found = self.simple[simple..].iter_mut();
+            if let Some(root) = found.find(|root| *root == place) {
+                *root = told;
+            }
+            *place = told;
+        }
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.simple.is_empty() && self.touching.is_empty() && !self.is_lost
@@ -314,7 +333,7 @@ impl Roots {
 /// tell, by Newton's method: a root of its first derivative; or of the second or third one, if
 /// more of what keeps it so near to 0 is of a root of multiplicity three or four, as of that
 /// derivative alone it is a simple one. If steps are longer than `far`, the start itself.
-pub(super) fn multiple_near(
+fn multiple_near(
     start: f64,
     [nothing, far]: [f64; 2],
     derivative: impl Fn(usize, f64) -> f64,

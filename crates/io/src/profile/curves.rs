@@ -462,17 +462,15 @@ impl Cutting {
                     let inner = (1..count).map(|k| k as f64 / count as f64);
                     corners.extend(inner.map(|t| (halves(controls, t).2, Bend::Straight)));
                 }
-                None if quadratic(controls).is_some() => {
-                    corners.extend(
-                        quadratic(controls).map(|control| (start, Bend::Quadratic(control))),
-                    );
-                }
-                None => {
-                    let chords = corners.len();
-                    corners.push((start, Bend::Straight));
-                    self.halve(controls, DEEPEST, corners);
-                    self.has_cut |= corners.len() > chords + 1;
-                }
+                None => match quadratic(controls) {
+                    Some(control) => corners.push((start, Bend::Quadratic(control))),
+                    None => {
+                        let chords = corners.len();
+                        corners.push((start, Bend::Straight));
+                        self.halve(controls, DEEPEST, corners);
+                        self.has_cut |= corners.len() > chords + 1;
+                    }
+                },
             },
         }
     }

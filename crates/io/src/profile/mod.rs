@@ -1,8 +1,8 @@
 //! Flat shapes from drawings: SVG and DXF files as a [`Profile`].
 //!
 //! Lines stay lines and arcs arcs: circles, round corners, `A` commands with equal radii, bulges,
-//! `ARC`s. Quadratic Bézier's curves stay parabolas. Whole ellipses are such, too, where they cross no other contour of their element, or of the
-//! drawing in DXF: also circles under maps that scale unevenly, and arcs that close an ellipse. Other
+//! `ARC`s. Quadratic Bézier curves stay parabolas. Whole ellipses are such, too, where they cross no
+//! other contour of their element, or of the drawing in DXF: also circles under maps that scale unevenly, and arcs that close an ellipse. Other
 //! curves (cubic ones, arcs of an ellipse beside other sides, which a [`Profile`] does not hold, and
 //! splines but quadratic ones without weights) become chords within [`ProfileOptions::tolerance`], which
 //! a warning says. What is read, and how, follows OpenSCAD's `import` where that is no loss, so that a
@@ -92,7 +92,8 @@ pub struct ProfileOptions {
     pub scale: f64,
     /// Whether the middle of the shape's bounds becomes the origin.
     pub center: bool,
-    /// How far chords may stray from curves that are neither arcs nor parabolas, in the result's unit: 1e-4 of the
+    /// How far chords may stray from curves that are neither arcs nor parabolas, in the result's unit:
+    /// 1e-4 of the
     /// longer side of what is drawn unless given.
     pub tolerance: Option<f64>,
     /// All arcs and curves as OpenSCAD's chords.
