@@ -270,13 +270,11 @@ fn contour(around: &Loop<'_>) -> Option<Contour> {
                 let sweep = (end - start).copysign(if coedge.is_forward() { turn } else { -turn });
                 Some(Corner::arc(from, elementary::tan(0.25 * sweep)))
             }
-            (CurveShape::Conic { point, a, b, l, k }, _) => {
-                // Of the product of both parameters and of their mean (the blossom of the curve).
-                let (mean, product) = (0.5 * (start + end), start * end);
-                let weight = 1.0 + mean * l + product * k;
-                let control = point + (mean * a + product * b) / weight;
-                let middle = edge.at(mean).truncate();
-                corner_on_parabola([from, control.truncate(), to], middle)
+            (CurveShape::Conic { .. }, _) => {
+                let [_, control, _] = curve.control([start, end])?;
+                let control = (control.truncate() / control.w).truncate();
+                let middle = edge.at(0.5 * (start + end)).truncate();
+                corner_on_parabola([from, control, to], middle)
             }
             _ => None,
         }

@@ -4,7 +4,6 @@
 mod assemble;
 mod atomic;
 mod bodies;
-mod conic;
 mod contents;
 pub mod drawing;
 mod error;

@@ -8,6 +8,7 @@ use super::block::Block;
 use super::chords::Chord;
 use super::contacts::Contact;
 use super::curve::{Curve, Meets};
+use super::faces::Faces;
 use super::ids::Position;
 use super::lines::{Along, side_of_edge};
 use super::piece::{CurveId, Piece};
@@ -38,8 +39,8 @@ pub(super) struct Arc<'a> {
     pub scene: &'a Scene<'a>,
     /// With only what matters on the first of the pair.
     pub block: &'a Block,
-    /// The surfaces of the whole block that may carry faces, ascending.
-    pub carriers: &'a [SurfaceId],
+    /// All of the whole block.
+    pub faces: &'a Faces,
     /// The name of the curve.
     pub id: CurveId,
     /// The two that meet in it, one of which may be a seam.

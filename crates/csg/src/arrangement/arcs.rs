@@ -2,6 +2,7 @@
 //! which two surfaces meet, and the seams along which faces are cut into
 //! patches.
 
+mod beside;
 mod event;
 mod events;
 
@@ -13,6 +14,7 @@ use std::ops::Range;
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 
+use self::beside::Beside;
 use self::event::{Cutting, Event};
 use super::arc::{Arc, Ends};
 use super::block::Block;
@@ -39,6 +41,7 @@ pub(super) struct ArcTracer {
     faces: Faces,
     lines: Tracer,
     sectors: Sectors,
+    beside: Beside,
     events: Vec<Event>,
     /// The planes of these that are no surfaces of the solid.
     planes: Vec<(Surface, Cutting)>,
@@ -91,8 +94,9 @@ impl ArcTracer {
             }
             traced.contacts.extend(at_apex(scene, face, one));
             self.sectors.enter(scene, face);
-            let others = face.cell.ids().filter(|&second| second > first);
-            let others = others.map(|second| (Other::Surface(second), scene.surface(second)));
+            let others = faces
+                .beside(first)
+                .map(|second| (Other::Surface(second), scene.surface(second)));
             let seams = frame.into_iter().flat_map(|frame| &frame.seams);
             let seams = (0u16..).map(Other::Seam).zip(seams);
             for (other, second) in others.chain(seams) {
@@ -110,7 +114,7 @@ impl ArcTracer {
                         let arc = Arc {
                             scene,
                             block: face,
-                            carriers: faces.carriers(),
+                            faces: &faces,
                             id,
                             surfaces: [one, second],
                             curve: &line,
@@ -144,7 +148,7 @@ impl ArcTracer {
                     let arc = Arc {
                         scene,
                         block: face,
-                        carriers: faces.carriers(),
+                        faces: &faces,
                         id: CurveId { branch, ..id },
                         surfaces: [one, second],
                         curve,
@@ -161,12 +165,13 @@ impl ArcTracer {
 
     fn trace_arc(&mut self, arc: &Arc<'_>, chord: Chord, traced: &mut Traced) -> Result<(), Stop> {
         let Arc { scene, curve, .. } = *arc;
-        let Some([start, end]) = arc.range() else {
+        let range = arc.range();
+        let Some([start, end]) = range.and_then(|range| self.beside.look(arc, range)) else {
             return Ok(());
         };
         if !self.find_events(arc, [start, end])?
             || !self.find_changes(arc, [start, end])
-            || self.is_of_lesser(arc, [start, end])
+            || self.is_of_earlier(arc, [start, end])
         {
             return Ok(());
         }

@@ -3,9 +3,10 @@
 use crate::elementary;
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
+use super::rational;
 use super::roots::{Roots, Tolerance, bend_within};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
@@ -122,6 +123,15 @@ pub(super) enum Meets {
 fn of_share(number: f64, [l, k]: [f64; 2]) -> f64 {
     let rest = 1.0 - l * number;
     2.0 * number / (rest + (rest * rest - 4.0 * k * number * number).max(0.0).sqrt())
+}
+
+/// The box around a rational curve; infinite where weights are not positive.
+fn around_control(control: [DVec4; 3]) -> [DVec3; 2] {
+    if control.iter().any(|point| point.w <= 0.0) {
+        return [DVec3::NEG_INFINITY, DVec3::INFINITY];
+    }
+    let [a, b, c] = control.map(|point| point.truncate() / point.w);
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 impl Curve {
@@ -270,11 +280,20 @@ impl Curve {
                 let [start, end] = range.map(|t| self.at(t));
                 [start.min(end), start.max(end)]
             }
-            Self::Ellipse { center, a, b } => {
-                let reach = (a * a + b * b).map(f64::sqrt);
-                [center - reach, center + reach]
+            Self::Rulings(_) => [DVec3::NEG_INFINITY, DVec3::INFINITY],
+            &Self::Ellipse { center, a, b } => match rational::of_ellipse([center, a, b], range) {
+                Some(control) => around_control(control),
+                None => {
+                    let reach = (a * a + b * b).map(f64::sqrt);
+                    [center - reach, center + reach]
+                }
+            },
+            &Self::Hyperbola { center, a, b } => {
+                around_control(rational::of_hyperbola([center, a, b], range))
             }
-            _ => [DVec3::NEG_INFINITY, DVec3::INFINITY],
+            &Self::Parabola { point, a, b, l, k } => {
+                around_control(rational::of_parabola([point, a, b], [l, k], range))
+            }
         };
         Bounds { min, max }
     }
@@ -410,7 +429,9 @@ impl Curve {
                     near * (middle + cos * of_a + sin * of_b).length() + rounding
                 };
                 let most = near * steepest + rounding;
+                let before = roots.counts();
                 trig.roots_within(&Tolerance { at, most }, roots);
+                roots.keep_within([start, end], before);
                 Meets::Points
             }
             &Self::Hyperbola { center, a, b } => {
@@ -468,7 +489,7 @@ impl Curve {
                     let high = square.abs() + t * (cube.abs() + t * fourth.abs());
                     c.abs() + t * (once.abs() + t * high)
                 };
-                let before = [roots.simple.len(), roots.touching.len()];
+                let before = roots.counts();
                 let value = (value, terms);
                 let meets = self.find(surface, [start, end], [on, near], value, bend, roots);
                 let derivative = |order: usize, t: f64| match order {

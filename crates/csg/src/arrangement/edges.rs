@@ -36,17 +36,17 @@ impl Scene<'_> {
     }
 
     /// Of the planes through a curve, and other surfaces, the two that
-    /// it is traced by: the first of which one may carry a face and that are not of one
+    /// it is traced by: the first that are beside each other and not of one
     /// polyhedron. None if all are: then its edges are.
     pub fn first_of_through(
         &self,
         through: &[SurfaceId],
-        may_carry: impl Fn(SurfaceId) -> bool,
+        are_beside: impl Fn(SurfaceId, SurfaceId) -> bool,
     ) -> Option<[SurfaceId; 2]> {
         let given = self.given?;
         let rest = |k: usize| through[k + 1..].iter();
         let pairs = (0..through.len()).flat_map(|k| rest(k).map(move |&b| [through[k], b]));
-        let mut pairs = pairs.filter(|&[a, b]| may_carry(a) && !given.are_of_one(a, b));
+        let mut pairs = pairs.filter(|&[a, b]| are_beside(a, b) && !given.are_of_one(a, b));
         pairs.next()
     }
 }

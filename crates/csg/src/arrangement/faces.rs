@@ -3,6 +3,7 @@
 
 use super::block::Block;
 use super::scene::Scene;
+use super::together::Together;
 use crate::program::{Pruner, SurfaceId};
 
 /// The surfaces of a block that may carry faces: those that matter in a box around
@@ -13,6 +14,7 @@ pub(super) struct Faces {
     /// For each of them, and more, the block with only what matters on it, or touches
     /// it.
     blocks: Vec<Block>,
+    together: Together,
     pruner: Pruner,
 }
 
@@ -21,6 +23,7 @@ impl Default for Faces {
         Self {
             carriers: Vec::new(),
             blocks: Vec::new(),
+            together: Together::default(),
             // Looks are told by toggling single literals.
             pruner: Pruner::literal_by_literal(),
         }
@@ -53,11 +56,32 @@ impl Faces {
                 self.carriers.push(id);
             }
         }
+        self.together.enter(scene, block);
     }
 
     /// All of them in ascending order.
     pub fn carriers(&self) -> &[SurfaceId] {
         &self.carriers
+    }
+
+    /// The surfaces after one that may meet it on the boundary, ascending.
+    pub fn beside(&self, one: SurfaceId) -> impl Iterator<Item = SurfaceId> {
+        let block = self
+            .carriers
+            .binary_search(&one)
+            .map(|index| &self.blocks[index]);
+        let ids = block.into_iter().flat_map(|block| block.cell.ids());
+        ids.filter(move |&other| one < other && self.together.are(one, other))
+    }
+
+    /// Whether two surfaces may meet on the boundary.
+    pub fn are_beside(&self, one: SurfaceId, other: SurfaceId) -> bool {
+        let [one, other] = [one.min(other), one.max(other)];
+        let block = self
+            .carriers
+            .binary_search(&one)
+            .map(|index| &self.blocks[index]);
+        block.is_ok_and(|block| block.position_of(other).is_some()) && self.together.are(one, other)
     }
 
     /// Each with the block with only what matters on it.

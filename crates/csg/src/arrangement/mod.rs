@@ -66,6 +66,7 @@ mod picture;
 #[cfg(test)]
 mod picture_tests;
 mod piece;
+pub(crate) mod rational;
 mod regions;
 mod relations;
 mod roots;
@@ -74,6 +75,7 @@ mod roots_tests;
 mod rulings;
 mod scene;
 mod sectors;
+mod together;
 mod traced;
 mod trig;
 mod triple;

@@ -98,6 +98,23 @@ impl Roots {
         self.simple.is_empty() && self.touching.is_empty() && !self.is_lost
     }
 
+    /// How many there are, simple and touching ones.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.simple.len(), self.touching.len()]
+    }
+
+    /// Forgets those beyond a range, but for so many that were there before.
+    pub fn keep_within(&mut self, [start, end]: [f64; 2], before: [usize; 2]) {
+        let all = [&mut self.simple, &mut self.touching];
+        for (roots, before) in all.into_iter().zip(before) {
+            let mut place = 0;
+            roots.retain(|&t| {
+                place += 1;
+                place <= before || start <= t && t <= end
+            });
+        }
+    }
+
     /// Adds the roots between `start` and `end` of a function whose second
     /// derivative between two places is at most `bend` of them. Values within
     /// `tolerance` are as good as 0.

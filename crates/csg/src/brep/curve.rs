@@ -1,9 +1,9 @@
 //! What curve an edge is a piece of.
 
 use crate::elementary;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
-use crate::arrangement::Curve;
+use crate::arrangement::{Curve, rational};
 use crate::numeric::tolerance::ROUND;
 
 /// A curve as a function of a parameter t, in model units.
@@ -88,6 +88,20 @@ impl CurveShape {
             turn,
             is_circle: long.length() - short.length() <= ROUND * long.length(),
         })
+    }
+
+    /// Three control points of a piece as a rational curve of degree two: points times their
+    /// weights, and weights. None of lines, curves of degree four, and half of an ellipse or more.
+    #[must_use]
+    pub fn control(&self, range: [f64; 2]) -> Option<[DVec4; 3]> {
+        match *self {
+            Self::Line { .. } | Self::Quartic => None,
+            Self::Ellipse { center, a, b } => rational::of_ellipse([center, a, b], range),
+            Self::Hyperbola { center, a, b } => Some(rational::of_hyperbola([center, a, b], range)),
+            Self::Conic { point, a, b, l, k } => {
+                Some(rational::of_parabola([point, a, b], [l, k], range))
+            }
+        }
     }
 
     pub(super) fn of(curve: &Curve, origin: DVec3) -> Self {

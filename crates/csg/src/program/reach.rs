@@ -22,7 +22,7 @@ impl Bounds {
     }
 
     /// By a distance to all sides.
-    pub(super) fn grown(self, by: f64) -> Self {
+    pub(crate) fn grown(self, by: f64) -> Self {
         Self {
             min: self.min - by,
             max: self.max + by,

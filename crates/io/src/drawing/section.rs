@@ -6,7 +6,6 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use super::Drawing;
 use super::outline::{Outline, Piece, Shape};
-use crate::conic;
 
 /// A plane, and how it is looked at: x and y of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -324,7 +323,7 @@ fn piece(coedge: &Coedge<'_>) -> Piece {
             }
         }
         // Else a plane and a quadric meet in a line.
-        _ => match conic::control(&curve, range) {
+        _ => match curve.control(range) {
             Some([first, middle, last]) => Shape::Conic {
                 control: middle.truncate().truncate() / middle.w,
                 weight: middle.w / (first.w * last.w).sqrt(),

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 use super::outline::{Piece, Shape};
 use super::section::SectionFrame;
-use crate::{conic, spline};
+use crate::spline;
 
 /// Of the drawing's size: shorter curves are points, and conics as thin are lines.
 const THIN: f64 = 1e-10;
@@ -58,7 +58,7 @@ impl Seen {
                 (vec![Space::Line(ends)], [0.0, 1.0])
             }
             CurveShape::Ellipse { center, a, b } => (vec![Space::Ellipse { center, a, b }], range),
-            _ => match conic::control(&curve, range) {
+            _ => match curve.control(range) {
                 Some(control) => (vec![Space::Conic(control)], [0.0, 1.0]),
                 None => {
                     let (_, spans) = spline::fit_spans(|t| edge.at(t), range, tolerance)?;

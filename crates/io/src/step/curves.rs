@@ -8,7 +8,6 @@ use glam::{DVec3, DVec4};
 
 use super::surfaces::is_around_vertex;
 use super::text::{Entities, Id, List, Real, Reals};
-use crate::conic;
 use crate::spline::{self, Spline};
 
 /// How far B-splines may stray from curves.
@@ -117,7 +116,7 @@ impl Course {
                 }
             }
             CurveShape::Conic { .. } => {
-                let control = conic::control(&curve, [from, to])?;
+                let control = curve.control([from, to])?;
                 whole(CourseShape::Rational(without_weights(control)))
             }
             _ => whole(CourseShape::Quintic(quartic(edge, stray)?)),

@@ -12,7 +12,7 @@ use crate::arrangement::curve::Meets;
 use crate::arrangement::frame::Frame;
 use crate::arrangement::ids::Position;
 use crate::arrangement::triple::crossing_blur;
-use crate::program::{Surface, SurfaceId};
+use crate::program::{Side, Surface, SurfaceId};
 use crate::surface::solve::known_to;
 use crate::undecided::{Stop, Why};
 
@@ -57,18 +57,24 @@ impl ArcTracer {
         }
         for (position, id) in block.surfaces() {
             let surface = scene.surface(id);
-            if let Some(side) = arc.side_of_edge(id) {
+            let beside = match self.beside.sides[position.index()] {
+                Side::Inside => Some(true),
+                Side::Outside => Some(false),
+                Side::Crossing => arc.side_of_edge(id),
+            };
+            if let Some(side) = beside {
                 self.sectors.inside.push(side);
                 continue;
             }
             self.roots.clear();
-            let is_through = id == first
-                || Some(id) == second
-                || arc.meet(id, range, &mut self.roots) == Meets::Curve;
+            let is_own = arc.id.surfaces().any(|own| own == id);
+            let is_through = is_own || arc.meet(id, range, &mut self.roots) == Meets::Curve;
             if is_through {
-                let is_between = first < id && second.is_none_or(|second| id < second);
-                let is_before = || id < first && arc.carriers.binary_search(&id).is_ok();
-                if in_order && (is_between || is_before()) {
+                // Of both of its own, or of the first, if it comes between them.
+                let own = if id < first { 2 } else { 1 };
+                let is_beside = |own| arc.faces.are_beside(id, own);
+                let is_earlier = id < first || second.is_none_or(|second| id < second);
+                if in_order && !is_own && is_earlier && arc.id.surfaces().take(own).any(is_beside) {
                     return Ok(false);
                 }
                 self.through.push(position);
@@ -152,8 +158,8 @@ impl ArcTracer {
         }
         let through = self.through.iter().map(|&position| arc.block.id(position));
         let through: SmallVec<[SurfaceId; 8]> = through.collect();
-        let carries = |id| arc.carriers.binary_search(&id).is_ok();
-        let first = arc.scene.first_of_through(&through, carries);
+        let are_beside = |a, b| arc.faces.are_beside(a, b);
+        let first = arc.scene.first_of_through(&through, are_beside);
         first.map_or(arc.edge.is_some(), |first| first == own)
     }
 
@@ -331,17 +337,19 @@ impl ArcTracer {
         }
     }
 
-    /// Whether a curve lies in a surface that comes before the arc's first one, and
-    /// does not matter on that, but may carry faces: then it is that one's to trace.
-    pub(super) fn is_of_lesser(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
+    /// Whether a curve is an earlier surface's to trace than the arc's first one: it lies in that,
+    /// which may carry faces, and in another one that is beside that. They need not matter on the
+    /// first.
+    pub(super) fn is_of_earlier(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> bool {
         let scene = arc.scene;
-        let first = arc.id.first;
-        let lesser = arc.carriers.iter().take_while(|&&id| id < first);
-        let mut others = lesser.filter(|&&id| arc.block.position_of(id).is_none());
         let start = arc.curve.at(range[0]);
         // Surfaces farther off are not through it for sure.
         let clearly = 1e3 * scene.near;
-        others.any(|&id| {
+        let known = std::mem::take(&mut self.through);
+        let mut is_through = |id: SurfaceId| {
+            if let Some(position) = arc.block.position_of(id) {
+                return known.contains(&position);
+            }
             let surface = scene.surface(id);
             let slope = surface.gradient(start).length();
             if surface.value(start).abs() > clearly * (slope + clearly) {
@@ -349,7 +357,18 @@ impl ArcTracer {
             }
             self.roots.clear();
             arc.meet(id, range, &mut self.roots) == Meets::Curve
-        })
+        };
+        let earlier = arc.faces.carriers().iter().copied();
+        let mut earlier = earlier.take_while(|&id| id < arc.id.first);
+        let is_of_edges = |one, other| scene.only_edges([one, other]).is_some();
+        let found = earlier.any(|one| {
+            is_through(one) && {
+                let mut beside = arc.faces.beside(one);
+                beside.any(|other| !is_of_edges(one, other) && is_through(other))
+            }
+        });
+        self.through = known;
+        found
     }
 
     /// Adds where a curve crosses a plane that is no surface of the solid.
