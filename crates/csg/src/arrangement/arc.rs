@@ -64,10 +64,11 @@ impl Arc<'_> {
         (start < end).then_some([start, end])
     }
 
-    /// Adds where another surface meets the curve between two places.
-    pub fn meet(&self, third: SurfaceId, range: [f64; 2], roots: &mut Roots) -> Meets {
+    /// Where another surface meets the curve between two places, and on a part of it.
+    pub fn meet(&self, third: SurfaceId, ranges: [[f64; 2]; 2], roots: &mut Roots) -> Meets {
         let own = (self.id, self.curve, self.surfaces);
-        self.scene.meet(own, third, range, roots)
+        roots.clear();
+        self.scene.meet(own, third, ranges, roots)
     }
 
     /// On which side of a surface all of the given edge is that the curve runs along, if

@@ -165,13 +165,17 @@ impl ArcTracer {
 
     fn trace_arc(&mut self, arc: &Arc<'_>, chord: Chord, traced: &mut Traced) -> Result<(), Stop> {
         let Arc { scene, curve, .. } = *arc;
-        let range = arc.range();
-        let Some([start, end]) = range.and_then(|range| self.beside.look(arc, range)) else {
+        let Some(range) = arc.range() else {
             return Ok(());
         };
-        if !self.find_events(arc, [start, end])?
+        let sectors = &self.sectors;
+        let has_looks = |position| sectors.has_looks(position);
+        let Some([start, end]) = self.beside.look(arc, range, has_looks) else {
+            return Ok(());
+        };
+        if !self.find_events(arc, range, [start, end])?
             || !self.find_changes(arc, [start, end])
-            || self.is_of_earlier(arc, [start, end])
+            || self.is_of_earlier(arc, range)
         {
             return Ok(());
         }

@@ -87,38 +87,31 @@ impl Scene<'_> {
         [on + off.min(self.near), touch]
     }
 
-    /// Where a surface meets a curve between two places, as [`Curve::meet`] finds it: where that
-    /// takes long, it is found once for all of the curve in the scene.
+    /// Where a surface meets a curve between two places, as [`Curve::meet_on`] finds it on a part: where
+    /// that takes long, it is found once for all of the curve in the scene.
     pub fn meet(
         &self,
         (id, curve, own): (CurveId, &Curve, [&Surface; 2]),
         third: SurfaceId,
-        range @ [start, end]: [f64; 2],
+        ranges @ [range, part]: [[f64; 2]; 2],
         roots: &mut Roots,
     ) -> Meets {
         let surface = self.surface(third);
-        let meet = |range: [f64; 2], roots: &mut Roots| {
-            let tolerances = self.tolerances_beside(surface, (curve, own), range);
-            curve.meet(surface, range, tolerances, roots)
+        let meet = |ranges: [[f64; 2]; 2], roots: &mut Roots| {
+            let tolerances = self.tolerances_beside(surface, (curve, own), ranges[0]);
+            curve.meet_on(surface, ranges, tolerances, roots)
         };
-        if matches!(curve, Curve::Line { .. } | Curve::Ellipse { .. }) {
-            return meet(range, roots);
+        if !matches!(curve, Curve::Rulings(_)) {
+            return meet(ranges, roots);
         }
         let meeting = self.relations.meetings.get((id, third), || {
             let mut roots = Roots::default();
             let whole = curve.range(DVec3::ZERO, self.reach).unwrap_or(range);
-            let meets = meet(whole, &mut roots);
+            let meets = meet([whole; 2], &mut roots);
             Arc::new(Meeting { meets, roots })
         });
-        let within = |places: &[f64]| {
-            let places = places.iter().copied();
-            places
-                .filter(|&t| start <= t && t <= end)
-                .collect::<SmallVec<[f64; 8]>>()
-        };
-        roots.simple.extend(within(&meeting.roots.simple));
-        roots.touching.extend(within(&meeting.roots.touching));
-        roots.is_lost |= meeting.roots.is_lost;
+        roots.clone_from(&meeting.roots);
+        roots.keep_within(part);
         meeting.meets
     }
 

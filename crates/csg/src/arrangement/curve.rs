@@ -341,16 +341,41 @@ impl Curve {
         (total / turn).ceil().clamp(1.0, 1e4) as u32
     }
 
-    /// Adds where a surface crosses the curve between two places. Distances
+    /// Where a surface crosses the curve between two places: the only roots then. Distances
     /// below `on` are rounding, and closer than `near` without crossing is
     /// touching.
     pub(super) fn meet(
         &self,
         surface: &Surface,
-        [start, end]: [f64; 2],
+        range: [f64; 2],
+        tolerances: [f64; 2],
+        roots: &mut Roots,
+    ) -> Meets {
+        self.meet_on(surface, [range; 2], tolerances, roots)
+    }
+
+    /// The same, where it crosses, on a part of the two places alone.
+    pub(super) fn meet_on(
+        &self,
+        surface: &Surface,
+        ranges: [[f64; 2]; 2],
+        tolerances: [f64; 2],
+        roots: &mut Roots,
+    ) -> Meets {
+        let meets = self.meet_near(surface, ranges, tolerances, roots);
+        roots.keep_within(ranges[1]);
+        meets
+    }
+
+    /// The same, and others perhaps.
+    fn meet_near(
+        &self,
+        surface: &Surface,
+        [range, part]: [[f64; 2]; 2],
         [on, near]: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
+        let [start, end] = range;
         match self {
             Self::Line { point, direction } => {
                 let square = 0.5 * surface.curvature_along(*direction);
@@ -429,9 +454,7 @@ impl Curve {
                     near * (middle + cos * of_a + sin * of_b).length() + rounding
                 };
                 let most = near * steepest + rounding;
-                let before = roots.counts();
                 trig.roots_within(&Tolerance { at, most }, roots);
-                roots.keep_within([start, end], before);
                 Meets::Points
             }
             &Self::Hyperbola { center, a, b } => {
@@ -463,7 +486,7 @@ impl Curve {
                     squares * c + ((yy * s).abs() + y.abs()) * s + form.constant.abs()
                 };
                 let value = (value, terms);
-                self.find(surface, [start, end], [on, near], value, bend, roots)
+                self.find(surface, [range, part], [on, near], value, bend, roots)
             }
             &Self::Parabola { point, a, b, l, k } => {
                 let form = Form::of(surface, point, a, b);
@@ -489,9 +512,9 @@ impl Curve {
                     let high = square.abs() + t * (cube.abs() + t * fourth.abs());
                     c.abs() + t * (once.abs() + t * high)
                 };
-                let before = roots.counts();
+                let before = [roots.simple.len(), roots.touching.len()];
                 let value = (value, terms);
-                let meets = self.find(surface, [start, end], [on, near], value, bend, roots);
+                let meets = self.find(surface, [range, part], [on, near], value, bend, roots);
                 let derivative = |order: usize, t: f64| match order {
                     1 => once + t * (2.0 * square + t * (3.0 * cube + t * 4.0 * fourth)),
                     2 => 2.0 * square + t * (6.0 * cube + t * 12.0 * fourth),
@@ -536,20 +559,20 @@ impl Curve {
     fn find(
         &self,
         surface: &Surface,
-        [start, end]: [f64; 2],
+        [range, part]: [[f64; 2]; 2],
         [on, near]: [f64; 2],
         (value, terms): (impl Fn(f64) -> f64, impl Fn(f64) -> f64),
         bend: impl Fn(f64, f64) -> f64,
         roots: &mut Roots,
     ) -> Meets {
-        if self.lies_in(surface, [start, end], on) {
+        if self.lies_in(surface, range, on) {
             return Meets::Curve;
         }
         let tolerance = Tolerance {
             at: |t: f64| near * surface.gradient(self.at(t)).length() + VALUE * terms(t),
             most: f64::INFINITY,
         };
-        roots.find([start, end], value, bend, &tolerance);
+        roots.find_in_part(part, range[1] - range[0], value, bend, &tolerance);
         Meets::Points
     }
 

@@ -135,7 +135,11 @@ impl Frame {
             }
         };
         let plane = |normal: DVec3| Surface::plane(center, (rows * normal).normalize_or_zero());
-        let seams = if shape == Shape::Closed { 3 } else { 2 };
+        let seams = match shape {
+            Shape::Closed => 3,
+            Shape::Around => 2,
+            Shape::Graph => 0,
+        };
         Some(Self {
             shape,
             center,

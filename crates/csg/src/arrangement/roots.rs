@@ -39,7 +39,7 @@ const FLAT: f64 = NEAR / TOUCHING;
 const LONG: f64 = 0.0625;
 
 /// Where a function is 0.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Roots {
     /// Where its sign changes.
     pub simple: Vec<f64>,
@@ -98,37 +98,16 @@ impl Roots {
         self.simple.is_empty() && self.touching.is_empty() && !self.is_lost
     }
 
-    /// How many there are, simple and touching ones.
-    pub fn counts(&self) -> [usize; 2] {
-        [self.simple.len(), self.touching.len()]
-    }
-
-    /// Forgets those beyond a range, but for so many that were there before.
-    pub fn keep_within(&mut self, [start, end]: [f64; 2], before: [usize; 2]) {
-        let all = [&mut self.simple, &mut self.touching];
-        for (roots, before) in all.into_iter().zip(before) {
-            let mut place = 0;
-            roots.retain(|&t| {
-                place += 1;
-                place <= before || start <= t && t <= end
-            });
+    /// Forgets those beyond a range.
+    pub fn keep_within(&mut self, [start, end]: [f64; 2]) {
+        for roots in [&mut self.simple, &mut self.touching] {
+            roots.retain(|&t| start <= t && t <= end);
         }
     }
 
-    /// Adds the roots between `start` and `end` of a function whose second
-    /// derivative between two places is at most `bend` of them. Values within
+    /// Adds the roots between `start` and `end`, which are part of a range that is so long, of a
+    /// function whose second derivative between two places is at most `bend` of them. Values within
     /// `tolerance` are as good as 0.
-    pub fn find(
-        &mut self,
-        range: [f64; 2],
-        value: impl Fn(f64) -> f64,
-        bend: impl Fn(f64, f64) -> f64,
-        tolerance: &Tolerance<impl Fn(f64) -> f64>,
-    ) {
-        self.find_in_part(range, range[1] - range[0], value, bend, tolerance);
-    }
-
-    /// The same in a part of a range that is so long.
     pub fn find_in_part(
         &mut self,
         [start, end]: [f64; 2],

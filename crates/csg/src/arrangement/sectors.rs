@@ -107,6 +107,11 @@ impl Sectors {
         }
     }
 
+    /// Whether the faces on a surface may differ in looks.
+    pub fn has_looks(&self, position: Position) -> bool {
+        self.looks[position.index()].is_some_and(|(alike, _)| !alike)
+    }
+
     /// Sets the order of the half-planes around a whole curve; empty if it may
     /// differ from stretch to stretch.
     pub fn order_is(&mut self, around: &[HalfPlane]) {

@@ -32,7 +32,7 @@
 //! |f⁽ⁿ⁾| <= Σ kⁿ Aₖ. If |A₀| is more than all others together there is no root at all.
 //!
 //! # The test of an interval
-//! Let |f''| <= B on [a, b] of width w ([`Roots::find`][arrangement/roots.rs]).
+//! Let |f''| <= B on [a, b] of width w ([`Roots::find_in_part`][arrangement/roots.rs]).
 //!
 //! *None.* f differs from the chord through its ends by at most B w² / 8. So if both ends have one
 //! sign and

@@ -37,7 +37,14 @@ impl ArcTracer {
     /// another pair's to trace: it is the first's of all surfaces through it that may
     /// carry faces, and the next one's through it that matters there. Undecided if it runs
     /// along a surface so closely that it cannot be told where it crosses.
-    pub(super) fn find_events(&mut self, arc: &Arc<'_>, range: [f64; 2]) -> Result<bool, Stop> {
+    ///
+    /// Those on a part of the range are found, beyond which there are no edges.
+    pub(super) fn find_events(
+        &mut self,
+        arc: &Arc<'_>,
+        range: [f64; 2],
+        part: [f64; 2],
+    ) -> Result<bool, Stop> {
         let Arc {
             scene,
             block,
@@ -51,8 +58,8 @@ impl ArcTracer {
         self.planes.clear();
         self.through.clear();
         self.sectors.inside.clear();
-        let at_start = curve.at(range[0]);
-        if self.is_decided(arc, range, at_start) {
+        let at_start = curve.at(part[0]);
+        if self.is_decided(arc, part, at_start) {
             return Ok(false);
         }
         for (position, id) in block.surfaces() {
@@ -68,7 +75,9 @@ impl ArcTracer {
             }
             self.roots.clear();
             let is_own = arc.id.surfaces().any(|own| own == id);
-            let is_through = is_own || arc.meet(id, range, &mut self.roots) == Meets::Curve;
+            // (Along the same range whatever part is looked at: whether it is through the curve is told
+            // alike then.)
+            let is_through = is_own || arc.meet(id, [range, part], &mut self.roots) == Meets::Curve;
             if is_through {
                 // Of both of its own, or of the first, if it comes between them.
                 let own = if id < first { 2 } else { 1 };
@@ -97,22 +106,22 @@ impl ArcTracer {
         if !self.is_own(arc) {
             return Ok(false);
         }
-        let bounds = curve.bounds(range);
+        let bounds = curve.bounds(part);
         for (side, span) in block.sides() {
             let axis = side.linear.max_position();
             let at = side.anchor[axis];
             if bounds.min[axis] <= at + scene.near && bounds.max[axis] >= at - scene.near {
-                self.cut(arc, (&side, Cutting::Side(span)), range);
+                self.cut(arc, (&side, Cutting::Side(span)), part);
             }
         }
         for k in 0..self.through.len() {
             let owner = block.id(self.through[k]);
             let frame = scene.frame(owner);
             for plane in frame.into_iter().flat_map(Frame::planes) {
-                self.cut(arc, (plane, Cutting::Seam(owner)), range);
+                self.cut(arc, (plane, Cutting::Seam(owner)), part);
             }
         }
-        self.add_nodes(arc, range);
+        self.add_nodes(arc, part);
         self.gather(arc);
         self.events.sort_by(|a, b| a.at.total_cmp(&b.at));
         self.sectors.crossings.clear();
@@ -143,8 +152,7 @@ impl ArcTracer {
         let Some((_, id)) = farthest else {
             return false;
         };
-        self.roots.clear();
-        let meets = arc.meet(id, range, &mut self.roots);
+        let meets = arc.meet(id, [range; 2], &mut self.roots);
         meets == Meets::Points && self.roots.is_empty()
     }
 
@@ -355,8 +363,7 @@ impl ArcTracer {
             if surface.value(start).abs() > clearly * (slope + clearly) {
                 return false;
             }
-            self.roots.clear();
-            arc.meet(id, range, &mut self.roots) == Meets::Curve
+            arc.meet(id, [range; 2], &mut self.roots) == Meets::Curve
         };
         let earlier = arc.faces.carriers().iter().copied();
         let mut earlier = earlier.take_while(|&id| id < arc.id.first);
