@@ -135,10 +135,11 @@ impl Frame {
             }
         };
         let plane = |normal: DVec3| Surface::plane(center, (rows * normal).normalize_or_zero());
-        let seams = match shape {
-            Shape::Closed => 3,
-            Shape::Around => 2,
-            Shape::Graph => 0,
+        // Cylinders that are graphs close around nothing: there is nothing to cut.
+        let seams = match (shape, surface.kind) {
+            (_, Kind::ParabolicCylinder | Kind::HyperbolicCylinder) => 0,
+            (Shape::Closed, _) => 3,
+            (Shape::Around | Shape::Graph, _) => 2,
         };
         Some(Self {
             shape,
