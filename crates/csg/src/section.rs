@@ -8,7 +8,7 @@ use crate::brep::{BoundaryOptions, Coedge, CurveShape, Face, HalfAxes, Loop};
 use crate::elementary;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::mesher::Mesher;
+use crate::mesher::{Meshed, Mesher};
 use crate::numeric::tolerance::{MAPPED, NEAR, ON_FACE};
 use crate::program::Program;
 use crate::solid::Solid;
@@ -24,7 +24,7 @@ impl Solid {
     ///
     /// Lines, circles and whole ellipses are such ([`Solid::exact_section`]); with other curves
     /// a part of the section is a polygon that strays at most `tolerance`, by a mesh if it cannot
-    /// be told how surfaces meet.
+    /// be told how surfaces meet ([`Meshed::faces_in_plane`]).
     ///
     /// ```
     /// use csg::Solid;
@@ -38,16 +38,16 @@ impl Solid {
     ///
     /// # Errors
     /// What is wrong with the solid or the frame, a solid without end, a tolerance
-    /// that is not positive.
+    /// that is not positive, and [`Error::Undecided`] where meshes are doubtful, too.
     pub fn section(&self, frame: DAffine3, tolerance: f64) -> Result<Profile, Error> {
         let parts = self.cut_at(frame)?;
         if let Some(section) = of_faces(&parts, &BoundaryOptions::new(), Some(tolerance))? {
             return Ok(section);
         }
         let mesher = Mesher::new().tolerance(tolerance);
-        let mesh = |part: &Self| Ok(mesher.mesh(&Program::lower(part)?)?.mesh);
-        let meshes: Result<Vec<Mesh>, Error> = parts.iter().map(mesh).collect();
-        Ok(Profile::union(meshes?.iter().map(Mesh::faces_in_plane)))
+        let mesh = |part: &Self| mesher.mesh(&Program::lower(part)?)?.faces_in_plane();
+        let faces: Result<Vec<Profile>, Error> = parts.iter().map(mesh).collect();
+        Ok(Profile::union(faces?))
     }
 
     /// The section as [`Solid::section`] makes it, of lines, circles and whole ellipses. `None`
@@ -280,6 +280,20 @@ fn contour(around: &Loop<'_>) -> Option<Contour> {
         }
     };
     around.coedges().map(corner).collect()
+}
+
+impl Meshed {
+    /// The triangles that lie in the plane z = 0 within rounding, as a profile.
+    ///
+    /// # Errors
+    /// [`Error::Undecided`] if something had to be settled for in the mesh because it could not be
+    /// told how surfaces meet: some may be lost.
+    pub fn faces_in_plane(&self) -> Result<Profile, Error> {
+        match self.report.undecided.last() {
+            Some(&why) if !self.report.fallbacks.is_empty() => Err(Error::Undecided(why)),
+            _ => Ok(self.mesh.faces_in_plane()),
+        }
+    }
 }
 
 impl Mesh {

@@ -1,6 +1,6 @@
 //! The class `Solid`: Boolean operators, names, colours, questions.
 
-use csg::{Mesh, Node, Profile, Program, Solid};
+use csg::{Mesh, Meshed, Node, Profile, Program, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -277,8 +277,8 @@ impl PySolid {
             parts.map(mesh).collect::<Result<Vec<_>, _>>()
         })?;
         let parts = parts.map_err(of_model)?;
-        let meshes = parts.iter().map(|meshed| &meshed.mesh);
-        Ok(PyProfile(Profile::union(meshes.map(Mesh::faces_in_plane))))
+        let faces: Result<Vec<Profile>, _> = parts.iter().map(Meshed::faces_in_plane).collect();
+        Ok(PyProfile(Profile::union(faces.map_err(of_model)?)))
     }
 
     /// Volume, area, centroid and moments of the solid from its exact boundary, with bounds

@@ -2,7 +2,7 @@
 //! (Debian's `fonts-liberation`, which these tests need), as it writes them to
 //! SVG with six digits.
 
-use csg::glam::DVec2;
+use csg::glam::{DAffine3, DVec2, DVec3};
 use csg::{BoundaryOptions, Program, Solid};
 use text::{Curves, Font, HorizontalAlign, Text, TextError, VerticalAlign};
 
@@ -143,6 +143,34 @@ fn letters_are_solids_within_parabolic_cylinders() {
         let area = profile.area(1e-6).expect("an area");
         let off = (volume.value - 2.0 * area).abs();
         assert!(off < 1e-4, "{letters}: {volume:?}, not {}", 2.0 * area);
+    }
+}
+
+/// As what is cut is: parabolas of a few sides, as formulas of half-planes, and of many.
+#[test]
+fn sections_of_letters_are_their_profiles() {
+    let written: Vec<char> = ('!'..='~').collect();
+    for (name, count) in [
+        ("", 2),
+        ("Liberation Sans:style=Bold", 1),
+        ("Liberation Serif:style=Italic", 1),
+    ] {
+        let font = Font::find(name).unwrap_or_else(|e| panic!("{e}"));
+        for letters in written.chunks(count) {
+            let letters: String = letters.iter().collect();
+            let profile = Text::new(letters.as_str()).profile(&font);
+            let profile = profile.unwrap_or_else(|e| panic!("{letters}: {e}"));
+            let solid = Solid::extrude(&profile, 0.0..1.0);
+            let frame = DAffine3::from_translation(DVec3::new(0.0, 0.0, 0.37));
+            let section = solid.exact_section(frame, &BoundaryOptions::default());
+            let section = section.unwrap_or_else(|e| panic!("{letters}: {e}"));
+            let section = section.unwrap_or_else(|| panic!("{name}, {letters}: not exact"));
+            let [cut, whole] = [&section, &profile].map(|p| p.area(1e-5).expect("an area"));
+            assert!(
+                (cut - whole).abs() < 2e-3,
+                "{name}, {letters}: {cut}, not {whole}"
+            );
+        }
     }
 }
 

@@ -66,10 +66,12 @@ pub(crate) fn run(
     }
     let unit = options.sheet.tell.unit.symbol();
     if let Some(strays) = section.strays {
-        let strays = short(strays, 2);
+        let off = match strays.is_finite() {
+            true => format!("that stray by up to {} {unit}", short(strays, 2)),
+            false => "of a mesh, and how far they are off is not known".to_owned(),
+        };
         say!(
-            "warning: it could not be told how surfaces meet in the plane: drawn are polygons that \
-             stray by up to {strays} {unit}"
+            "warning: it could not be told how surfaces meet in the plane: drawn are polygons {off}"
         );
     }
     if let Some(moved) = section.moved {

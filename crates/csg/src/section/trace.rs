@@ -4,7 +4,7 @@
 //! the surface are one but for rounding, and what they have in common is lost in that. In the
 //! plane alone nothing is: f(x, y, 0) is a conic whatever z does to f, and a plane beside it is
 //! on one side. So the section is that of the solid whose surfaces go on from these conics at right
-//! angles to the plane: lines and ellipses along z, hyperbolas and parabolas around their axis.
+//! angles to the plane: lines, ellipses and parabolas along z, hyperbolas around their axis.
 
 use glam::{DVec2, DVec3};
 
@@ -173,16 +173,21 @@ fn trace(surface: &Surface, rounding: Rounding, looked: Looked) -> (Trace, bool)
             ])
         }
         _ => {
-            // Hyperbolas and parabolas turn about the axis that they cross: those surfaces are
-            // at right angles to the plane, too, and have charts.
-            let zz = match bent[..] {
-                [(one, _), (other, _)] if (one > 0.0) == (other > 0.0) => 0.0,
-                [(one, _), _] if (one > 0.0) == (at_center > 0.0) => one,
-                [_, (other, _)] => other,
-                _ => bent[0].0,
+            // Hyperbolas turn about the axis that they cross: those surfaces are at right angles to the
+            // plane, too, and have charts. Parabolas go on as cylinders, about where their surface was told.
+            let (zz, about, linear, constant) = match bent[..] {
+                [_] => (0.0, origin, linear, constant),
+                [(one, _), (other, _)] => {
+                    let is_ellipse = (one > 0.0) == (other > 0.0);
+                    let is_across = (one > 0.0) == (at_center > 0.0);
+                    let turned = if is_across { one } else { other };
+                    let zz = if is_ellipse { 0.0 } else { turned };
+                    (zz, center, slope, at_center)
+                }
+                _ => (0.0, center, slope, at_center),
             };
-            let coefficients = [xx, yy, zz, xy, 0.0, 0.0, slope.x, slope.y, 0.0, at_center];
-            Solid::quadric(coefficients).translate(DVec3::from((center, 0.0)))
+            let coefficients = [xx, yy, zz, xy, 0.0, 0.0, linear.x, linear.y, 0.0, constant];
+            Solid::quadric(coefficients).translate(DVec3::from((about, 0.0)))
         }
     };
     (Trace::Solid(solid), false)

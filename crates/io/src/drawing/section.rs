@@ -75,7 +75,7 @@ pub struct Section {
     /// (Of a solid that begins or ends at the plane it is its face there.)
     pub is_at_face: bool,
     /// How far outlines may stray from the section: they are polygons, as it could not be told how
-    /// surfaces meet.
+    /// surfaces meet. Infinite if no bound is known: then [`Self::area`] has none, either.
     pub strays: Option<f64>,
     /// What was done to surfaces that nearly coincide or touch, if it may change what is drawn: moves of
     /// no more than 1e-9 of the section's size are not told, as faces are in the plane to no more
@@ -104,7 +104,8 @@ impl Section {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the solid; as [`Program::boundary`].
+    /// What is wrong with the solid; as [`Program::boundary`], [`csg::Error::Undecided`] only if
+    /// no mesh shows the section either.
     pub fn of(
         solid: &Solid,
         frame: &SectionFrame,
@@ -116,7 +117,14 @@ impl Section {
             let program = Program::lower(part)?;
             let section = match program.boundary(options) {
                 Ok(boundary) => Self::cap(&boundary),
-                Err(csg::Error::Undecided(_)) => Self::by_mesh(&program)?,
+                Err(csg::Error::Undecided(why)) => {
+                    let polygons = Self::by_mesh(&program)?;
+                    // What is not there may be lost.
+                    if !polygons.is_there() && polygons.strays == Some(f64::INFINITY) {
+                        return Err(csg::Error::Undecided(why));
+                    }
+                    polygons
+                }
                 // What was asked for is there.
                 Err(_) if sections.iter().any(Self::is_there) => break,
                 Err(error) => return Err(error),
@@ -173,8 +181,15 @@ impl Section {
         }
         let tolerance = STRAYS * size;
         let meshed = Mesher::new().tolerance(tolerance).mesh(program)?;
+        let report = &meshed.report;
+        let is_told = report.fallbacks.is_empty() && report.method != "adaptive";
+        let strays = match &report.moved {
+            _ if !is_told => f64::INFINITY,
+            Some(moved) => tolerance + moved.distance,
+            None => tolerance,
+        };
         let mut section = Self {
-            strays: Some(tolerance),
+            strays: Some(strays),
             ..Self::default()
         };
         let contours = meshed.mesh.faces_in_plane().contours(tolerance);
@@ -185,7 +200,7 @@ impl Section {
             let area: f64 = 0.5 * sides().map(|(from, to)| from.perp_dot(to)).sum::<f64>();
             section.parts += usize::from(area > 0.0);
             section.area.value += area;
-            section.area.error += tolerance * length;
+            section.area.error += strays * length;
             section.length.value += length;
             let piece = |(from, to)| Piece {
                 from,
@@ -197,7 +212,7 @@ impl Section {
             });
         }
         // What lengths of polygons that stray by so much may be off has no bound.
-        section.length.error = section.length.value;
+        section.length.error = f64::INFINITY;
         Ok(section)
     }
 
