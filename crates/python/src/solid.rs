@@ -1,6 +1,6 @@
 //! The class `Solid`: Boolean operators, names, colours, questions.
 
-use csg::{Mesh, Meshed, Node, Profile, Program, Solid};
+use csg::{Meshed, Node, Profile, Program, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

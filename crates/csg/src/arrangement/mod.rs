@@ -15,7 +15,7 @@
 //!    are found once, [`relations`]) and the points where others cross them ([`roots`],
 //!    [`trig`]) or touch them ([`triple`]), as chains of chords
 //!    ([`arcs`], [`arc`]): on each surface with those alone that matter there
-//!    ([`mod@faces`]). Their faces are cut into patches along seams, so that each can be
+//!    ([`mod@faces`], [`together`]), and along each curve where edges may lie alone. Their faces are cut into patches along seams, so that each can be
 //!    seen from one side ([`frame`]).
 //! 4. The pieces are linked to the contours of faces ([`boundary`], [`mod@contours`]), and these
 //!    cut into triangles ([`crate::mesh::triangulate`]), with more chords where they would

@@ -146,7 +146,7 @@ impl Beside {
                 let Some(around) = box_around(arc, [at(part), at(part + 1)]) else {
                     continue;
                 };
-                let bits = 3 * QUARTERS << (2 * part);
+                let bits = (3 * QUARTERS) << (2 * part);
                 within |= bits;
                 for &(index, id) in &positions {
                     if self.sides[index] == Side::Crossing {
