@@ -105,9 +105,13 @@ impl Beside {
         if self.has_edges(&arc.block.cell.formula, part_looks) == 0 {
             return None;
         }
-        match arc.curve {
-            Curve::Rulings(_) => Some(range),
-            _ => self.shorten(arc, range, part_looks),
+        // (Other conics may run beside a surface for long, and are looked at as a whole.)
+        match *arc.curve {
+            Curve::Line { .. } => self.shorten(arc, range, part_looks),
+            Curve::Parabola { l, k, .. } if l == 0.0 && k == 0.0 => {
+                self.shorten(arc, range, part_looks)
+            }
+            _ => Some(range),
         }
     }
 
