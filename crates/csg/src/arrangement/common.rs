@@ -101,12 +101,7 @@ impl Scene<'_> {
             let tolerances = self.tolerances_beside(surface, (curve, own), ranges[0]);
             curve.meet_on(surface, ranges, tolerances, roots)
         };
-        let is_short = match *curve {
-            Curve::Line { .. } | Curve::Ellipse { .. } => true,
-            Curve::Parabola { l, k, .. } => l == 0.0 && k == 0.0,
-            Curve::Hyperbola { .. } | Curve::Rulings(_) => false,
-        };
-        if is_short {
+        if curve.is_polynomial() || matches!(curve, Curve::Ellipse { .. }) {
             return meet(ranges, roots);
         }
         let meeting = self.relations.meetings.get((id, third), || {

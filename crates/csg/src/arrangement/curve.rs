@@ -298,6 +298,15 @@ impl Curve {
         Bounds { min, max }
     }
 
+    /// Whether it is a polynomial of its parameter: a line or a parabola.
+    pub fn is_polynomial(&self) -> bool {
+        match *self {
+            Self::Line { .. } => true,
+            Self::Parabola { l, k, .. } => l == 0.0 && k == 0.0,
+            _ => false,
+        }
+    }
+
     pub fn is_line(&self) -> bool {
         matches!(self, Self::Line { .. })
     }

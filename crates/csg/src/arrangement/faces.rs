@@ -66,22 +66,22 @@ impl Faces {
 
     /// The surfaces after one that may meet it on the boundary, ascending.
     pub fn beside(&self, one: SurfaceId) -> impl Iterator<Item = SurfaceId> {
-        let block = self
-            .carriers
-            .binary_search(&one)
-            .map(|index| &self.blocks[index]);
-        let ids = block.into_iter().flat_map(|block| block.cell.ids());
+        let block = self.block_of(one).into_iter();
+        let ids = block.flat_map(|block| block.cell.ids());
         ids.filter(move |&other| one < other && self.together.are(one, other))
     }
 
     /// Whether two surfaces may meet on the boundary.
     pub fn are_beside(&self, one: SurfaceId, other: SurfaceId) -> bool {
         let [one, other] = [one.min(other), one.max(other)];
-        let block = self
-            .carriers
-            .binary_search(&one)
-            .map(|index| &self.blocks[index]);
-        block.is_ok_and(|block| block.position_of(other).is_some()) && self.together.are(one, other)
+        let block = self.block_of(one);
+        block.is_some_and(|block| block.position_of(other).is_some())
+            && self.together.are(one, other)
+    }
+
+    fn block_of(&self, id: SurfaceId) -> Option<&Block> {
+        let index = self.carriers.binary_search(&id).ok()?;
+        Some(&self.blocks[index])
     }
 
     /// Each with the block with only what matters on it.

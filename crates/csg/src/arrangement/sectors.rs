@@ -7,7 +7,6 @@ use super::block::Block;
 use super::ids::Position;
 use super::piece::{CurveId, Piece, Side};
 use super::scene::Scene;
-use crate::program::Operand;
 
 /// Half a plane that ends in a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,9 +60,6 @@ pub(super) struct Sectors {
     /// For each position in the cell: whether all its literals look alike, and
     /// the look of the first.
     looks: Vec<Option<(bool, u32)>>,
-    /// For each position whether the solid is the same on all of its inside, or else its
-    /// outside, if that can be read off the formula's last gate.
-    pub decides: Vec<Option<bool>>,
     /// The half-planes around the curve, counter-clockwise about its direction.
     pub around: SmallVec<[HalfPlane; 8]>,
     /// Where other surfaces cross the curve, in order; none where the formula does not
@@ -91,19 +87,6 @@ impl Sectors {
             let known = &mut self.looks[Position(literal.surface).index()];
             let (alike, first) = known.get_or_insert((true, look));
             *alike &= *first == look;
-        }
-        let formula = &block.cell.formula;
-        self.decides.clear();
-        self.decides.resize(block.cell.surfaces.len(), None);
-        if let Operand::Gate(root) = formula.root() {
-            let root = &formula.gates()[root as usize];
-            for operand in formula.operands_of(root) {
-                if let &Operand::Literal(literal) = operand {
-                    let literal = formula.literals()[literal as usize];
-                    let is_decided_outside = root.operation.absorbing() == literal.outside;
-                    self.decides[Position(literal.surface).index()] = Some(!is_decided_outside);
-                }
-            }
         }
     }
 

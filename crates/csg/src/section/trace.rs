@@ -176,7 +176,6 @@ fn trace(surface: &Surface, rounding: Rounding, looked: Looked) -> (Trace, bool)
             // Hyperbolas turn about the axis that they cross: those surfaces are at right angles to the
             // plane, too, and have charts. Parabolas go on as cylinders, about where their surface was told.
             let (zz, about, linear, constant) = match bent[..] {
-                [_] => (0.0, origin, linear, constant),
                 [(one, _), (other, _)] => {
                     let is_ellipse = (one > 0.0) == (other > 0.0);
                     let is_across = (one > 0.0) == (at_center > 0.0);
@@ -184,7 +183,7 @@ fn trace(surface: &Surface, rounding: Rounding, looked: Looked) -> (Trace, bool)
                     let zz = if is_ellipse { 0.0 } else { turned };
                     (zz, center, slope, at_center)
                 }
-                _ => (0.0, center, slope, at_center),
+                _ => (0.0, origin, linear, constant),
             };
             let coefficients = [xx, yy, zz, xy, 0.0, 0.0, linear.x, linear.y, 0.0, constant];
             Solid::quadric(coefficients).translate(DVec3::from((about, 0.0)))

@@ -1,17 +1,19 @@
 //! How other surfaces lie to a curve, by boxes around it: most are on one side of all of it, and
-//! around most curves the solid is constant.
+//! along most curves there can be no edge.
 
 use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::arrangement::arc::Arc;
-use crate::arrangement::curve::Curve;
 use crate::arrangement::ids::Position;
 use crate::program::{Bounds, Formula, Side, Surface, SurfaceId};
 
 /// Of a curve along which edges may lie, so many parts are looked at, each with every sign of both
 /// of its surfaces. Tunes speed only.
 const PARTS: u32 = 8;
+
+/// If no more surfaces, its own counted, may cross it, parts are not worth it. Tunes speed only.
+const FEW: usize = 6;
 
 /// Where parts begin, of one: as sides of blocks do, next to no place where a model has a corner.
 const BEGIN: f64 = 0.043_769_410_125_095;
@@ -105,13 +107,12 @@ impl Beside {
         if self.has_edges(&arc.block.cell.formula, part_looks) == 0 {
             return None;
         }
-        // (Other conics may run beside a surface for long, and are looked at as a whole.)
-        match *arc.curve {
-            Curve::Line { .. } => self.shorten(arc, range, part_looks),
-            Curve::Parabola { l, k, .. } if l == 0.0 && k == 0.0 => {
-                self.shorten(arc, range, part_looks)
-            }
-            _ => Some(range),
+        // (Other curves may run beside a surface for long, and are looked at as a whole.)
+        let crossing = self.sides.iter().filter(|&&side| side == Side::Crossing);
+        if crossing.count() > FEW && arc.curve.is_polynomial() {
+            self.shorten(arc, range, part_looks)
+        } else {
+            Some(range)
         }
     }
 
@@ -123,14 +124,14 @@ impl Beside {
         part_looks: [bool; 2],
     ) -> Option<[f64; 2]> {
         let cell = &arc.block.cell;
-        let ids = || {
-            cell.ids()
-                .filter(|&id| arc.id.surfaces().all(|own| own != id))
-        };
-        let positions: SmallVec<[(usize, SurfaceId); 16]> = ids()
-            .filter_map(|id| Some((arc.block.position_of(id)?.index(), id)))
-            .filter(|&(index, _)| self.sides[index] == Side::Crossing)
-            .collect();
+        let others = arc
+            .block
+            .surfaces()
+            .map(|(position, id)| (position.index(), id));
+        let crossing = others.filter(|&(index, id)| {
+            self.sides[index] == Side::Crossing && arc.id.surfaces().all(|own| own != id)
+        });
+        let positions: SmallVec<[(usize, SurfaceId); 16]> = crossing.collect();
         let is_clear = |t: f64| {
             let mut others = positions.iter().map(|&(_, id)| arc.scene.surface(id));
             others.all(|surface| is_clear_of(arc, surface, t, whole))

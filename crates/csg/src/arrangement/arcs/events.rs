@@ -59,9 +59,6 @@ impl ArcTracer {
         self.through.clear();
         self.sectors.inside.clear();
         let at_start = curve.at(part[0]);
-        if self.is_decided(arc, part, at_start) {
-            return Ok(false);
-        }
         for (position, id) in block.surfaces() {
             let surface = scene.surface(id);
             let beside = match self.beside.sides[position.index()] {
@@ -128,32 +125,6 @@ impl ArcTracer {
         let crossings = self.events.iter().map(|event| (event.at, event.crossed()));
         self.sectors.crossings.extend(crossings);
         Ok(true)
-    }
-
-    /// Whether the solid is constant around a curve as all of it is on one side of one other
-    /// surface. Tunes speed only: the same comes of looking at all surfaces.
-    fn is_decided(&mut self, arc: &Arc<'_>, range: [f64; 2], at_start: DVec3) -> bool {
-        if arc.edge.is_some() {
-            return false;
-        }
-        let scene = arc.scene;
-        let mut farthest: Option<(f64, SurfaceId)> = None;
-        for (&decides, (_, id)) in self.sectors.decides.iter().zip(arc.block.surfaces()) {
-            if decides.is_none() || id == arc.id.first || Some(id) == arc.id.second() {
-                continue;
-            }
-            let surface = scene.surface(id);
-            let value = surface.value(at_start);
-            let is_farther = farthest.is_none_or(|(known, _)| known < value.abs());
-            if decides == Some(value <= 0.0) && is_farther {
-                farthest = Some((value.abs(), id));
-            }
-        }
-        let Some((_, id)) = farthest else {
-            return false;
-        };
-        let meets = arc.meet(id, [range; 2], &mut self.roots);
-        meets == Meets::Points && self.roots.is_empty()
     }
 
     /// Whether a curve beside polyhedra is the arc's pair's to trace.
