@@ -314,3 +314,31 @@ impl Mesh {
         Profile::polygons_of(flat, FillRule::NonZero)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::undecided::{Undecided, Why};
+
+    /// A mesh that had to do in place of a boundary, and may lack a part, has no section.
+    #[test]
+    fn doubtful_meshes_have_no_section() {
+        let cube = Solid::cuboid_between([0.0, 0.0, -1.0], [1.0, 1.0, 0.0]);
+        let program = Program::lower(&cube).expect("valid");
+        let mut meshed = Mesher::new().tolerance(0.1).mesh(&program).expect("a mesh");
+        let area = |meshed: &Meshed| {
+            let faces = meshed.faces_in_plane()?;
+            Ok::<f64, Error>(faces.area(0.1).expect("an area"))
+        };
+        assert_eq!(area(&meshed), Ok(1.0));
+        let undecided = Undecided {
+            why: Why::Contour,
+            place: DVec3::ZERO,
+        };
+        meshed.report.undecided.push(undecided);
+        // Another way was found, with nothing to be said of it.
+        assert_eq!(area(&meshed), Ok(1.0));
+        meshed.report.add_fallback("gap", DVec3::ZERO);
+        assert_eq!(area(&meshed), Err(Error::Undecided(undecided)));
+    }
+}
