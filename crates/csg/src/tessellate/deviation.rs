@@ -584,6 +584,20 @@ mod tests {
         }
     }
 
+    /// Though gradients grow along them.
+    #[test]
+    fn chords_along_rulings_of_cones_with_one_apex_are_exact() {
+        for angle in [1.0, 2e-3, 2e-5] {
+            let cone = Solid::frustum(2.0, 0.0, -2.0..0.0);
+            let pair = [curved(&cone), curved(&cone.rotate_x(angle))];
+            // z is the same in both frames.
+            let slope = (0.5 * angle).tan();
+            let along = DVec3::new((1.0 - slope * slope).sqrt(), -slope, 1.0);
+            let bound = of_chord([&pair[0], &pair[1]], -1.75 * along, -0.5 * along);
+            assert!(bound < 1e-10, "{angle}: {bound}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_bounded_is_said() {
         let sphere = curved(&Solid::sphere(1.0));

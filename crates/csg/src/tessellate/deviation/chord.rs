@@ -20,8 +20,10 @@ const HARDLY: f64 = 0.125;
 /// chord, J their Jacobian there and F their values, |J⁺ F| is the distance to
 /// first order; along the path x' = -J(x)⁺ F the Jacobian changes by at most E,
 /// which lengthens the path by at most 1 / (1 - |J⁺| E): along the chord as the
-/// gradients do, at a constant rate, and L · (distance from the chord) besides. Near a point where the surfaces touch that proves nothing,
-/// but a part of the chord is at most as far from the curve as from the
+/// gradients do, at a constant rate, and L · (distance from the chord) besides. Where both
+/// gradients grow or shrink alike, as along a ruling of two cones with one apex, J is only
+/// scaled, which makes the path no longer than that: such a share of the change is not enlarged
+/// by |J⁺|. Near a point where the surfaces touch that proves nothing, but a part of the chord is at most as far from the curve as from the
 /// chord's end. Where they touch at both ends, and so all along the curve, one
 /// surface goes on where the other ends: then it is the distance to the
 /// surfaces, near which the true boundary is to second order.
@@ -165,7 +167,7 @@ struct Chord<'a> {
     /// that.
     at_middle: [f64; 2],
     /// By how much the gradients change along the chord, at a constant rate.
-    turns: [f64; 2],
+    turns: [DVec3; 2],
 }
 
 impl<'a> Chord<'a> {
@@ -175,7 +177,7 @@ impl<'a> Chord<'a> {
             p,
             along: q - p,
             at_middle: surfaces.map(|s| s.value(0.5 * (p + q))),
-            turns: surfaces.map(|s| s.gradient(p).distance(s.gradient(q))),
+            turns: surfaces.map(|s| s.gradient(q) - s.gradient(p)),
         }
     }
 
@@ -204,11 +206,18 @@ impl<'a> Chord<'a> {
         if first_order.is_nan() {
             return (f64::INFINITY, 0.0);
         }
-        let [t1, t2] = [0, 1].map(|i| self.turns[i] / lengths[i]);
-        // |J⁺| times the change of J per length, and from the middle to an end.
+        // |J⁺| times the change of J per length, and from the middle to an end: of all of it, or
+        // of what is left beside a common factor, and that.
         let inverse = 1.0 / (1.0 - cosine.abs()).sqrt();
         let rate = inverse * elementary::hypot(l1, l2);
-        let at_end = 0.5 * (to - from) * inverse * elementary::hypot(t1, t2);
+        let units = [0, 1].map(|i| gradients[i] / lengths[i]);
+        let turns = [0, 1].map(|i| 0.5 * (to - from) * self.turns[i] / lengths[i]);
+        let factor = 0.5 * (turns[0].dot(units[0]) + turns[1].dot(units[1]));
+        let beside = |factor: f64| {
+            let [t1, t2] = [0, 1].map(|i| (turns[i] - factor * units[i]).length());
+            factor.abs() + inverse * elementary::hypot(t1, t2)
+        };
+        let at_end = beside(0.0).min(beside(factor));
         let is_whole = from == 0.0 && to == 1.0;
         let longer = |distance: f64| {
             let room = 1.0 - rate * distance;
