@@ -71,6 +71,26 @@ fn smooth_contours_are_exact_straight_and_drawn_in() {
     }
 }
 
+/// Over any place in the profile or beside it: there all cones and planes meet.
+#[test]
+fn contours_are_drawn_to_any_point() {
+    let mut random = Random(5);
+    for case in (0..40).step_by(one_in(3)) {
+        let count = 3 + random.below(8);
+        let mut controls = around(&mut random, count, [0.0, 0.1][case % 2]);
+        let aside = [0.0, 0.25, 0.6, 1.0, 3.0].map(|share| share * DVec2::new(1.0, 0.4));
+        let aside = aside[random.below(5)];
+        controls.iter_mut().for_each(|control| *control += aside);
+        let (path, area) = smooth(&controls);
+        let scale = [0.0, 0.3][case % 4 / 2];
+        let solid = Solid::extrude_scaled(&path.close(), 0.0..1.5, [scale; 2]);
+        let solid = solid.rotate_x(random.unit());
+        let wanted = area * 1.5 * (1.0 + scale + scale * scale) / 3.0;
+        let case = format!("{case}: {count} {aside} {scale}");
+        assert_volume(&solid, wanted, &case);
+    }
+}
+
 #[test]
 fn holes_bites_and_overlapping_strokes_add_up() {
     let mut random = Random(2);

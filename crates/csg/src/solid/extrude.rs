@@ -277,20 +277,31 @@ impl Column<'_> {
         Ok(set.solid(|leaf| self.of_leaf(leaf)))
     }
 
+    /// At which height a shape that reaches so far from the axis is drawn in to a point, if that is
+    /// near enough to keep its digits.
+    fn tip(&self, reach: f64) -> Option<f64> {
+        let Self { z, scale, .. } = *self;
+        if scale.x == 0.0 {
+            return Some(z.end);
+        }
+        let height = z.end - z.start;
+        let beyond = height / (1.0 - scale.x);
+        let is_near = scale.x != 1.0 && !is_far(beyond, height.max(reach));
+        is_near.then_some(z.start + beyond)
+    }
+
     fn of_leaf(&self, leaf: &Leaf) -> Solid {
         let Self { z, scale, .. } = *self;
         let height = z.end - z.start;
         match *leaf {
             Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
             Leaf::Disc(map) if self.is_even() && scale.x != 1.0 => {
-                let beyond = height / (1.0 - scale.x);
                 let DMat2 { x_axis, y_axis } = map.matrix2;
-                let [radii, center] = [x_axis.length() + y_axis.length(), map.translation.length()];
-                let size = height.max(radii + center);
-                if is_far(beyond, size) {
-                    return far_cone(map, z.start, -1.0 / beyond);
+                let reach = x_axis.length() + y_axis.length() + map.translation.length();
+                match self.tip(reach) {
+                    None => far_cone(map, z.start, (scale.x - 1.0) / height),
+                    Some(tip) => cone(x_axis, y_axis, map.translation, z.start, tip),
                 }
-                cone(x_axis, y_axis, map.translation, z.start, z.start + beyond)
             }
             Leaf::Disc(map) => {
                 let map = DAffine3 {
@@ -303,7 +314,11 @@ impl Column<'_> {
                 };
                 Solid::infinite_cylinder(1.0).affine(map)
             }
-            Leaf::Parabola(map) => parabolic(map, z.start, (scale.x - 1.0) / height),
+            Leaf::Parabola(map) => {
+                let DMat2 { x_axis, y_axis } = map.matrix2;
+                let reach = x_axis.length() + y_axis.length() + map.translation.length();
+                parabolic(map, z.start, (scale.x - 1.0) / height, self.tip(reach))
+            }
         }
     }
 }
@@ -385,15 +400,17 @@ fn far_cone(disc: DAffine2, base: f64, growth: f64) -> Solid {
 }
 
 /// The inner side of the parabola that is the image of y = x² at height `base`, which grows by a share
-/// along a unit of length: a parabolic cylinder, or a cone.
-fn parabolic(map: DAffine2, base: f64, growth: f64) -> Solid {
+/// along a unit of length: a parabolic cylinder, or a cone, about its tip if that is given.
+fn parabolic(map: DAffine2, base: f64, growth: f64, tip: Option<f64>) -> Solid {
     // v k >= u² for (u, v) = a (p - k c) where a maps to y = x², and c to its origin.
     let a = map.matrix2.inverse();
     let [u, v] = [a.row(0), a.row(1)];
     let c = map.translation;
-    // About c at that height: k = 1 + growth z, p - k c = (x, y) - growth z c.
+    // About c at that height: k = 1 + growth z, p - k c = (x, y) - growth z c. About the tip,
+    // which is above the origin: k = growth z, and the same.
     let across = u.extend(-growth * u.dot(c));
     let along = v.extend(-growth * v.dot(c));
+    let linear = if tip.is_some() { DVec3::ZERO } else { -along };
     let coefficients = [
         across.x * across.x,
         across.y * across.y,
@@ -401,12 +418,13 @@ fn parabolic(map: DAffine2, base: f64, growth: f64) -> Solid {
         2.0 * across.x * across.y,
         2.0 * across.y * across.z - growth * along.y,
         2.0 * across.z * across.x - growth * along.x,
-        -along.x,
-        -along.y,
-        -along.z,
+        linear.x,
+        linear.y,
+        linear.z,
         0.0,
     ];
-    Solid::quadric(coefficients).translate(c.extend(base))
+    let anchor = tip.map_or(c.extend(base), |tip| tip * DVec3::Z);
+    Solid::quadric(coefficients).translate(anchor)
 }
 
 /// x² + y² <= z².
