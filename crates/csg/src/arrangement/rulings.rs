@@ -474,17 +474,16 @@ impl Rulings {
         }
         let is_within = |c: &Candidate| c.place + c.reach > start && c.place - c.reach < end;
         places.retain(is_within);
-        places.sort_by(|a, b| a.place.total_cmp(&b.place));
+        // By where stretches begin: what overlaps any of those before overlaps the last.
+        let stretch = |c: &Candidate| [c.place - c.reach, c.place + c.reach];
+        places.sort_by(|a, b| stretch(a)[0].total_cmp(&stretch(b)[0]));
         places.dedup_by(|a, b| {
-            let gap = a.place - b.place;
-            let is_same = gap < (SAME_ROOT * (end - start)).max(a.reach + b.reach);
-            if is_same {
-                let low = (b.place - b.reach).min(a.place - a.reach);
-                let high = (b.place + b.reach).max(a.place + a.reach);
-                if b.reach > 0.0 || a.reach > 0.0 {
-                    b.place = 0.5 * (low + high);
-                    b.reach = 0.5 * (high - low);
-                }
+            let ([from, to], [low, high]) = (stretch(a), stretch(b));
+            let is_same = from < high || a.place - b.place < SAME_ROOT * (end - start);
+            if is_same && (a.reach > 0.0 || b.reach > 0.0) {
+                let high = high.max(to);
+                b.place = 0.5 * (low + high);
+                b.reach = 0.5 * (high - low);
             }
             is_same
         });
