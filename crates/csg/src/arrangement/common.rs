@@ -11,7 +11,7 @@ use super::intersection::Unknown;
 use super::pairs::curves;
 use super::piece::{CurveId, Other};
 use super::relations::{Common, Meeting};
-use super::roots::Roots;
+use super::roots::{Known, Roots};
 use super::scene::Scene;
 use super::triple::{contacts, crossings};
 use crate::program::{Surface, SurfaceId};
@@ -99,7 +99,8 @@ impl Scene<'_> {
         let surface = self.surface(third);
         let meet = |ranges: [[f64; 2]; 2], roots: &mut Roots| {
             let tolerances = self.tolerances_beside(surface, (curve, own), ranges[0]);
-            curve.meet_on(surface, ranges, tolerances, roots)
+            let known = || id.pair().and_then(|pair| self.on_conics(pair, third));
+            curve.meet_on(surface, ranges, tolerances, roots, known)
         };
         if curve.is_polynomial() || matches!(curve, Curve::Ellipse { .. }) {
             return meet(ranges, roots);
@@ -113,6 +114,38 @@ impl Scene<'_> {
         roots.clone_from(&meeting.roots);
         roots.keep_within(part);
         meeting.meets
+    }
+
+    /// The points of a third surface that the curves of two may have in common with it, by the lines
+    /// and conics in which one of the two meets the third one; none if there are other curves.
+    pub fn on_conics(&self, pair: [SurfaceId; 2], third: SurfaceId) -> Option<Known> {
+        /// So that none next to the end of the reach is missed.
+        const FARTHER: f64 = 2.0;
+        let [a, b] = pair;
+        [[a, b], [b, a]].into_iter().find_map(|[one, other]| {
+            let mut both = [one, third];
+            both.sort_unstable();
+            let common = self.common(CurveId::first_of(both)).ok()?;
+            let mut known = Known {
+                points: SmallVec::new(),
+                reach: self.reach,
+            };
+            for Branch { curve, .. } in &*common {
+                let mut roots = Roots::default();
+                let Some(range) = curve.range(DVec3::ZERO, FARTHER * self.reach) else {
+                    continue;
+                };
+                let is_simple = !matches!(curve, Curve::Rulings(_));
+                let meets = is_simple
+                    .then(|| curve.meet(self.surface(other), range, self.tolerances(), &mut roots));
+                if meets != Some(Meets::Points) || roots.is_lost {
+                    return None;
+                }
+                let places = roots.simple.iter().chain(&roots.touching);
+                known.points.extend(places.map(|&t| curve.at(t)));
+            }
+            Some(known)
+        })
     }
 
     /// The sine of the angle between a curve of two of three surfaces and the third, times that of

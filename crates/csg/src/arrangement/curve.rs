@@ -7,7 +7,7 @@ use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
 use super::rational;
-use super::roots::{Roots, Tolerance, bend_within};
+use super::roots::{Known, Roots, Tolerance, bend_within};
 use super::rulings::{Along, Rulings};
 use super::trig::Trig;
 use crate::numeric::tolerance::{POLYNOMIAL, VALUE};
@@ -360,18 +360,25 @@ impl Curve {
         tolerances: [f64; 2],
         roots: &mut Roots,
     ) -> Meets {
-        self.meet_on(surface, [range; 2], tolerances, roots)
+        self.meet_on(surface, [range; 2], tolerances, roots, || None)
     }
 
-    /// The same, where it crosses, on a part of the two places alone.
+    /// The same, where it crosses, on a part of the two places alone. What is known of the places by
+    /// simpler curves is asked where roots cannot be told apart.
     pub(super) fn meet_on(
         &self,
         surface: &Surface,
         ranges: [[f64; 2]; 2],
         tolerances: [f64; 2],
         roots: &mut Roots,
+        known: impl FnOnce() -> Option<Known>,
     ) -> Meets {
-        let meets = self.meet_near(surface, ranges, tolerances, roots);
+        let meets = match self {
+            Self::Rulings(rulings) => {
+                self.meet_on_lines(rulings, surface, ranges[0], tolerances, roots, known)
+            }
+            _ => self.meet_near(surface, ranges, tolerances, roots),
+        };
         roots.keep_within(ranges[1]);
         meets
     }
@@ -537,30 +544,46 @@ impl Curve {
                 roots.tell_multiple(before, off, derivative);
                 meets
             }
-            Self::Rulings(rulings) => {
-                if self.lies_in(surface, [start, end], on) {
-                    return Meets::Curve;
-                }
-                // In homogeneous coordinates, where nothing is infinite.
-                let power = if surface.is_plane() { 1 } else { 2 };
-                let value = |t: f64| {
-                    let (at, weight) = rulings.weighted(t);
-                    surface.value(at) * weight.powi(power)
-                };
-                let tolerance = |t: f64| {
-                    let (at, weight) = rulings.weighted(t);
-                    near * surface.gradient(at).length() * weight.powi(power)
-                };
-                match rulings.candidates(surface, [start, end]) {
-                    Ok(candidates) => {
-                        roots.find_at(&candidates, [start, end], value, tolerance);
-                    }
-                    Err(Along::Within) => return Meets::Curve,
-                    Err(Along::Beside) => roots.is_lost = true,
-                }
-                Meets::Points
-            }
+            Self::Rulings(_) => Meets::Points,
         }
+    }
+
+    /// The same of a curve on the lines of a quadric.
+    fn meet_on_lines(
+        &self,
+        rulings: &Rulings,
+        surface: &Surface,
+        range: [f64; 2],
+        [on, near]: [f64; 2],
+        roots: &mut Roots,
+        known: impl FnOnce() -> Option<Known>,
+    ) -> Meets {
+        if self.lies_in(surface, range, on) {
+            return Meets::Curve;
+        }
+        // In homogeneous coordinates, where nothing is infinite.
+        let power = if surface.is_plane() { 1 } else { 2 };
+        let value = |t: f64| {
+            let (at, weight) = rulings.weighted(t);
+            surface.value(at) * weight.powi(power)
+        };
+        let tolerance = |t: f64| {
+            let (at, weight) = rulings.weighted(t);
+            near * surface.gradient(at).length() * weight.powi(power)
+        };
+        match rulings.candidates(surface, range) {
+            Ok(mut candidates) => {
+                if candidates.iter().any(|candidate| candidate.reach > 0.0)
+                    && let Some(known) = known()
+                {
+                    rulings.tell_apart(&mut candidates, range, &known);
+                }
+                roots.find_at(&candidates, range, value, tolerance);
+            }
+            Err(Along::Within) => return Meets::Curve,
+            Err(Along::Beside) => roots.is_lost = true,
+        }
+        Meets::Points
     }
 
     /// Adds where a surface's value along the curve is 0, given with the sum of its terms'

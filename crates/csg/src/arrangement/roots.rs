@@ -5,6 +5,7 @@
 //! at the ends do (the exclusion test of interval bisection: Moore, *Interval
 //! Analysis*, 1966).
 
+use glam::DVec3;
 use smallvec::SmallVec;
 
 use crate::elementary;
@@ -28,6 +29,14 @@ impl Candidate {
             (self.place + self.reach).min(end),
         ]
     }
+}
+
+/// All points in some part of space that a curve may have in common with a surface.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    pub points: SmallVec<[DVec3; 8]>,
+    /// Nearer to the origin than this.
+    pub reach: f64,
 }
 
 /// A function that crosses 0 touches it there if it is next to 0 so far to both sides, in

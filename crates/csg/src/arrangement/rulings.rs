@@ -17,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use super::roots::{Candidate, Roots, Tolerance};
+use super::roots::{Candidate, Known, Roots, Tolerance};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, POLYNOMIAL, SAME_ANGLE, SAME_ROOT};
 use crate::program::Surface;
@@ -135,7 +135,7 @@ impl Lines {
         let length = |v: DVec4| v.length();
         let [one, x, y] = self.p.map(length);
         let [w, ..] = self.q.map(length);
-        let is_cone = self.q[1] == DVec4::ZERO && self.q[2] == DVec4::ZERO;
+        let is_cone = self.q[1..] == [DVec4::ZERO; 2];
         let long = if is_cone { y } else { y.min(w) };
         let narrow = one.max(x) / long;
         if narrow > NARROW {
@@ -158,6 +158,15 @@ impl Lines {
     pub fn lengths(&self, angle: f64) -> [f64; 2] {
         let turn = elementary::sin_cos(angle);
         [&self.p, &self.q].map(|round| on_conic(round, turn).length())
+    }
+
+    /// The map of a point on a cone or cylinder to its shares of the vertex and of p's three
+    /// vectors; none of other surfaces.
+    fn from_cone(&self) -> Option<DMat4> {
+        let [vertex, ..] = self.q;
+        let is_cone = self.q[1..] == [DVec4::ZERO; 2];
+        let map = DMat4::from_cols(vertex, self.p[0], self.p[1], self.p[2]).inverse();
+        (is_cone && map.is_finite()).then_some(map)
     }
 
     /// The values of a plane at p and q.
@@ -488,6 +497,38 @@ impl Rulings {
             is_same
         });
         Ok(places)
+    }
+
+    /// Puts the places of known points in the place of all candidates that are where these are
+    /// known.
+    pub fn tell_apart(
+        &self,
+        candidates: &mut Vec<Candidate>,
+        [start, end]: [f64; 2],
+        known: &Known,
+    ) {
+        /// Points next to the end of where they are known may be candidates, too.
+        const SLACK: f64 = 1.01;
+        let Some(from_cone) = self.lines.from_cone() else {
+            return;
+        };
+        let is_beyond = |t: f64| self.at(t).length() > known.reach;
+        candidates.retain(|&Candidate { place, reach }| {
+            let mut stretch = [place - reach, place, place + reach].into_iter();
+            stretch.any(is_beyond)
+        });
+        let points = known.points.iter();
+        let points = points.filter(|point| point.length() < SLACK * known.reach);
+        candidates.extend(points.filter_map(|point| {
+            let along = from_cone * ((point - self.origin) / self.unit).extend(1.0);
+            let [beta, alpha, x, y] = along.to_array();
+            let angle = elementary::atan2(y / alpha, x / alpha);
+            let place = self.place(angle, [alpha, beta])?;
+            let place = start + (place - start).rem_euclid(TAU);
+            (place < end).then_some(Candidate { place, reach: 0.0 })
+        }));
+        candidates.sort_by(|a, b| a.place.total_cmp(&b.place));
+        candidates.dedup_by(|a, b| a.place - b.place < SAME_ROOT * TAU && a.reach == b.reach);
     }
 
     /// The parts of the curve between where it goes to infinity and the last of the lines
