@@ -302,10 +302,10 @@ impl Rulings {
             Part::Around { is_plus: mine } => (mine == is_plus).then_some(around),
             Part::Between { middle, half, .. } => {
                 let off = (angle - middle + PI).rem_euclid(TAU) - PI;
-                if off.abs() > half {
+                if off.abs() > half + SAME_ANGLE {
                     return None;
                 }
-                let turn = elementary::acos(-off / half);
+                let turn = elementary::acos((-off / half).clamp(-1.0, 1.0));
                 let turn = if is_plus { turn } else { TAU - turn };
                 Some((turn - BEGIN).rem_euclid(TAU))
             }
