@@ -268,6 +268,8 @@ impl Curve {
                 // Both along its axis and across.
                 let far = reach + (around - point).length();
                 let far = (far / a.length()).min((2.0 * far / b.length()).sqrt());
+                // Not beyond where a goes back again: what is told about a point is near it.
+                let far = far.min(0.5 / (l.abs() + k.abs().sqrt()));
                 Some([-far, far].map(|number| of_share(number, [*l, *k])))
             }
         }

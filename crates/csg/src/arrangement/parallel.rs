@@ -61,3 +61,41 @@ fn along(surface: &Surface) -> Option<DVec3> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::tolerance::NEAR;
+
+    /// Whatever the size of the scene about which the conics are told.
+    #[test]
+    fn nearly_straight_parabolas_meet_in_the_same_lines() {
+        let cylinder = |[y, z]: [f64; 2], [yy, zz, yz]: [f64; 3], slope: [f64; 2]| Surface {
+            anchor: DVec3::new(0.0, y, z),
+            quadratic: [0.0, yy, zz, 0.0, yz, 0.0],
+            linear: DVec3::new(0.0, slope[0], slope[1]),
+            constant: 0.0,
+            kind: Kind::ParabolicCylinder,
+        };
+        let straight = cylinder(
+            [-1.23228, 0.18564],
+            [0.5, 0.5, -1.0],
+            [751.0951800011561, 258.981_360_000_398_9],
+        );
+        let root = 0.242_679_587_107_644_98;
+        let bent = cylinder(
+            [-1.54251, -1.11228],
+            [1.0, root * root, 2.0 * root],
+            [0.5645694393873717, -0.6506447600637756],
+        );
+        let known = DVec3::new(0.0, -1.133_939_187_947, -0.099_851_486_905);
+        for size in [3.0, 7.0, 14.0, 20.0, 56.0, 500.0] {
+            let nearness = Nearness::of(size * NEAR);
+            for [one, other] in [[&straight, &bent], [&bent, &straight]] {
+                let found = lines(one, other, nearness).expect("parallel cylinders");
+                let is_known = |branch: &Branch| branch.curve.at(0.0).distance(known) < 1e-10;
+                assert!(found.iter().any(is_known), "{size}: {found:?}");
+            }
+        }
+    }
+}

@@ -501,7 +501,7 @@ impl Rulings {
 
     /// Puts the places of known points in the place of all candidates that are where these are
     /// known.
-    pub fn tell_apart(
+    pub(super) fn tell_apart(
         &self,
         candidates: &mut Vec<Candidate>,
         [start, end]: [f64; 2],
