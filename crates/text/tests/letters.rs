@@ -2,6 +2,7 @@
 //! (Debian's `fonts-liberation`, which these tests need), as it writes them to
 //! SVG with six digits.
 
+use csg::brep::Bounded;
 use csg::glam::{DAffine3, DVec2, DVec3};
 use csg::{BoundaryOptions, Program, Solid};
 use text::{Curves, Font, HorizontalAlign, Text, TextError, VerticalAlign};
@@ -143,6 +144,73 @@ fn letters_are_solids_within_parabolic_cylinders() {
         let area = profile.area(1e-6).expect("an area");
         let off = (volume.value - 2.0 * area).abs();
         assert!(off < 1e-4, "{letters}: {volume:?}, not {}", 2.0 * area);
+    }
+}
+
+/// The volume of an exact boundary, nothing of which was moved.
+fn volume(solid: &Solid, case: &str) -> Bounded {
+    let program = Program::lower(solid).unwrap_or_else(|e| panic!("{case}: {e}"));
+    let boundary = program.boundary(&BoundaryOptions::new().most_moved(0.0));
+    let boundary = boundary.unwrap_or_else(|e| panic!("{case}: {e}"));
+    boundary.measure().volume
+}
+
+/// As inscriptions are: most of their curves are of degree four, and meet where parabolas of one
+/// letter do.
+#[test]
+fn letters_on_round_bodies_add_up() {
+    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
+    let bodies = [
+        Solid::cylinder(10.0, -7.0..7.0),
+        Solid::sphere(12.5),
+        Solid::frustum(8.0, 6.4, -7.0..7.0),
+    ];
+    for (k, letter) in ('!'..='~').enumerate() {
+        let body = &bodies[k % 3];
+        let [radius, size] = [[10.0, 4.0], [12.5, 5.0], [7.2, 3.0]][k % 3];
+        let text = Text::new(letter).size(size);
+        let text = text
+            .horizontal(HorizontalAlign::Center)
+            .vertical(VerticalAlign::Center);
+        let profile = text
+            .profile(&font)
+            .unwrap_or_else(|e| panic!("{letter}: {e}"));
+        let raised = Solid::extrude(&profile, radius - 1.4..radius + 0.6);
+        // Upright, facing along x.
+        let raised = raised.rotate_x_degrees(90.0).rotate_z_degrees(90.0);
+        let of = |solid: &Solid| volume(solid, &letter.to_string());
+        let apart = [of(body), of(&raised)];
+        let both = [of(&(body | &raised)), of(&(body & &raised))];
+        let error: f64 = apart.iter().chain(&both).map(|v| v.error).sum();
+        let off = both[0].value + both[1].value - apart[0].value - apart[1].value;
+        assert!(
+            off.abs() <= error && error < 1e-6,
+            "{letter}: {off}, {error}"
+        );
+    }
+}
+
+/// All their cones and planes have one tip.
+#[test]
+fn letters_are_drawn_in() {
+    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
+    let written: Vec<char> = ('!'..='~').collect();
+    for letters in written.chunks(2) {
+        let letters: String = letters.iter().collect();
+        let profile = Text::new(letters.as_str()).profile(&font);
+        let profile = profile.unwrap_or_else(|e| panic!("{letters}: {e}"));
+        let [straight, drawn] = [1.0, 0.5].map(|scale| {
+            volume(
+                &Solid::extrude_scaled(&profile, 0.0..3.0, [scale; 2]),
+                &letters,
+            )
+        });
+        let off = (drawn.value - straight.value * 1.75 / 3.0).abs();
+        let error = drawn.error + straight.error;
+        assert!(
+            off <= error && error < 1e-5,
+            "{letters}: {drawn:?} of {straight:?}"
+        );
     }
 }
 
