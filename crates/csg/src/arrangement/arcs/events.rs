@@ -277,9 +277,14 @@ impl ArcTracer {
 
     /// Moves crossings at sines so small that rounding moves them by more than what is one
     /// point to where the curve has an apex, or crosses another surface at a greater sine, if
-    /// they may as well be there.
+    /// they may as well be there; and touches of which this curve alone tells, if the surface
+    /// that is touched is there.
     fn gather(&mut self, arc: &Arc<'_>) {
         let Arc { scene, curve, .. } = *arc;
+        let off = |third: &Surface, here: DVec3| {
+            let off = known_to(arc.surfaces, third, here);
+            scene.rounding.max(off)
+        };
         // How far from where it was found an event may as well be.
         let blur = |event: &Event| match event.ends {
             Ends::Surface(position) if event.touched.is_none() => {
@@ -287,16 +292,23 @@ impl ArcTracer {
                 let here = curve.at(event.at);
                 let normal = third.gradient(here).normalize_or_zero();
                 let along = curve.direction(event.at).normalize_or_zero();
-                let off = known_to(arc.surfaces, third, here);
-                crossing_blur(scene.rounding.max(off), normal.dot(along))
+                crossing_blur(off(third, here), normal.dot(along))
             }
             Ends::Node => 0.0,
             _ => f64::INFINITY,
         };
         let blurs: SmallVec<[f64; 16]> = self.events.iter().map(blur).collect();
-        let is_blurred = |blur: f64| blur.is_finite() && blur > scene.weld;
-        for k in (0..blurs.len()).filter(|&k| is_blurred(blurs[k])) {
-            let from = self.events[k].at;
+        let touched = |event: &Event| match event.ends {
+            Ends::Touch if event.point.is_none() => event.touched,
+            _ => None,
+        };
+        for k in 0..blurs.len() {
+            let Event { at: from, .. } = self.events[k];
+            let touched = touched(&self.events[k]);
+            let is_blurred = blurs[k].is_finite() && blurs[k] > scene.weld;
+            if !is_blurred && touched.is_none() {
+                continue;
+            }
             let here = curve.at(from);
             let reach = blurs[k].min(scene.touching_reach());
             // Also on the way there: a curve may pass through a point twice.
@@ -304,8 +316,16 @@ impl ArcTracer {
                 let between = [0.5 * (from + at), at].map(|at| curve.at(at).distance(here));
                 between[0].max(between[1]) <= reach
             };
-            let sharper = (0..blurs.len())
-                .filter(|&other| blurs[other] < 0.5 * reach && is_near(self.events[other].at));
+            let is_touched = |at: f64| {
+                touched.is_none_or(|position| {
+                    let third = scene.surface(arc.block.id(position));
+                    arc.with(third).distance(at).abs() <= off(third, curve.at(at))
+                })
+            };
+            let sharper = (0..blurs.len()).filter(|&other| {
+                let at = self.events[other].at;
+                blurs[other] < 0.5 * reach && is_near(at) && is_touched(at)
+            });
             if let Some(best) = sharper.min_by(|&a, &b| blurs[a].total_cmp(&blurs[b])) {
                 let Event { at, point, .. } = self.events[best];
                 let known =
