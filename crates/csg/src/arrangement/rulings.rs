@@ -17,7 +17,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat4, DVec3, DVec4};
 use smallvec::{SmallVec, smallvec};
 
-use super::roots::{Candidate, Known, Roots, Tolerance};
+use super::roots::{Candidate, Known, Roots, Tolerance, bracketed};
 use super::trig::{BEGIN, Trig};
 use crate::numeric::tolerance::{CANCELLED, NO_DISCRIMINANT, POLYNOMIAL, SAME_ANGLE, SAME_ROOT};
 use crate::program::Surface;
@@ -509,14 +509,31 @@ impl Rulings {
     ) {
         /// Points next to the end of where they are known may be candidates, too.
         const SLACK: f64 = 1.01;
+        /// In which half a stretch is looked at for where the curve leaves.
+        const PARTS: u32 = 8;
         let Some(from_cone) = self.lines.from_cone() else {
             return;
         };
-        let is_beyond = |t: f64| self.at(t).length() > known.reach;
-        candidates.retain(|&Candidate { place, reach }| {
-            let mut stretch = [place - reach, place, place + reach].into_iter();
-            stretch.any(is_beyond)
-        });
+        let beyond = |t: f64| self.at(t).length() - known.reach;
+        let candidate = |place: f64| Candidate { place, reach: 0.0 };
+        let mut told: Vec<Candidate> = Vec::new();
+        for &stretch in candidates.iter() {
+            let Candidate { place, reach } = stretch;
+            let part = |k: u32| place + (f64::from(k) / f64::from(PARTS) - 1.0) * reach;
+            let ends = (0..2 * PARTS).map(|k| [part(k), part(k + 1)]);
+            let leaves = ends.filter_map(|ends| {
+                let values = ends.map(beyond);
+                let changes = (values[0] <= 0.0) != (values[1] <= 0.0);
+                changes.then(|| bracketed(beyond, ends, values))
+            });
+            // What is beyond on such a stretch is between where the curve leaves and another place.
+            let before = told.len();
+            told.extend(leaves.map(candidate));
+            if told.len() == before && beyond(place) > 0.0 {
+                told.push(stretch);
+            }
+        }
+        *candidates = told;
         let points = known.points.iter();
         let points = points.filter(|point| point.length() < SLACK * known.reach);
         candidates.extend(points.filter_map(|point| {
@@ -525,7 +542,7 @@ impl Rulings {
             let angle = elementary::atan2(y / alpha, x / alpha);
             let place = self.place(angle, [alpha, beta])?;
             let place = start + (place - start).rem_euclid(TAU);
-            (place < end).then_some(Candidate { place, reach: 0.0 })
+            (place < end).then(|| candidate(place))
         }));
         candidates.sort_by(|a, b| a.place.total_cmp(&b.place));
         candidates.dedup_by(|a, b| a.place - b.place < SAME_ROOT * TAU && a.reach == b.reach);
