@@ -128,8 +128,10 @@ fn fault_of_boundary(program: &Program, mesh: &Mesh, report: &Report) -> Option<
         Err(error) => return Some(format!("no exact boundary: {error}")),
     };
     // A layer as thick as that all around, and as much again for its second order.
-    let most = 2.0 * deviation * measure.area.upper() + measure.volume.error;
-    let off = (mesh.volume() - measure.volume.value).abs();
+    let of_mesh = mesh.measure();
+    let rounding = measure.volume.error + of_mesh.volume_rounding;
+    let most = 2.0 * deviation * measure.area.upper() + rounding;
+    let off = (of_mesh.volume - measure.volume.value).abs();
     /// Of slivers in solids whose sizes are about 1 no more is known.
     const LEAST: f64 = 1e-11;
     // Not so of what is no number.
