@@ -117,7 +117,8 @@ impl Scene<'_> {
     }
 
     /// The points of a third surface that the curves of two may have in common with it, by the lines
-    /// and conics in which one of the two meets the third one; none if there are other curves.
+    /// and conics in which one of the two meets the third one; none if there are other curves, or some
+    /// touch the other one.
     pub fn on_conics(&self, pair: [SurfaceId; 2], third: SurfaceId) -> Option<Known> {
         /// So that none next to the end of the reach is missed.
         const FARTHER: f64 = 2.0;
@@ -138,11 +139,14 @@ impl Scene<'_> {
                 let is_simple = !matches!(curve, Curve::Rulings(_));
                 let meets = is_simple
                     .then(|| curve.meet(self.surface(other), range, self.tolerances(), &mut roots));
-                if meets != Some(Meets::Points) || roots.is_lost {
+                // Where it touches, the place is known to fewer digits.
+                let is_sharp = !roots.is_lost && roots.touching.is_empty();
+                if meets != Some(Meets::Points) || !is_sharp {
                     return None;
                 }
-                let places = roots.simple.iter().chain(&roots.touching);
-                known.points.extend(places.map(|&t| curve.at(t)));
+                known
+                    .points
+                    .extend(roots.simple.iter().map(|&t| curve.at(t)));
             }
             Some(known)
         })
