@@ -119,7 +119,7 @@ impl Scene<'_> {
     /// The points of a third surface that the curves of two may have in common with it, by the lines
     /// and conics in which one of the two meets the third one; none if there are other curves, or some
     /// touch the other one.
-    pub fn on_conics(&self, pair: [SurfaceId; 2], third: SurfaceId) -> Option<Known> {
+    fn on_conics(&self, pair: [SurfaceId; 2], third: SurfaceId) -> Option<Known> {
         /// So that none next to the end of the reach is missed.
         const FARTHER: f64 = 2.0;
         let [a, b] = pair;
@@ -144,9 +144,8 @@ impl Scene<'_> {
                 if meets != Some(Meets::Points) || !is_sharp {
                     return None;
                 }
-                known
-                    .points
-                    .extend(roots.simple.iter().map(|&t| curve.at(t)));
+                let points = roots.simple.iter().map(|&t| curve.at(t));
+                known.points.extend(points);
             }
             Some(known)
         })

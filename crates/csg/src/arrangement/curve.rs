@@ -375,12 +375,7 @@ impl Curve {
         roots: &mut Roots,
         known: impl FnOnce() -> Option<Known>,
     ) -> Meets {
-        let meets = match self {
-            Self::Rulings(rulings) => {
-                self.meet_on_lines(rulings, surface, ranges[0], tolerances, roots, known)
-            }
-            _ => self.meet_near(surface, ranges, tolerances, roots),
-        };
+        let meets = self.meet_near(surface, ranges, tolerances, roots, known);
         roots.keep_within(ranges[1]);
         meets
     }
@@ -392,6 +387,7 @@ impl Curve {
         [range, part]: [[f64; 2]; 2],
         [on, near]: [f64; 2],
         roots: &mut Roots,
+        known: impl FnOnce() -> Option<Known>,
     ) -> Meets {
         let [start, end] = range;
         match self {
@@ -546,7 +542,9 @@ impl Curve {
                 roots.tell_multiple(before, off, derivative);
                 meets
             }
-            Self::Rulings(_) => Meets::Points,
+            Self::Rulings(rulings) => {
+                self.meet_on_lines(rulings, surface, range, [on, near], roots, known)
+            }
         }
     }
 

@@ -162,7 +162,7 @@ impl Lines {
 
     /// The map of a point on a cone or cylinder to its shares of the vertex and of p's three
     /// vectors; none of other surfaces.
-    fn from_cone(&self) -> Option<DMat4> {
+    fn to_shares(&self) -> Option<DMat4> {
         let [vertex, ..] = self.q;
         let is_cone = self.q[1..] == [DVec4::ZERO; 2];
         let map = DMat4::from_cols(vertex, self.p[0], self.p[1], self.p[2]).inverse();
@@ -511,7 +511,7 @@ impl Rulings {
         const SLACK: f64 = 1.01;
         /// In which half a stretch is looked at for where the curve leaves.
         const PARTS: u32 = 8;
-        let Some(from_cone) = self.lines.from_cone() else {
+        let Some(to_shares) = self.lines.to_shares() else {
             return;
         };
         let beyond = |t: f64| self.at(t).length() - known.reach;
@@ -537,7 +537,7 @@ impl Rulings {
         let points = known.points.iter();
         let points = points.filter(|point| point.length() < SLACK * known.reach);
         candidates.extend(points.filter_map(|point| {
-            let along = from_cone * ((point - self.origin) / self.unit).extend(1.0);
+            let along = to_shares * ((point - self.origin) / self.unit).extend(1.0);
             let [beta, alpha, x, y] = along.to_array();
             let angle = elementary::atan2(y / alpha, x / alpha);
             let place = self.place(angle, [alpha, beta])?;

@@ -277,13 +277,15 @@ impl Column<'_> {
         Ok(set.solid(|leaf| self.of_leaf(leaf)))
     }
 
-    /// At which height a shape that reaches so far from the axis is drawn in to a point, if that is
-    /// near enough to keep its digits.
-    fn tip(&self, reach: f64) -> Option<f64> {
+    /// At which height an image of the unit disc, or of a parabola from 0 to 1, is drawn in to a point, if
+    /// that is near enough to keep its digits.
+    fn tip(&self, map: DAffine2) -> Option<f64> {
         let Self { z, scale, .. } = *self;
         if scale.x == 0.0 {
             return Some(z.end);
         }
+        let DMat2 { x_axis, y_axis } = map.matrix2;
+        let reach = x_axis.length() + y_axis.length() + map.translation.length();
         let height = z.end - z.start;
         let beyond = height / (1.0 - scale.x);
         let is_near = scale.x != 1.0 && !is_far(beyond, height.max(reach));
@@ -293,13 +295,13 @@ impl Column<'_> {
     fn of_leaf(&self, leaf: &Leaf) -> Solid {
         let Self { z, scale, .. } = *self;
         let height = z.end - z.start;
+        let growth = (scale.x - 1.0) / height;
         match *leaf {
             Leaf::HalfPlane { from, to } => side(from, to, z.start, height, scale),
             Leaf::Disc(map) if self.is_even() && scale.x != 1.0 => {
                 let DMat2 { x_axis, y_axis } = map.matrix2;
-                let reach = x_axis.length() + y_axis.length() + map.translation.length();
-                match self.tip(reach) {
-                    None => far_cone(map, z.start, (scale.x - 1.0) / height),
+                match self.tip(map) {
+                    None => far_cone(map, z.start, growth),
                     Some(tip) => cone(x_axis, y_axis, map.translation, z.start, tip),
                 }
             }
@@ -314,11 +316,7 @@ impl Column<'_> {
                 };
                 Solid::infinite_cylinder(1.0).affine(map)
             }
-            Leaf::Parabola(map) => {
-                let DMat2 { x_axis, y_axis } = map.matrix2;
-                let reach = x_axis.length() + y_axis.length() + map.translation.length();
-                parabolic(map, z.start, (scale.x - 1.0) / height, self.tip(reach))
-            }
+            Leaf::Parabola(map) => parabolic(map, z.start, growth, self.tip(map)),
         }
     }
 }

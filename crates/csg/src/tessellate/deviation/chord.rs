@@ -23,10 +23,10 @@ const HARDLY: f64 = 0.125;
 /// gradients do, at a constant rate, and L · (distance from the chord) besides. Where both
 /// gradients grow or shrink alike, as along a ruling of two cones with one apex, J is only
 /// scaled, which makes the path no longer than that: such a share of the change is not enlarged
-/// by |J⁺|. Near a point where the surfaces touch that proves nothing, but a part of the chord is at most as far from the curve as from the
-/// chord's end. Where they touch at both ends, and so all along the curve, one
-/// surface goes on where the other ends: then it is the distance to the
-/// surfaces, near which the true boundary is to second order.
+/// by |J⁺|. Near a point where the surfaces touch that proves nothing, but a part of the
+/// chord is at most as far from the curve as from the chord's end. Where they touch at both
+/// ends, and so all along the curve, one surface goes on where the other ends: then it is the
+/// distance to the surfaces, near which the true boundary is to second order.
 #[must_use]
 pub(crate) fn of_chord(surfaces: [&Surface; 2], p: DVec3, q: DVec3) -> f64 {
     let off_plane = |plane: &Surface| plane.value(p).abs().max(plane.value(q).abs());
