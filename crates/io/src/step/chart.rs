@@ -5,7 +5,16 @@ use std::f64::consts::TAU;
 use csg::elementary;
 use glam::{DVec2, DVec3, DVec4};
 
-use super::surfaces::Scaled;
+use super::scaled::Scaled;
+use super::text::Id;
+
+/// A surface, and whether its normal points out of the solid.
+pub(super) struct Written {
+    pub surface: Id,
+    pub is_outward: bool,
+    /// Its parameters, where images of edges are written on it.
+    pub chart: Option<Chart>,
+}
 
 /// Places on a surface in the file, by its two parameters.
 #[derive(Clone, Debug)]

@@ -5,9 +5,8 @@ use csg::brep::{Coedge, Edge, Face, Shell};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::chart::Chart;
+use super::chart::{Chart, Written};
 use super::curves::{Course, Stray};
-use super::surfaces::Written;
 use super::telling::{self, Telling};
 use super::text::{Entities, Flag, Id, List, Quoted};
 use super::{cap, image, spheroid, surfaces, zone};
