@@ -2,6 +2,8 @@
 //! (Debian's `fonts-liberation`, which these tests need), as it writes them to
 //! SVG with six digits.
 
+use std::ops::Range;
+
 use csg::brep::Bounded;
 use csg::glam::{DAffine3, DVec2, DVec3};
 use csg::{BoundaryOptions, Program, Solid};
@@ -155,38 +157,61 @@ fn volume(solid: &Solid, case: &str) -> Bounded {
     boundary.measure().volume
 }
 
+/// Upright and facing along x, its middle there, between two distances from the z axis.
+fn raised(text: Text, font: &str, distances: Range<f64>) -> Solid {
+    let font = Font::find(font).unwrap_or_else(|e| panic!("{e}"));
+    let text = text
+        .horizontal(HorizontalAlign::Center)
+        .vertical(VerticalAlign::Center);
+    let profile = text.profile(&font).unwrap_or_else(|e| panic!("{e}"));
+    let raised = Solid::extrude(&profile, distances);
+    raised.rotate_x_degrees(90.0).rotate_z_degrees(90.0)
+}
+
+/// What two solids are together and have in common is what they are apart.
+#[track_caller]
+fn assert_add_up(one: &Solid, other: &Solid, case: &str) {
+    let of = |solid: &Solid| volume(solid, case);
+    let [apart, both] = [
+        [of(one), of(other)],
+        [of(&(one | other)), of(&(one & other))],
+    ];
+    let error: f64 = apart.iter().chain(&both).map(|v| v.error).sum();
+    let off = both[0].value + both[1].value - apart[0].value - apart[1].value;
+    assert!(off.abs() <= error && error < 1e-6, "{case}: {off}, {error}");
+}
+
 /// As inscriptions are: most of their curves are of degree four, and meet where parabolas of one
 /// letter do.
 #[test]
 fn letters_on_round_bodies_add_up() {
-    let font = Font::find("").unwrap_or_else(|e| panic!("{e}"));
     let bodies = [
-        Solid::cylinder(10.0, -7.0..7.0),
-        Solid::sphere(12.5),
-        Solid::frustum(8.0, 6.4, -7.0..7.0),
+        (Solid::cylinder(10.0, -7.0..7.0), 10.0, 4.0),
+        (Solid::sphere(12.5), 12.5, 5.0),
+        (Solid::frustum(8.0, 6.4, -7.0..7.0), 7.2, 3.0),
     ];
     for (k, letter) in ('!'..='~').enumerate() {
-        let body = &bodies[k % 3];
-        let [radius, size] = [[10.0, 4.0], [12.5, 5.0], [7.2, 3.0]][k % 3];
-        let text = Text::new(letter).size(size);
-        let text = text
-            .horizontal(HorizontalAlign::Center)
-            .vertical(VerticalAlign::Center);
-        let profile = text
-            .profile(&font)
-            .unwrap_or_else(|e| panic!("{letter}: {e}"));
-        let raised = Solid::extrude(&profile, radius - 1.4..radius + 0.6);
-        // Upright, facing along x.
-        let raised = raised.rotate_x_degrees(90.0).rotate_z_degrees(90.0);
-        let of = |solid: &Solid| volume(solid, &letter.to_string());
-        let apart = [of(body), of(&raised)];
-        let both = [of(&(body | &raised)), of(&(body & &raised))];
-        let error: f64 = apart.iter().chain(&both).map(|v| v.error).sum();
-        let off = both[0].value + both[1].value - apart[0].value - apart[1].value;
-        assert!(
-            off.abs() <= error && error < 1e-6,
-            "{letter}: {off}, {error}"
-        );
+        let (body, radius, size) = &bodies[k % 3];
+        let text = Text::new(letter).size(*size);
+        let raised = raised(text, "", radius - 1.4..radius + 0.6);
+        assert_add_up(body, &raised, &letter.to_string());
+    }
+}
+
+/// Joints where a stroke turns back, parabolas nearly straight or nearly one, and contacts beside
+/// crossings.
+#[test]
+fn letters_of_other_fonts_on_round_bodies_add_up() {
+    let rod = Solid::cylinder(8.0, -7.0..7.0);
+    let [wide, narrow] = [8.0, 6.0].map(|radius| Solid::frustum(radius, 0.8 * radius, -7.0..7.0));
+    for (body, written, font, size, from) in [
+        (&rod, "iB", "Liberation Serif", 4.0, 7.1),
+        (&wide, "v", "Liberation Mono", 2.0, 6.6),
+        (&wide, "d", "Liberation Mono", 2.0, 7.1),
+        (&narrow, "?", "Liberation Serif:style=Italic", 5.0, 4.6),
+    ] {
+        let raised = raised(Text::new(written).size(size), font, from..from + 2.0);
+        assert_add_up(body, &raised, written);
     }
 }
 
