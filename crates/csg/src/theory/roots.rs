@@ -20,11 +20,11 @@
 //! Of the last two p and q are the plane's values at the ends of a line, (a c') = a c' - c a' and
 //! so on are minors of the two quadratic forms: it is their resultant, which is 0 on lines on which
 //! both have a common root α : β. Roots of a resultant are *candidates*: each is on one of two
-//! branches, or on neither next to where these end. [`Rulings::candidates`][arrangement/rulings.rs]
+//! branches, or on neither next to where these end. [`Rulings::candidates`][arrangement/rulings/candidates.rs]
 //! says where on the curve they would be, and [`find_at`][arrangement/roots.rs] tells by the sign
 //! of f itself between candidates at which of them the curve crosses. Where the resultant vanishes
 //! identically the curve, or the other branch, lies in the surface
-//! ([`beside_branch`][arrangement/rulings.rs]).
+//! ([`beside_branch`][arrangement/rulings/candidates.rs]).
 //!
 //! A sum Σ cₖ cos kt + sₖ sin kt ([`Trig`][arrangement/trig.rs]) is evaluated by Horner's rule on
 //! the unit circle. Its amplitudes Aₖ = √(cₖ² + sₖ²) bound all it can be, |f| <= Σ Aₖ, and its
@@ -91,6 +91,6 @@
 //!
 //! [arrangement/curve.rs]: ../../../src/csg/arrangement/curve.rs.html
 //! [arrangement/roots.rs]: ../../../src/csg/arrangement/roots.rs.html
-//! [arrangement/rulings.rs]: ../../../src/csg/arrangement/rulings.rs.html
+//! [arrangement/rulings/candidates.rs]: ../../../src/csg/arrangement/rulings/candidates.rs.html
 //! [arrangement/trig.rs]: ../../../src/csg/arrangement/trig.rs.html
 //! [numeric/tolerance.rs]: ../../../src/csg/numeric/tolerance.rs.html

@@ -108,7 +108,7 @@ impl Rulings {
 
     /// All places between two at which the curve may meet a surface, in order, and
     /// whether it may touch it there.
-    pub(in crate::arrangement) fn candidates(
+    pub fn candidates(
         &self,
         surface: &Surface,
         [start, end]: [f64; 2],
